@@ -1,0 +1,1 @@
+"""Arrays in, records out: FRFs, modes, arm dynamics, identification, report."""

@@ -1,0 +1,1 @@
+"""The simulated laboratory: plant, board, controller, operator, as processes of their own."""

@@ -1,0 +1,1 @@
+"""The arm description: file and records."""

@@ -1,0 +1,146 @@
+"""Records of the arm description: what the one arm file says.
+
+Frames: a link's frame is its URDF frame (the frame of the joint that moves it); base is the
+frame of the first link. Lengths m, angles rad here; files carry degrees where their key says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = [
+    "Arm",
+    "CanMapping",
+    "DriveStateSignal",
+    "Estimate",
+    "InertialLink",
+    "Joint",
+    "JointSignal",
+    "Point",
+    "Tolerances",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """A believed value with its standard uncertainty and where it comes from."""
+
+    value: float
+    std: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InertialLink:
+    """A rigid link: the body that its joint moves, in the link's own frame."""
+
+    name: str
+    mass_kg: float
+    center_m: npt.NDArray[np.float64]  # (3,) in the link frame
+    inertia_kg_m2: npt.NDArray[np.float64]  # (3, 3) about the center, link axes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Joint:
+    """A revolute joint, from the base outwards, and what is believed of its drive.
+
+    `stiffness` is None for a joint believed rigid while it is held.
+    """
+
+    name: str
+    T_parent_joint: npt.NDArray[np.float64]  # (4, 4) joint frame in the parent link at q = 0
+    axis: npt.NDArray[np.float64]  # (3,) unit, joint frame
+    range_rad: tuple[float, float]
+    link: InertialLink  # the link it moves
+    stiffness: Estimate | None  # N m / rad
+    damping: Estimate | None  # N m s / rad
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """A test point: where a sensor or the hammer goes.
+
+    The columns of `R_link_sensor` are the sensor's x, y, z axes in the link's frame; sensor z is
+    the outward normal of the surface, so that a roving hammer hits along minus z.
+    """
+
+    id: str
+    link: str  # link name, or "base"
+    position_m: npt.NDArray[np.float64]  # (3,) link frame
+    R_link_sensor: npt.NDArray[np.float64]  # (3, 3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerances:
+    """One standard deviation of what is only roughly known."""
+
+    mass: float  # relative
+    inertia: float  # relative, of the principal moments
+    center_m: float
+    encoder_offset_rad: float
+    sensor_tilt_rad: float
+    sensor_gain: float  # relative
+    hammer_gain: float  # relative
+    hit_direction_rad: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointSignal:
+    """Where a joint's angle is found: q = sign * scale_rad * value + offset_rad."""
+
+    joint: str
+    message: str
+    signal: str
+    scale_rad: float
+    sign: int
+    offset_rad: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveStateSignal:
+    """Where the drive state is found and which of its values mean the arm is held by its servos."""
+
+    message: str
+    signal: str
+    held_values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CanMapping:
+    """How the controller's frames map to joints."""
+
+    database: str  # file name of a DBC shipped in protocols/dbc, or a path beside the arm file
+    database_text: str  # its text, read with the arm file
+    bitrate: int
+    rate_hz: float
+    stale_after_s: float
+    joints: tuple[JointSignal, ...]
+    drive_state: DriveStateSignal | None
+    counter: tuple[str, str] | None  # (message, signal), or None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arm:
+    """A serial arm of revolute joints, as the user believes it to be."""
+
+    name: str
+    source: str
+    joints: tuple[Joint, ...]
+    gravity_m_s2: npt.NDArray[np.float64]  # (3,) base frame
+    points: tuple[Point, ...]
+    groups: dict[str, tuple[str, ...]]  # name -> point ids
+    tolerances: Tolerances
+    can: CanMapping | None
+    text: str  # the arm file as read
+    urdf_text: str | None  # the URDF it names, as read
+    sha256: str  # over both texts and the database
+
+    def point(self, point_id: str) -> Point:
+        """Return the test point called `point_id`, or raise KeyError."""
+        for point in self.points:
+            if point.id == point_id:
+                return point
+        raise KeyError(point_id)

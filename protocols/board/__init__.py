@@ -1,0 +1,1 @@
+"""The acquisition-board protocol: frames, messages, channel dictionary."""

@@ -1,0 +1,50 @@
+"""Frequency responses as they are handed on and stored: form, units and lines travel with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Dof", "FrequencyResponse", "FrfForm"]
+
+
+class FrfForm(StrEnum):
+    """Response over force: which derivative of displacement the response is."""
+
+    RECEPTANCE = "receptance"  # m/N
+    MOBILITY = "mobility"  # m/(N s)
+    ACCELERANCE = "accelerance"  # m/(N s^2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dof:
+    """A measured degree of freedom: a point and a direction."""
+
+    point: str
+    label: str  # "x", "y", "z" of the sensor, or "hit"
+    direction: npt.NDArray[np.float64]  # (3,) unit, base frame, at the posture as measured
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrequencyResponse:
+    """The FRF matrix of one posture on the Laplace lines s = decay_rad_s + j 2 pi freq_hz.
+
+    An exponential window e^(-decay t) applied alike to force and response makes the estimate the
+    exact transfer function on the shifted line, so a pole found there moves back by adding
+    `decay_rad_s`; nothing has to be corrected afterwards.
+    """
+
+    posture: str
+    form: FrfForm
+    freq_hz: npt.NDArray[np.float64]  # (n_freq,), increasing, > 0
+    decay_rad_s: float
+    values: npt.NDArray[np.complex128]  # (n_resp, n_ref, n_freq)
+    coherence: npt.NDArray[np.float64]  # (n_resp, n_ref, n_freq)
+    variance: npt.NDArray[np.float64]  # (n_resp, n_ref, n_freq): E|error of values|^2
+    n_hits: npt.NDArray[np.int64]  # (n_resp, n_ref)
+    responses: tuple[Dof, ...]
+    references: tuple[Dof, ...]
+    joints_rad: npt.NDArray[np.float64] | None  # (n_joints,) as measured

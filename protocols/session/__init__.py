@@ -1,0 +1,1 @@
+"""The measured session: records, journal, HDF5 layout."""
