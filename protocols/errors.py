@@ -17,6 +17,7 @@ __all__ = [
     "JournalError",
     "PlanError",
     "PlantError",
+    "PortError",
     "SessionError",
 ]
 
@@ -27,6 +28,10 @@ class ArmodalError(Exception):
 
 class FrameError(ArmodalError, ValueError):
     """Bytes that are not a valid frame of the protocol."""
+
+
+class PortError(ArmodalError, OSError):
+    """A port that cannot be opened: not there, not a serial line, not allowed, or busy."""
 
 
 class DeviceTimeoutError(ArmodalError, TimeoutError):

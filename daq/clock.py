@@ -1,0 +1,53 @@
+"""The laboratory's clock: every rate, age and limit of a session is told by it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Protocol
+
+__all__ = ["Clock", "SystemClock"]
+
+
+class Clock(Protocol):
+    """Lab seconds, and how long they last for the one who waits."""
+
+    def now_s(self) -> float:
+        """Return the lab time in seconds; it never runs backwards."""
+
+    def sleep(self, lab_s: float) -> None:
+        """Wait `lab_s` lab seconds."""
+
+    def wall_s(self, lab_s: float) -> float:
+        """Return how many seconds of a waiting process `lab_s` lab seconds are."""
+
+
+@dataclass(frozen=True, slots=True)
+class SystemClock:
+    """Lab seconds are monotonic seconds times `scale`; 1 in a real laboratory.
+
+    The monotonic clock is one for the whole machine, so processes agree on the lab time.
+
+    >>> SystemClock(scale=16.0).wall_s(8.0)
+    0.5
+    """
+
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Refuse a clock that stands still or runs backwards."""
+        if not self.scale > 0.0:
+            raise ValueError(f"time scale: wanted a positive number, got {self.scale!r}")
+
+    def now_s(self) -> float:
+        """Return the lab time in seconds."""
+        return time.monotonic() * self.scale
+
+    def sleep(self, lab_s: float) -> None:
+        """Wait `lab_s` lab seconds."""
+        if lab_s > 0.0:
+            time.sleep(lab_s / self.scale)
+
+    def wall_s(self, lab_s: float) -> float:
+        """Return how many wall seconds `lab_s` lab seconds are."""
+        return lab_s / self.scale
