@@ -1,0 +1,202 @@
+"""The tables of an arm file and what each of their values may be."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from protocols.toml_reader import FileModel, Name, Vector3, not_wanted
+
+__all__ = ["FORMAT", "ArmFile", "CanSection", "JointTable", "LinkTable", "PointTable"]
+
+FORMAT = "armodal-arm-1"
+
+# How far from unit length and from perpendicular a direction may be written: three decimals.
+_DIRECTION = 2e-3
+
+Positive = Annotated[float, Field(gt=0.0, lt=1e12)]
+Relative = Annotated[float, Field(gt=0.0, le=1.0)]
+SmallAngleDeg = Annotated[float, Field(gt=0.0, le=30.0)]
+Position = Annotated[
+    list[Annotated[float, Field(ge=-100.0, le=100.0)]], Field(min_length=3, max_length=3)
+]
+# A name beside the arm file or a shipped one: never a path.
+FileName = Annotated[
+    str, Field(max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*(\.[A-Za-z0-9_-]+)*$")
+]
+
+
+class EstimateTable(FileModel):
+    """A belief: value, one standard deviation, and where it comes from."""
+
+    value: Positive
+    std: Positive
+    source: Annotated[str, Field(min_length=1, max_length=400)]
+
+
+class DhTable(FileModel):
+    """One modified Denavit-Hartenberg row (Craig)."""
+
+    alpha_deg: Annotated[float, Field(ge=-360.0, le=360.0)]
+    a_m: Annotated[float, Field(ge=-100.0, le=100.0)]
+    theta_offset_deg: Annotated[float, Field(ge=-360.0, le=360.0)]
+    d_m: Annotated[float, Field(ge=-100.0, le=100.0)]
+
+
+class LinkTable(FileModel):
+    """The inertials of a link where no URDF gives them."""
+
+    name: Name
+    mass_kg: Positive
+    center_m: Position
+    # ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, in link axes
+    inertia_kg_m2: Annotated[list[float], Field(min_length=6, max_length=6)]
+
+
+class JointTable(FileModel):
+    """One joint; a joint without stiffness is believed rigid while it is held."""
+
+    name: Name
+    range_deg: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
+    stiffness_n_m_per_rad: EstimateTable | None = None
+    damping_n_m_s_per_rad: EstimateTable | None = None
+    dh: DhTable | None = None
+    link: LinkTable | None = None
+
+    @field_validator("range_deg")
+    @classmethod
+    def _check_range(cls, value: list[float] | None) -> list[float] | None:
+        if value is not None and not -3600.0 <= value[0] < value[1] <= 3600.0:
+            raise not_wanted("lower before upper, both within 3600 degrees")
+        return value
+
+    @model_validator(mode="after")
+    def _check_damping(self) -> JointTable:
+        if (self.stiffness_n_m_per_rad is None) != (self.damping_n_m_s_per_rad is None):
+            raise not_wanted(
+                "stiffness_n_m_per_rad and damping_n_m_s_per_rad together, or neither for a "
+                "rigid joint"
+            )
+        return self
+
+
+class PointTable(FileModel):
+    """A test point: sensor z along the outward normal, sensor x along `x_axis`."""
+
+    id: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]{1,16}$")]
+    link: Name
+    position_m: Position
+    normal: Vector3
+    x_axis: Vector3
+
+    @field_validator("normal", "x_axis")
+    @classmethod
+    def _check_unit(cls, value: list[float]) -> list[float]:
+        length = math.hypot(*value)
+        if abs(length - 1.0) > _DIRECTION:
+            raise not_wanted(f"a vector of length 1 (this one has {length:.4g})")
+        return value
+
+    @model_validator(mode="after")
+    def _check_perpendicular(self) -> PointTable:
+        cosine = float(np.dot(self.normal, self.x_axis))
+        if abs(cosine) > _DIRECTION:
+            raise not_wanted(
+                f"x_axis perpendicular to normal (the angle is "
+                f"{math.degrees(math.acos(max(-1.0, min(1.0, cosine)))):.2f} degrees)"
+            )
+        return self
+
+
+class TolerancesTable(FileModel):
+    """One standard deviation of what is only roughly known."""
+
+    mass: Relative
+    inertia: Relative
+    center_m: Annotated[float, Field(gt=0.0, le=1.0)]
+    encoder_offset_deg: SmallAngleDeg
+    sensor_tilt_deg: SmallAngleDeg
+    sensor_gain: Relative
+    hammer_gain: Relative
+    hit_direction_deg: SmallAngleDeg
+
+
+class SignalTable(FileModel):
+    """A signal of the database."""
+
+    message: Name
+    signal: Name
+
+
+class DriveStateTable(SignalTable):
+    """The drive state and the values that mean held by the servos."""
+
+    held_values: Annotated[list[int], Field(min_length=1, max_length=64)]
+
+
+class JointSignalTable(SignalTable):
+    """Where a joint's angle is found, and its unit, sign and zero."""
+
+    joint: Name
+    scale_deg: Positive | None = None
+    counts_per_revolution: Positive | None = None
+    gear_ratio: Positive | None = None
+    sign: Literal[-1, 1]
+    offset_deg: Annotated[float, Field(ge=-3600.0, le=3600.0)]
+
+    @model_validator(mode="after")
+    def _check_scale(self) -> JointSignalTable:
+        by_counts = self.counts_per_revolution is not None, self.gear_ratio is not None
+        if by_counts not in {(True, True), (False, False)} or any(by_counts) == (
+            self.scale_deg is not None
+        ):
+            raise not_wanted("either scale_deg, or counts_per_revolution and gear_ratio")
+        return self
+
+    @property
+    def scale_rad(self) -> float:
+        """Joint radians per unit of the signal."""
+        if self.scale_deg is not None:
+            return math.radians(self.scale_deg)
+        counts = (self.counts_per_revolution or math.nan) * (self.gear_ratio or math.nan)
+        return 2.0 * math.pi / counts
+
+
+class CanSection(FileModel):
+    """How the controller's frames map to joints."""
+
+    database: FileName
+    bitrate: Annotated[int, Field(ge=10_000, le=1_000_000)]
+    rate_hz: Annotated[float, Field(gt=0.0, le=10_000.0)]
+    stale_after_s: Annotated[float, Field(gt=0.0, le=10.0)]
+    joints: Annotated[list[JointSignalTable], Field(min_length=1, max_length=32)]
+    drive_state: DriveStateTable | None = None
+    counter: SignalTable | None = None
+
+    @model_validator(mode="after")
+    def _check_stale(self) -> CanSection:
+        if self.stale_after_s * self.rate_hz < 1.0:
+            raise not_wanted("stale_after_s of at least one period of rate_hz")
+        return self
+
+
+class ArmFile(FileModel):
+    """The whole file."""
+
+    format: Literal["armodal-arm-1"]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")]
+    source: Annotated[str, Field(min_length=1, max_length=2000)]
+    urdf: FileName | None = None
+    gravity_m_s2: Annotated[
+        list[Annotated[float, Field(ge=-100.0, le=100.0)]], Field(min_length=3, max_length=3)
+    ] = Field(default=[0.0, 0.0, -9.80665])
+    joints: Annotated[list[JointTable], Field(min_length=1, max_length=32)]
+    points: Annotated[list[PointTable], Field(min_length=1, max_length=1000)]
+    groups: Annotated[
+        dict[Name, Annotated[list[str], Field(min_length=1)]], Field(max_length=100)
+    ] = Field(default={})
+    tolerances: TolerancesTable
+    can: CanSection | None = None
