@@ -82,7 +82,7 @@ def _bad_value(configuration: Configuration, n_channels: int) -> tuple[ReplyCode
     level = configuration.trigger_level_counts
     if not 0 < mask < 1 << n_channels:
         text = f"channel mask 0x{mask:x} must name some of {n_channels} channels and no other"
-    elif not mask >> trigger & 1:
+    elif not 0 <= trigger < n_channels or not mask >> trigger & 1:
         text = f"trigger channel {trigger} is not in channel mask 0x{mask:x}"
     elif not COUNT_MIN < level <= COUNT_MAX:
         text = f"trigger level {level} counts is outside {COUNT_MIN + 1}...{COUNT_MAX}"

@@ -83,6 +83,16 @@ def test_any_bytes_decode_or_raise_frame_error(data):
     assert decode_frame(wire(frame)[1:-1]) == frame
 
 
+@given(st.binary(max_size=100) | st.binary(max_size=100).map(lambda rest: b"\x01\x90" + rest))
+def test_any_body_with_a_right_crc_decodes_or_raises_frame_error(body):
+    sealed = body + zlib.crc32(body).to_bytes(4, "little")
+    try:
+        frame = decode_frame(cobs.encode(sealed))
+    except FrameError:
+        return
+    assert frame.payload == body[HEADER_SIZE:]
+
+
 @given(st.data())
 def test_a_changed_byte_never_gives_another_frame(data):
     frame = data.draw(FRAMES)

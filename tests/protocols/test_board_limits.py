@@ -128,6 +128,7 @@ def test_a_block_beyond_the_buffer_is_refused_with_both_numbers():
         ({"channel_mask": 0b10001}, "mask"),
         ({"channel_mask": 0b0010}, "trigger channel 0"),
         ({"trigger_channel": 4}, "trigger channel 4"),
+        ({"trigger_channel": -1}, "trigger channel -1"),
         ({"trigger_level_counts": 1 << 23}, "8388608"),
         ({"trigger_level_counts": -(1 << 23)}, "-8388608"),
         ({"pretrigger": 2048}, "pre-trigger 2048"),

@@ -27,6 +27,7 @@ from protocols.board import (
     encode_reply,
     encode_resend,
     encode_status,
+    wire_size,
 )
 from protocols.errors import FrameError
 
@@ -85,6 +86,17 @@ def test_a_rate_of_51200_over_31_is_exact():
             stream=False,
         )
     ).startswith((51_200).to_bytes(4, "little") + (31).to_bytes(4, "little"))
+
+
+def test_payloads_have_the_sizes_of_the_document():
+    configuration = decode_configuration(b"\1\0\0\0" * 2 + bytes(20))
+    assert len(encode_configuration(configuration)) == 28
+    assert len(encode_resend(1, 2, 3)) == 12
+    assert len(encode_release(1)) == 4
+    assert len(encode_block_info(BLOCK)) == 32
+    assert len(encode_status(STATUS)) == len(encode_reply(ReplyCode.OK)) + 37
+    # CONFIGURE is the longest command, 67 bytes with both delimiters.
+    assert wire_size(28) == 67
 
 
 @given(STATUSES)
