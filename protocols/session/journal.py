@@ -1,0 +1,251 @@
+"""The journal of a session: the record of what was measured.
+
+Written append-only by acquisition; everything else is derived from it. The bytes are specified
+in `docs/journal.md`. Encoders return bytes and open nothing; `read_journal` and `load_journal`
+read a file back, torn tail dropped and said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from protocols.errors import JournalError
+from protocols.session.journal_framing import (
+    JOURNAL_VERSION,
+    MAGIC,
+    MAX_JOURNAL,
+    Record,
+    RecordKind,
+    Scan,
+    encode_record,
+    scan,
+)
+from protocols.session.journal_header import begin_journal, decode_header
+from protocols.session.journal_payloads import (
+    End,
+    Mark,
+    MarkKind,
+    decode_end,
+    decode_hit,
+    decode_loss,
+    decode_mark,
+    encode_end,
+    encode_hit,
+    encode_loss,
+    encode_mark,
+)
+from protocols.session.progress import is_complete
+from protocols.session.records import Hit, Loss, Session, SessionHeader
+
+__all__ = [
+    "JOURNAL_VERSION",
+    "MAGIC",
+    "End",
+    "Journal",
+    "Mark",
+    "MarkKind",
+    "Record",
+    "RecordKind",
+    "Scan",
+    "begin_journal",
+    "decode_journal",
+    "encode_end",
+    "encode_hit",
+    "encode_loss",
+    "encode_mark",
+    "encode_record",
+    "load_journal",
+    "read_journal",
+    "scan",
+    "session_of",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Journal:
+    """A journal read back.
+
+    `good_end` is the byte behind the last complete record: where appending goes on after the
+    file was cut there, which loses nothing as long as `may_append`.
+    """
+
+    header: SessionHeader
+    hits: tuple[Hit, ...]
+    losses: tuple[Loss, ...]
+    marks: tuple[Mark, ...]
+    end: End | None  # of the last closing that nothing followed; None while the session is open
+    good_end: int
+    size: int
+    may_append: bool
+    warnings: tuple[str, ...]
+
+    @property
+    def dropped_bytes(self) -> int:
+        """Bytes behind the last complete record."""
+        return self.size - self.good_end
+
+
+def load_journal(path: str | Path) -> Session:
+    """Read the session a journal holds, complete or interrupted.
+
+    Raises
+    ------
+    JournalError
+        If the file cannot be read, is not a journal, holds no complete HEADER, or a record
+        with a valid CRC says something impossible.
+    """
+    return session_of(read_journal(path))
+
+
+def read_journal(path: str | Path) -> Journal:
+    """Read a journal file with its marks and the place where it may be continued."""
+    return decode_journal(_read_bytes(Path(path)))
+
+
+def session_of(journal: Journal) -> Session:
+    """Return the session that a journal tells of; skipped points become warnings."""
+    skipped = tuple(
+        f"skipped: {_place(mark)}{': ' + mark.note if mark.note else ''}"
+        for mark in journal.marks
+        if mark.kind is MarkKind.SKIPPED
+    )
+    return Session(
+        header=journal.header,
+        hits=journal.hits,
+        losses=journal.losses,
+        complete=is_complete(journal.header.plan, journal.hits),
+        warnings=journal.warnings + skipped,
+    )
+
+
+def decode_journal(data: bytes) -> Journal:
+    """Return the journal that `data` holds, from its magic on; errors as `load_journal`."""
+    found = scan(data)
+    if not found.records:
+        raise JournalError(
+            f"the journal holds no complete record: {found.damage or 'it ends after its magic'}; "
+            "nothing can be recovered from it"
+        )
+    header = _header(found.records[0])
+    hits: list[Hit] = []
+    losses: list[Loss] = []
+    marks: list[Mark] = []
+    end: End | None = None
+    unknown = 0
+    for record in found.records[1:]:
+        end = None
+        item = _decoded(record)
+        if isinstance(item, Hit):
+            hits.append(_checked(item, header, hits))
+        elif isinstance(item, Loss):
+            losses.append(item)
+        elif isinstance(item, Mark):
+            marks.append(item)
+        elif isinstance(item, End):
+            end = item
+        else:
+            unknown += 1
+    return Journal(
+        header=header,
+        hits=tuple(hits),
+        losses=tuple(losses),
+        marks=tuple(marks),
+        end=end,
+        good_end=found.good_end,
+        size=found.size,
+        may_append=found.may_append,
+        warnings=_warnings(found, unknown, closed=end is not None),
+    )
+
+
+_DECODERS: dict[int, Callable[[memoryview], Hit | Loss | Mark | End]] = {
+    RecordKind.HIT: decode_hit,
+    RecordKind.LOSS: decode_loss,
+    RecordKind.MARK: decode_mark,
+    RecordKind.END: decode_end,
+}
+
+
+def _decoded(record: Record) -> Hit | Loss | Mark | End | None:
+    """Return what a record says, or None if its kind is not known."""
+    if record.kind == RecordKind.HEADER:
+        raise JournalError(f"journal record at byte {record.offset}: a second HEADER")
+    decoder = _DECODERS.get(record.kind)
+    if decoder is None:
+        return None
+    try:
+        return decoder(record.payload)
+    except JournalError as error:
+        raise JournalError(f"journal record at byte {record.offset}: {error}") from error
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_JOURNAL + 1)
+    except OSError as error:
+        raise JournalError(
+            f"cannot read the journal {path}: {error.strerror}; give the path of the .journal "
+            "file that acquisition wrote"
+        ) from error
+    if len(data) > MAX_JOURNAL:
+        raise JournalError(f"{path} is larger than a journal may be ({MAX_JOURNAL} bytes)")
+    return data
+
+
+def _header(record: Record) -> SessionHeader:
+    if record.kind != RecordKind.HEADER:
+        raise JournalError(f"a journal begins with HEADER, this one with kind {record.kind}")
+    return decode_header(record.payload)
+
+
+def _checked(hit: Hit, header: SessionHeader, before: Sequence[Hit]) -> Hit:
+    """Return `hit` if it belongs to the session that `header` describes."""
+    channels = header.channel_mask.bit_count()
+    if hit.counts.shape[1] != channels:
+        raise JournalError(
+            f"hit {hit.number}: {channels} channels are configured, "
+            f"{hit.counts.shape[1]} were recorded"
+        )
+    if before and hit.number <= before[-1].number:
+        raise JournalError(f"hit {hit.number} follows hit {before[-1].number}")
+    if hit.posture not in {posture.name for posture in header.plan.postures}:
+        raise JournalError(f"hit {hit.number}: the plan has no posture {hit.posture!r}")
+    for point in (hit.sensor_point, hit.hit_point):
+        if point not in {known.id for known in header.arm.points}:
+            raise JournalError(f"hit {hit.number}: the arm has no point {point!r}")
+    for reading in (hit.before, hit.after):
+        joints = reading.joints_rad
+        if joints is not None and len(joints) != len(header.arm.joints):
+            raise JournalError(
+                f"hit {hit.number}: the arm has {len(header.arm.joints)} joints, "
+                f"{len(joints)} angles came"
+            )
+    return hit
+
+
+def _warnings(found: Scan, unknown: int, *, closed: bool) -> tuple[str, ...]:
+    warnings = []
+    if found.damage:
+        warnings.append(
+            f"the journal is whole up to byte {found.good_end}; the {found.dropped_bytes} bytes "
+            f"behind are dropped: {found.damage}"
+        )
+    if found.records_beyond:
+        warnings.append(
+            f"{found.records_beyond} complete records lie behind the damage and are not used: "
+            "keep the journal, a copy of it may be whole"
+        )
+    if unknown:
+        warnings.append(f"{unknown} records of a kind this version does not know were passed over")
+    if not closed:
+        warnings.append("the session was not closed: it was interrupted, or is still running")
+    return tuple(warnings)
+
+
+def _place(mark: Mark) -> str:
+    posture = "" if mark.posture is None else f"posture {mark.posture}"
+    point = "" if mark.point is None else f"point {mark.point}"
+    return ", ".join(part for part in (posture, point) if part) or "a step"
