@@ -1,0 +1,335 @@
+"""The conversation with the board: commands and their replies, and the frames that come unasked.
+
+The protocol is specified in `docs/board-protocol.md`. Waiting is done only before the run;
+while it lasts, replies come back in the same list as data and nothing blocks.
+"""
+
+from __future__ import annotations
+
+import select
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from daq.clock import Clock
+from daq.clock_fit import RoundTrip
+from daq.serial_port import BytePort
+from protocols.board.codec import PROTOCOL_VERSION, FrameDecoder, encode_frame
+from protocols.board.messages import (
+    decode_dictionary,
+    decode_reply,
+    decode_status,
+    dictionary_hash,
+    encode_configuration,
+    join_hello,
+)
+from protocols.board.records import (
+    BoardDictionary,
+    BoardState,
+    BoardStatus,
+    Configuration,
+    Frame,
+    FrameType,
+    Header,
+    ReplyCode,
+)
+from protocols.board.sequence import SequenceTracker
+from protocols.errors import (
+    BoardRefusedError,
+    DeviceLostError,
+    DeviceTimeoutError,
+    FrameError,
+)
+
+FoundT = TypeVar("FoundT")
+
+__all__ = ["BoardLink", "FoundBoard", "Reply"]
+
+TRIES = 3
+# The processes of host and simulation do not run faster when the laboratory's clock does.
+SHORTEST_WALL_TIMEOUT_S = 0.25
+HELD_FRAMES = 4096
+HELD_COMMANDS = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundBoard:
+    """The board as HELLO found it."""
+
+    dictionary: BoardDictionary
+    dictionary_bytes: bytes
+    dictionary_hash: int
+    session: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reply:
+    """A reply frame with the command it answers and the times around it."""
+
+    frame: Frame
+    sent_s: float
+    received_s: float
+
+    @property
+    def trip(self) -> RoundTrip:
+        """Return the round trip it makes for the clock fit."""
+        return RoundTrip(
+            sent_s=self.sent_s, received_s=self.received_s, ticks=self.frame.header.ticks
+        )
+
+
+class BoardLink:
+    """Requests and replies over one line.
+
+    Parameters
+    ----------
+    port
+        The line, owned by the caller.
+    clock
+        The laboratory's clock.
+    reply_timeout_s
+        Lab seconds to wait for a reply before the command is sent again.
+
+    Attributes
+    ----------
+    received_bytes : int
+        Bytes received.
+    """
+
+    def __init__(self, port: BytePort, clock: Clock, *, reply_timeout_s: float = 0.5) -> None:
+        self._port = port
+        self._clock = clock
+        self._wait_wall_s = max(clock.wall_s(reply_timeout_s), SHORTEST_WALL_TIMEOUT_S)
+        self._decoder = FrameDecoder()
+        self._found: FoundBoard | None = None
+        self._sequence = 0
+        self._tag = 0
+        self._sequences = SequenceTracker()
+        self._sent: dict[int, tuple[float, float]] = {}  # tag: lab time, wall time
+        self._held: list[Frame] = []
+        self.received_bytes = 0
+
+    @property
+    def frames_lost(self) -> int:
+        """Frames missing by their sequence number since HELLO."""
+        return self._sequences.missing
+
+    @property
+    def bad_frames(self) -> int:
+        """Stretches on the line that were no valid frame."""
+        return self._decoder.bad_frames
+
+    @property
+    def frames(self) -> int:
+        """Valid frames received."""
+        return self._decoder.frames
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on."""
+        return self._port.fileno()
+
+    def hello(self) -> FoundBoard:
+        """Ask the board to describe itself, and hold it to that from here on.
+
+        Raises
+        ------
+        DeviceTimeoutError
+            If nothing answers, or what answers is no board.
+        FrameError
+            If the board's description cannot be read.
+        """
+        fragments: dict[int, list[bytes]] = {}
+
+        def whole(frame: Frame) -> bytes | None:
+            if frame.header.type is not FrameType.HELLO_REPLY:
+                return None
+            pieces = fragments.setdefault(frame.header.tag, [])
+            pieces.append(frame.payload)
+            return join_hello(pieces)
+
+        frame, data = self._ask(FrameType.HELLO, b"", whole)
+        header = frame.header
+        if dictionary_hash(data) != header.dictionary_hash:
+            raise FrameError(
+                f"the board on {self._port.name} describes itself with a dictionary of hash "
+                f"{dictionary_hash(data):04x} but says {header.dictionary_hash:04x}: its firmware "
+                "is at fault"
+            )
+        self._found = FoundBoard(
+            dictionary=decode_dictionary(data),
+            dictionary_bytes=data,
+            dictionary_hash=header.dictionary_hash,
+            session=header.session,
+        )
+        self._sequences = SequenceTracker()
+        self._held.clear()
+        return self._found
+
+    def configure(self, configuration: Configuration) -> None:
+        """Set rate, channels, trigger and block; BoardRefusedError with the board's reason."""
+        self.request(FrameType.CONFIGURE, encode_configuration(configuration))
+
+    def start(self) -> None:
+        """Start sampling; a repeated START that finds the board running is none the worse."""
+        code, reason = decode_reply(self._exchange(FrameType.START).frame.payload)
+        if code is ReplyCode.WRONG_STATE and self.status()[0].state is BoardState.RUNNING:
+            return
+        self._accept(FrameType.START, code, reason)
+
+    def stop(self) -> None:
+        """Stop sampling; complete blocks stay held."""
+        self.request(FrameType.STOP)
+
+    def status(self) -> tuple[BoardStatus, RoundTrip]:
+        """Ask for the board's state and counts, and wait for them."""
+        reply = self._exchange(FrameType.STATUS)
+        return decode_status(reply.frame.payload), reply.trip
+
+    def request(self, kind: FrameType, payload: bytes = b"") -> Reply:
+        """Send a command and wait for its OK.
+
+        Raises
+        ------
+        BoardRefusedError
+            If the board refuses, with its reason.
+        DeviceTimeoutError
+            If it does not answer three times.
+        DeviceLostError
+            If it is gone, has rebooted, or describes itself differently.
+        """
+        reply = self._exchange(kind, payload)
+        self._accept(kind, *decode_reply(reply.frame.payload))
+        return reply
+
+    def send(self, kind: FrameType, payload: bytes = b"") -> int:
+        """Send a command without waiting and return its tag."""
+        self._tag = self._tag % 0xFFFF + 1
+        if len(self._sent) >= HELD_COMMANDS:
+            self._sent.pop(next(iter(self._sent)))
+        found = self._found
+        header = Header(
+            type=kind,
+            session=0 if found is None or kind is FrameType.HELLO else found.session,
+            sequence=self._sequence,
+            dictionary_hash=found.dictionary_hash if found else 0,
+            tag=self._tag,
+        )
+        self._sequence = (self._sequence + 1) & 0xFFFFFFFF
+        self._sent[self._tag] = (self._clock.now_s(), time.monotonic())
+        self._port.write(encode_frame(header, payload))
+        return self._tag
+
+    def pump(self) -> list[Frame]:
+        """Return the frames that have come; never waits.
+
+        Raises
+        ------
+        DeviceLostError
+            If the board is gone, has rebooted, or its dictionary has changed.
+        """
+        held, self._held = self._held, []
+        return held + self._receive()
+
+    def reply_of(self, frame: Frame) -> Reply | None:
+        """Match a reply frame that `pump` has just returned with its command; None if unknown."""
+        sent = self._sent.get(frame.header.tag)
+        if sent is None:
+            return None
+        # The board answers in order: what was asked before has been answered or lost.
+        self._sent = {tag: times for tag, times in self._sent.items() if times[1] > sent[1]}
+        return Reply(frame=frame, sent_s=sent[0], received_s=self._clock.now_s())
+
+    def check_alive(self) -> None:
+        """Raise DeviceTimeoutError if a command has waited for its reply three times too long."""
+        if not self._sent:
+            return
+        oldest = next(iter(self._sent.values()))[1]
+        if time.monotonic() - oldest > TRIES * self._wait_wall_s:
+            raise DeviceTimeoutError(
+                f"the board on {self._port.name} has stopped answering; check it, then resume"
+            )
+
+    def _exchange(self, kind: FrameType, payload: bytes = b"") -> Reply:
+        answer = FrameType(kind | 0x80)
+
+        def its_reply(frame: Frame) -> Reply | None:
+            return self.reply_of(frame) if frame.header.type is answer else None
+
+        return self._ask(kind, payload, its_reply)[1]
+
+    def _ask(
+        self, kind: FrameType, payload: bytes, find: Callable[[Frame], FoundT | None]
+    ) -> tuple[Frame, FoundT]:
+        """Send a command until a frame is what `find` looks for; keep the others for `pump`."""
+        bytes_before, frames_before = self.received_bytes, self.frames
+        for _ in range(TRIES):
+            self.send(kind, payload)
+            until = time.monotonic() + self._wait_wall_s
+            while (left := until - time.monotonic()) > 0.0:
+                if not select.select([self._port], [], [], left)[0]:
+                    break
+                frames = self._receive()
+                for index, frame in enumerate(frames):
+                    found = find(frame)
+                    if found is not None:
+                        self._hold(frames[index + 1 :])
+                        return frame, found
+                    self._hold([frame])
+        raise self._no_answer(kind, self.received_bytes - bytes_before, self.frames - frames_before)
+
+    def _hold(self, frames: list[Frame]) -> None:
+        self._held.extend(frames[: HELD_FRAMES - len(self._held)])
+
+    def _receive(self) -> list[Frame]:
+        data = self._port.read()
+        self.received_bytes += len(data)
+        frames = self._decoder.feed(data)
+        found = self._found
+        if found is None:
+            return frames
+        kept = []
+        for frame in frames:
+            header = frame.header
+            if header.session != found.session:
+                raise DeviceLostError(
+                    f"the board on {self._port.name} has restarted (session {found.session:08x} "
+                    f"became {header.session:08x}): its blocks are gone; resume the session"
+                )
+            if header.dictionary_hash != found.dictionary_hash:
+                raise DeviceLostError(
+                    f"the board on {self._port.name} now describes itself differently (dictionary "
+                    f"hash {found.dictionary_hash:04x} became {header.dictionary_hash:04x}): a "
+                    "sensor or its supply has changed; check the sensors, then resume"
+                )
+            # A frame older than the one before is a repetition.
+            if self._sequences.check(header) >= 0:
+                kept.append(frame)
+        return kept
+
+    def _accept(self, kind: FrameType, code: ReplyCode, reason: str) -> None:
+        if code is not ReplyCode.OK:
+            raise BoardRefusedError(
+                f"the board on {self._port.name} refused {kind.name}: "
+                f"{code.name}{': ' + reason if reason else ''}"
+            )
+
+    def _no_answer(
+        self, kind: FrameType, n_bytes: int, n_frames: int
+    ) -> DeviceTimeoutError | FrameError:
+        name = self._port.name
+        if n_bytes == 0:
+            return DeviceTimeoutError(
+                f"the device on {name} did not answer {kind.name} in {TRIES} tries; is the board "
+                "switched on, and is this its port?"
+            )
+        if n_frames == 0:
+            return FrameError(
+                f"the device on {name} answered {n_bytes} bytes, none of them a frame of the "
+                f"armodal board protocol (version {PROTOCOL_VERSION}); is it the right port?"
+                + (f" Last fault: {self._decoder.last_error}" if self._decoder.last_error else "")
+            )
+        return DeviceTimeoutError(
+            f"the board on {name} sent {n_frames} frames but no answer to {kind.name} in {TRIES} "
+            "tries; is its firmware for this protocol, and the line free of disturbance?"
+        )

@@ -1,0 +1,198 @@
+"""The controller's bus, listened to and never written.
+
+Serial adapters are opened to listen only by our own slcan reader; every other interface goes
+through python-can, of which only the receiving half is kept.
+"""
+
+from __future__ import annotations
+
+import select
+import time
+from typing import Any, Protocol
+
+import can
+
+from daq.serial_port import BytePort, SerialPort
+from protocols.can_records import CanFrame
+from protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
+from protocols.slcan import CLOSE, SlcanFault, SlcanParser, SlcanReply, listen_only_commands
+
+__all__ = ["CanSource", "PythonCanListener", "SlcanListener", "open_can"]
+
+ADAPTER_TIMEOUT_S = 1.0  # of the wall clock: the adapter is no part of the laboratory's time
+CLOSE_TIMEOUT_S = 0.2  # some adapters are silent when a closed channel is closed
+FRAMES_AT_ONCE = 4096
+
+_BUILT_IN = ("socketcan", "udp_multicast", "virtual")  # no bit rate of their own
+_SILENT: dict[str, dict[str, Any]] = {
+    "kvaser": {"driver_mode": False},
+    "pcan": {"state": can.BusState.PASSIVE},
+}
+
+
+class CanSource(Protocol):
+    """Where CAN frames come from; there is no way to send one."""
+
+    name: str
+    faults: int
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on, or -1 where the source must be asked."""
+
+    def read(self) -> list[CanFrame]:
+        """Return the frames that have come; never waits."""
+
+    def close(self) -> None:
+        """Let go of the bus; never raises."""
+
+
+def open_can(channel: str, bitrate: int) -> CanSource:
+    """Open a bus to listen.
+
+    Parameters
+    ----------
+    channel
+        Path of a serial (slcan) adapter, as ``/dev/ttyACM1`` or ``slcan:/dev/ttyACM1``, or
+        ``interface:channel`` of python-can, as ``socketcan:can0``.
+    bitrate
+        Bit rate of the bus, bit/s.
+
+    Raises
+    ------
+    PortError, CanError, DeviceTimeoutError, DeviceLostError
+        If it cannot be opened, or the adapter does not confirm that it only listens.
+    """
+    interface, colon, rest = channel.partition(":")
+    if channel.startswith("/") or interface == "slcan":
+        port = SerialPort(channel if channel.startswith("/") else rest)
+        try:
+            return SlcanListener(port, bitrate)
+        except BaseException:
+            port.close()
+            raise
+    if not (colon and interface and rest):
+        raise CanError(
+            "CAN channel: wanted the path of a serial adapter or interface:channel, as "
+            f"socketcan:can0, got {channel!r}"
+        )
+    return PythonCanListener(interface, rest, bitrate)
+
+
+class SlcanListener:
+    """A serial adapter that has confirmed to listen only.
+
+    Raises
+    ------
+    CanError
+        If the adapter refuses a command.
+    DeviceTimeoutError
+        If it does not answer.
+    """
+
+    def __init__(self, port: BytePort, bitrate: int) -> None:
+        self.name = port.name
+        self._port = port
+        self._parser = SlcanParser()
+        for command in listen_only_commands(bitrate):
+            self._command(command)
+
+    @property
+    def faults(self) -> int:
+        """Lines that were no frame."""
+        return self._parser.faults
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on."""
+        return self._port.fileno()
+
+    def read(self) -> list[CanFrame]:
+        """Return the frames that have come."""
+        return [item for item in self._parser.feed(self._port.read()) if isinstance(item, CanFrame)]
+
+    def close(self) -> None:
+        """Close the line; the adapter is left listening, which disturbs nobody."""
+        self._port.close()
+
+    def _command(self, command: bytes) -> None:
+        self._port.write(command)
+        optional = command == CLOSE
+        n_faults = 0
+        until = time.monotonic() + (CLOSE_TIMEOUT_S if optional else ADAPTER_TIMEOUT_S)
+        while (left := until - time.monotonic()) > 0.0:
+            if not select.select([self._port], [], [], left)[0]:
+                break
+            for item in self._parser.feed(self._port.read()):
+                n_faults += isinstance(item, SlcanFault)
+                if isinstance(item, SlcanReply):
+                    if item.ok or optional:
+                        return
+                    raise CanError(
+                        f"the CAN adapter on {self.name} refused {command[:-1].decode()!r}: it "
+                        "cannot be made to listen only at this bit rate, so it is not used"
+                    )
+        if not optional:
+            said = f"{n_faults} lines that are not slcan" if n_faults else "nothing"
+            raise DeviceTimeoutError(
+                f"the CAN adapter on {self.name} answered {said} to {command[:-1].decode()!r}; "
+                "is it an slcan adapter, and the right port?"
+            )
+
+
+class PythonCanListener:
+    """Any interface of python-can, of which only receiving is kept."""
+
+    faults = 0
+
+    def __init__(self, interface: str, channel: str, bitrate: int) -> None:
+        self.name = f"{interface}:{channel}"
+        options = dict(_SILENT.get(interface, {}))
+        if interface not in _BUILT_IN:
+            options["bitrate"] = bitrate
+        try:
+            bus = can.Bus(interface=interface, channel=channel, **options)
+        except (can.CanError, OSError, ValueError, TypeError, ImportError) as error:
+            raise CanError(
+                f"cannot open CAN channel {self.name}: {error}; does the interface exist, and is "
+                "it up?"
+            ) from error
+        self._receive = bus.recv
+        self._shutdown = bus.shutdown
+        try:
+            self._fd = int(bus.fileno())
+        except (NotImplementedError, can.CanError, OSError):
+            self._fd = -1
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on, or -1 where the interface must be asked."""
+        return self._fd
+
+    def read(self) -> list[CanFrame]:
+        """Return the classic frames that have come."""
+        frames: list[CanFrame] = []
+        try:
+            for _ in range(FRAMES_AT_ONCE):
+                message = self._receive(timeout=0)
+                if message is None:
+                    break
+                if message.is_error_frame or message.is_fd:
+                    continue
+                frames.append(
+                    CanFrame(
+                        can_id=message.arbitration_id,
+                        extended=message.is_extended_id,
+                        data=bytes(message.data),
+                        remote=message.is_remote_frame,
+                    )
+                )
+        except (can.CanError, OSError) as error:
+            raise DeviceLostError(
+                f"the CAN channel {self.name} is gone ({error}); check it, then resume"
+            ) from error
+        return frames
+
+    def close(self) -> None:
+        """Let go of the bus."""
+        try:
+            self._shutdown()
+        except (can.CanError, OSError):
+            return
