@@ -36,6 +36,7 @@ from protocols.session.journal_payloads import (
     encode_loss,
     encode_mark,
 )
+from protocols.session.membership import check_membership
 from protocols.session.progress import is_complete
 from protocols.session.records import Hit, Loss, Session, SessionHeader
 
@@ -138,7 +139,8 @@ def decode_journal(data: bytes) -> Journal:
         end = None
         item = _decoded(record)
         if isinstance(item, Hit):
-            hits.append(_checked(item, header, hits))
+            _check_hit(item, header, hits, record.offset)
+            hits.append(item)
         elif isinstance(item, Loss):
             losses.append(item)
         elif isinstance(item, Mark):
@@ -201,29 +203,11 @@ def _header(record: Record) -> SessionHeader:
     return decode_header(record.payload)
 
 
-def _checked(hit: Hit, header: SessionHeader, before: Sequence[Hit]) -> Hit:
-    """Return `hit` if it belongs to the session that `header` describes."""
-    channels = header.channel_mask.bit_count()
-    if hit.counts.shape[1] != channels:
-        raise JournalError(
-            f"hit {hit.number}: {channels} channels are configured, "
-            f"{hit.counts.shape[1]} were recorded"
-        )
-    if before and hit.number <= before[-1].number:
-        raise JournalError(f"hit {hit.number} follows hit {before[-1].number}")
-    if hit.posture not in {posture.name for posture in header.plan.postures}:
-        raise JournalError(f"hit {hit.number}: the plan has no posture {hit.posture!r}")
-    for point in (hit.sensor_point, hit.hit_point):
-        if point not in {known.id for known in header.arm.points}:
-            raise JournalError(f"hit {hit.number}: the arm has no point {point!r}")
-    for reading in (hit.before, hit.after):
-        joints = reading.joints_rad
-        if joints is not None and len(joints) != len(header.arm.joints):
-            raise JournalError(
-                f"hit {hit.number}: the arm has {len(header.arm.joints)} joints, "
-                f"{len(joints)} angles came"
-            )
-    return hit
+def _check_hit(hit: Hit, header: SessionHeader, before: Sequence[Hit], offset: int) -> None:
+    try:
+        check_membership(hit, header, before[-1] if before else None)
+    except JournalError as error:
+        raise JournalError(f"journal record at byte {offset}: {error}") from error
 
 
 def _warnings(found: Scan, unknown: int, *, closed: bool) -> tuple[str, ...]:

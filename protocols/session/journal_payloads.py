@@ -39,7 +39,9 @@ __all__ = [
     "encode_hit",
     "encode_loss",
     "encode_mark",
+    "hit_model",
     "join_payload",
+    "loss_model",
     "split_payload",
 ]
 
@@ -99,25 +101,31 @@ def split_payload(payload: bytes | memoryview, what: str, limit: int) -> tuple[b
 
 def encode_hit(hit: Hit) -> bytes:
     """Return the HIT record of one hit, accepted or rejected."""
+    payload = join_payload(to_json(hit_model(hit)), hit.counts.astype("<i4").tobytes())
+    return encode_record(RecordKind.HIT, payload)
+
+
+def hit_model(hit: Hit) -> HitModel:
+    """Return what is stored of `hit` beside its counts, or raise JournalError."""
     if hit.counts.ndim != 2:
         raise JournalError(f"counts of shape (n, channels) were wanted, {hit.counts.shape} came")
     model = check(
         HitModel,
         {
-            "number": hit.number,
+            "number": int(hit.number),
             "posture": hit.posture,
             "sensor_point": hit.sensor_point,
             "hit_point": hit.hit_point,
             "hit_direction": tuple(hit.hit_direction.tolist()),
-            "first_sample": hit.first_sample,
-            "trigger_sample": hit.trigger_sample,
-            "trigger_host_s": hit.trigger_host_s,
+            "first_sample": int(hit.first_sample),
+            "trigger_sample": int(hit.trigger_sample),
+            "trigger_host_s": float(hit.trigger_host_s),
             "n_samples": hit.counts.shape[0],
             "n_channels": hit.counts.shape[1],
             "before": _reading_values(hit.before),
             "after": _reading_values(hit.after),
             "verdict": {
-                "accepted": hit.verdict.accepted,
+                "accepted": bool(hit.verdict.accepted),
                 "reasons": hit.verdict.reasons,
                 "notes": hit.verdict.notes,
                 "peak_n": _finite(hit.verdict.peak_n),
@@ -127,8 +135,7 @@ def encode_hit(hit: Hit) -> bytes:
         f"hit {hit.number}",
     )
     _check_direction(model)
-    payload = join_payload(to_json(model), hit.counts.astype("<i4").tobytes())
-    return encode_record(RecordKind.HIT, payload)
+    return model
 
 
 def decode_hit(payload: bytes | memoryview) -> Hit:
@@ -168,18 +175,22 @@ def decode_hit(payload: bytes | memoryview) -> Hit:
 
 def encode_loss(loss: Loss) -> bytes:
     """Return the LOSS record of something that did not arrive."""
-    model = check(
+    return encode_record(RecordKind.LOSS, to_json(loss_model(loss)))
+
+
+def loss_model(loss: Loss) -> LossModel:
+    """Return what is stored of `loss`, or raise JournalError."""
+    return check(
         LossModel,
         {
             "kind": loss.kind,
-            "count": loss.count,
-            "first_sample": loss.first_sample,
-            "host_s": loss.host_s,
+            "count": int(loss.count),
+            "first_sample": None if loss.first_sample is None else int(loss.first_sample),
+            "host_s": float(loss.host_s),
             "note": loss.note,
         },
         "loss",
     )
-    return encode_record(RecordKind.LOSS, to_json(model))
 
 
 def decode_loss(payload: bytes | memoryview) -> Loss:
@@ -248,17 +259,17 @@ def _check_direction(model: HitModel) -> None:
 
 
 def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    return float(value) if math.isfinite(value) else None
 
 
 def _reading_values(reading: JointReading) -> dict[str, object]:
     joints = reading.joints_rad
     return {
         "joints_rad": None if joints is None else tuple(joints.tolist()),
-        "drive_state": reading.drive_state,
-        "held": reading.held,
+        "drive_state": None if reading.drive_state is None else int(reading.drive_state),
+        "held": bool(reading.held),
         "age_s": _finite(reading.age_s),
-        "host_s": reading.host_s,
+        "host_s": float(reading.host_s),
     }
 
 
