@@ -34,7 +34,10 @@ class CanSource(Protocol):
     """Where CAN frames come from; there is no way to send one."""
 
     name: str
-    faults: int
+
+    @property
+    def faults(self) -> int:
+        """What came and was no frame."""
 
     def fileno(self) -> int:
         """Return the descriptor to wait on, or -1 where the source must be asked."""

@@ -1,0 +1,143 @@
+"""What the acquisition process says, each a record that cannot change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from daq.session_machine import Prompt
+from protocols.board.records import BoardDictionary
+from protocols.session.records import Hit, JointReading, Loss
+
+__all__ = [
+    "BoardFound",
+    "Event",
+    "Failed",
+    "Finished",
+    "HitJudged",
+    "JointsSeen",
+    "LossNoted",
+    "Noted",
+    "Preview",
+    "Prompted",
+    "SessionOpened",
+    "is_preview",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoardFound:
+    """The board answered and was configured."""
+
+    port: str
+    dictionary: BoardDictionary
+    channel_mask: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionOpened:
+    """The journal is open; hits already in it where the session is resumed."""
+
+    session_id: str
+    journal: str
+    hits_before: int
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prompted:
+    """Something is asked of the operator."""
+
+    prompt: Prompt
+    host_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HitJudged:
+    """A hit was judged, and is durable.
+
+    The figures are wall seconds: from reading the last sample to the verdict, and for making the
+    record durable.
+    """
+
+    hit: Hit
+    verdict_s: float
+    commit_s: float
+    clock_uncertainty_s: float  # of the hit's trigger_host_s, lab seconds
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointsSeen:
+    """Where the arm stands, a few times a second."""
+
+    reading: JointReading
+    off_rad: float | None  # largest distance from the posture wanted
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Preview:
+    """Lowest and highest counts of each channel since the preview before."""
+
+    first_sample: int
+    n_samples: int
+    lowest: npt.NDArray[np.int32]  # (n_bins, n_channels)
+    highest: npt.NDArray[np.int32]  # (n_bins, n_channels)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LossNoted:
+    """Something did not arrive; it is in the journal."""
+
+    loss: Loss
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noted:
+    """A sentence for the operator; kept in the journal too."""
+
+    text: str
+    host_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finished:
+    """The session has ended by itself or on request; the journal is closed."""
+
+    complete: bool
+    reason: str
+    journal: str
+    accepted: int
+    rejected: int
+    cpu_s: float  # processor time of the acquisition process
+    previews_dropped: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Failed:
+    """The session cannot go on; what was accepted is safe in the journal."""
+
+    message: str
+    kind: str  # name of the error's type
+    journal: str | None
+    exit_code: int = 2
+
+
+Event = (
+    BoardFound
+    | SessionOpened
+    | Prompted
+    | HitJudged
+    | JointsSeen
+    | Preview
+    | LossNoted
+    | Noted
+    | Finished
+    | Failed
+)
+
+
+def is_preview(event: Event) -> bool:
+    """Whether a later event of the same type makes this one needless."""
+    return isinstance(event, Preview | JointsSeen)
