@@ -1,0 +1,121 @@
+"""Records of a fitted modal model, and its synthesis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.modal.plscf import Stabilisation
+from analyzer.modal.regression import residual_terms
+from protocols.arrays import frozen_array
+from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+
+__all__ = ["ModalModel", "Mode", "mode_receptance", "synthesise"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mode:
+    """One mode: pole, shape, participation.
+
+    The mode's receptance is shape participation^T / (s - pole) plus its conjugate. `shape` is
+    turned so that its best line is real and scaled to a largest magnitude of 1; `participation`
+    carries the rest, in m/(N s).
+    """
+
+    pole_rad_s: complex
+    f_hz: float
+    f_std_hz: float
+    damping_ratio: float
+    damping_std: float
+    shape: npt.NDArray[np.complex128]  # (n_resp,)
+    participation: npt.NDArray[np.complex128]  # (n_ref,)
+    mpc: float
+    mpd_deg: float
+    dof: float  # Student-t degrees of freedom of both standard deviations
+    stability: float  # share of the model orders at which the pole was seen
+    significance: float  # rise of the misfit without the mode, over what noise alone would give
+
+    @property
+    def residues(self) -> npt.NDArray[np.complex128]:
+        """Receptance residues shape participation^T: (n_resp, n_ref)."""
+        return np.outer(self.shape, self.participation)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModalModel:
+    """Modes of one posture with the residual terms of every FRF.
+
+    `residual_terms` are the real coefficients c of c_0 s^(d-2) + c_1 s^(d-1) + c_2 s^d, with
+    d = 0, 1, 2 for receptance, mobility, accelerance: modes below the band, their damping and
+    the damping of those above, modes above the band.
+    """
+
+    posture: str
+    form: FrfForm
+    band_hz: tuple[float, float]
+    modes: tuple[Mode, ...]
+    residual_terms: npt.NDArray[np.float64]  # (n_resp, n_ref, 3)
+    covariance: npt.NDArray[np.float64]  # (2 n, 2 n) of (f_1, zeta_1, f_2, ...), Hz and 1
+    robust_covariance: bool  # from the scatter between points; False: from line variances
+    synthesis_error: float  # RMS misfit over RMS of all FRFs in the band
+    frf_error: npt.NDArray[np.float64]  # (n_resp, n_ref), the same per FRF
+    lack_of_fit: float  # weighted misfit per degree of freedom; 1 when noise explains it
+    responses: tuple[Dof, ...]
+    references: tuple[Dof, ...]
+    joints_rad: npt.NDArray[np.float64] | None
+    stabilisation: Stabilisation
+
+    @property
+    def f_hz(self) -> npt.NDArray[np.float64]:
+        """Natural frequencies of all modes: (n_modes,)."""
+        return frozen_array([mode.f_hz for mode in self.modes], np.float64)
+
+    @property
+    def damping_ratio(self) -> npt.NDArray[np.float64]:
+        """Damping ratios of all modes: (n_modes,)."""
+        return frozen_array([mode.damping_ratio for mode in self.modes], np.float64)
+
+
+def mode_receptance(mode: Mode, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
+    """Receptance of one mode on the Laplace points `s` (n,): (n_resp, n_ref, n)."""
+    pole = mode.pole_rad_s
+    residues = mode.residues[..., None]
+    return residues / (s - pole) + residues.conj() / (s - pole.conjugate())
+
+
+def synthesise(
+    model: ModalModel, freq_hz: npt.NDArray[np.float64], *, decay_rad_s: float = 0.0
+) -> npt.NDArray[np.complex128]:
+    """FRFs of the model, in the form it was fitted in: (n_resp, n_ref, n_freq).
+
+    Parameters
+    ----------
+    model
+        The fitted model.
+    freq_hz
+        (n_freq,), > 0.
+    decay_rad_s
+        Real part of the lines; 0 for the FRF itself.
+    """
+    s = decay_rad_s + 2j * np.pi * np.asarray(freq_hz, dtype=np.float64)
+    total = model.residual_terms @ residual_terms(model.form, s).T
+    power = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}[model.form]
+    for mode in model.modes:
+        # Fitted as (p^d R)/(s - p); the polynomial rest of s^d R/(s - p) is in the residual terms.
+        pole = mode.pole_rad_s
+        residues = mode.residues[..., None] * pole**power
+        total = total + residues / (s - pole) + residues.conj() / (s - pole.conjugate())
+    result: npt.NDArray[np.complex128] = total
+    return result
+
+
+def response_points(frf: FrequencyResponse) -> npt.NDArray[np.int64]:
+    """Cluster of each FRF, (n_resp, n_ref): FRFs that share hits share a number, from 0."""
+    names: dict[tuple[str, str], int] = {}
+    table = np.empty((len(frf.responses), len(frf.references)), dtype=np.int64)
+    for i, response in enumerate(frf.responses):
+        for j, reference in enumerate(frf.references):
+            table[i, j] = names.setdefault((response.point, reference.point), len(names))
+    return table

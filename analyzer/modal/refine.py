@@ -1,0 +1,80 @@
+"""Maximum-likelihood refinement of the poles, residues eliminated.
+
+Variable projection (Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413) with Kaufman's
+simplified Jacobian, in Gram matrices; Levenberg's damping makes every accepted step downhill.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.modal.regression import ModalData, Regression, regress
+
+__all__ = ["refine_poles"]
+
+_MOST_DAMPING = 0.6
+
+
+def _admissible(poles: npt.NDArray[np.complex128]) -> bool:
+    return bool(
+        np.all(poles.real < 0.0)
+        and np.all(poles.imag > 0.0)
+        and np.all(-poles.real < _MOST_DAMPING * np.abs(poles))
+    )
+
+
+def refine_poles(
+    data: ModalData,
+    start: npt.NDArray[np.complex128],
+    *,
+    max_steps: int = 12,
+    tolerance: float = 1e-5,
+) -> Regression:
+    """Move the poles to the least weighted sum of squares.
+
+    Parameters
+    ----------
+    data
+        FRFs weighted by one over their variance.
+    start
+        (n_modes,) poles in rad/s.
+    max_steps
+        Steps tried, accepted or not.
+    tolerance
+        Stop when no pole moves by more than this share of its own half bandwidth.
+
+    Returns
+    -------
+    Regression
+        At the best poles found, with information and score there.
+    """
+    current = regress(data, start)
+    if start.size == 0:
+        return current
+    damping = 1e-6
+    total = float(current.cost.sum())
+    for _ in range(max_steps):
+        A = current.information.sum(axis=0)
+        g = current.score.sum(axis=0)
+        diagonal = np.maximum(np.diag(A), np.finfo(float).tiny)
+        scale = 1.0 / np.sqrt(diagonal)
+        normal = A * scale[:, None] * scale[None, :] + damping * np.eye(g.size)
+        step = np.linalg.solve(normal, g * scale) * scale
+        moved = current.poles + step[0::2] + 1j * step[1::2]
+        if _admissible(moved):
+            trial = regress(data, moved)
+            reached = float(trial.cost.sum())
+        else:
+            reached = np.inf
+        share = np.max(np.abs(moved - current.poles) / np.abs(current.poles.real))
+        if reached <= total * (1.0 + 1e-12):
+            current, total = trial, reached
+            damping = max(damping / 10.0, 1e-9)
+            if share < tolerance:
+                break
+        else:
+            if share < tolerance:
+                break
+            damping = min(max(damping * 30.0, 1e-3), 1e6)
+    return current

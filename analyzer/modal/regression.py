@@ -1,0 +1,200 @@
+"""The modal model as a regression: poles given, everything else linear.
+
+Per FRF, on the lines s_k,
+
+    H(s) = sum_m [ R_m / (s - p_m) + R_m* / (s - p_m*) ] + c_0 s^(d-2) + c_1 s^(d-1) + c_2 s^d
+
+with real c and d = 0, 1, 2 for receptance, mobility, accelerance. Modes below the band give the
+first two (their expansion in 1/s), modes above it the last two (their expansion in s). The three
+terms also make the three forms equivalent: s R/(s - p) = R + p R/(s - p), and again for s^2.
+
+All sums over lines that a least-squares step needs are collected once in Gram matrices, one per
+FRF, of the regressors of R, of c, and of the poles' derivatives R/(s - p)^2. What follows works
+on those alone: solving for R and c, the gain of a mode, the Gauss-Newton step on the poles with R
+and c eliminated (variable projection), and the covariance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from protocols.frf_records import FrfForm
+
+__all__ = ["N_RESIDUAL", "ModalData", "Regression", "regress", "residual_terms"]
+
+N_RESIDUAL = 3
+_DERIVATIVE = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
+_RIDGE = 1e-13  # relative to the scaled diagonal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModalData:
+    """FRFs ready for the regression, one row an FRF."""
+
+    form: FrfForm
+    s: npt.NDArray[np.complex128]  # (n_freq,)
+    values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
+    weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
+    row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`
+
+    @property
+    def energy(self) -> npt.NDArray[np.float64]:
+        """Weighted sum of squares of each FRF: (n_frf,)."""
+        result: npt.NDArray[np.float64] = self.row_weight * np.sum(
+            self.weight * np.abs(self.values) ** 2, axis=1
+        )
+        return result
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Regression:
+    """Least-squares solution for given poles.
+
+    Linear parameters of an FRF are Re R_1, Im R_1, Re R_2, ..., then c_0, c_1, c_2; pole
+    parameters are Re p_1, Im p_1, Re p_2, ...
+    """
+
+    poles: npt.NDArray[np.complex128]  # (n_modes,)
+    residues: npt.NDArray[np.complex128]  # (n_frf, n_modes)
+    residuals: npt.NDArray[np.float64]  # (n_frf, 3)
+    cost: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares left
+    gain: npt.NDArray[np.float64]  # (n_frf, n_modes) rise of cost without the mode
+    information: npt.NDArray[np.float64]  # (n_frf, 2 n_modes, 2 n_modes), poles, projected
+    score: npt.NDArray[np.float64]  # (n_frf, 2 n_modes), poles, projected
+
+
+def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
+    """Residual regressors s^(d-2), s^(d-1), s^d on the lines: (n_freq, 3), unscaled."""
+    d = _DERIVATIVE[form]
+    return np.stack([s ** float(d - 2), s ** float(d - 1), s ** float(d)], axis=1)
+
+
+def _pair(
+    first: npt.NDArray[np.complex128], second: npt.NDArray[np.complex128]
+) -> npt.NDArray[np.complex128]:
+    """Regressors of Re and Im of a coefficient and its conjugate, interleaved."""
+    n_freq, n_modes = first.shape
+    both = np.empty((n_freq, 2 * n_modes), dtype=np.complex128)
+    both[:, 0::2] = first + second
+    both[:, 1::2] = 1j * (first - second)
+    return both
+
+
+def _gram(
+    Phi: npt.NDArray[np.complex128], data: ModalData
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Gram matrices (n_frf or 1, q, q) and right sides (n_frf, q), without `row_weight`."""
+    q = Phi.shape[1]
+    real, imag = np.ascontiguousarray(Phi.real), np.ascontiguousarray(Phi.imag)
+    if data.weight.shape[0] == 1:
+        w = data.weight[0][:, None]
+        G = (real.T @ (w * real) + imag.T @ (w * imag))[None]
+    else:
+        upper = np.triu_indices(q)
+        products = real[:, upper[0]] * real[:, upper[1]] + imag[:, upper[0]] * imag[:, upper[1]]
+        packed = data.weight @ products
+        G = np.empty((packed.shape[0], q, q))
+        G[:, upper[0], upper[1]] = packed
+        G[:, upper[1], upper[0]] = packed
+    weighted = data.weight * data.values
+    b = weighted.real @ real + weighted.imag @ imag
+    return G, b
+
+
+def regress(
+    data: ModalData, poles: npt.NDArray[np.complex128], *, pole_terms: bool = True
+) -> Regression:
+    """Solve for residues and residual terms, and prepare a step on the poles.
+
+    Parameters
+    ----------
+    data
+        The FRFs with weights.
+    poles
+        (n_modes,) in rad/s, positive frequency, decay of the lines not taken off.
+    pole_terms
+        False leaves `information` and `score` empty and saves three quarters of the work.
+
+    Returns
+    -------
+    Regression
+    """
+    n_modes, n_frf = poles.size, data.values.shape[0]
+    s = data.s[:, None]
+    direct, mirrored = 1.0 / (s - poles), 1.0 / (s - poles.conj())
+    parts = [_pair(direct, mirrored), residual_terms(data.form, data.s)]
+    if pole_terms:
+        parts.append(_pair(direct**2, mirrored**2))
+    Phi = np.concatenate(parts, axis=1)
+    size = np.sqrt(np.mean(np.abs(Phi) ** 2, axis=0))
+    Phi /= size
+    G, b = _gram(Phi, data)
+    p = 2 * n_modes + N_RESIDUAL
+
+    diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)
+    scale = 1.0 / np.sqrt(diagonal)
+    G11 = G[:, :p, :p] * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(p)
+    inverse = np.linalg.inv(G11) * scale[:, :, None] * scale[:, None, :]
+    x = np.einsum("oij,oj->oi", np.broadcast_to(inverse, (n_frf, p, p)), b[:, :p])
+    row = data.row_weight
+    cost = np.maximum(data.energy - row * np.einsum("oi,oi->o", b[:, :p], x), 0.0)
+
+    modal = x[:, : 2 * n_modes].reshape(n_frf, n_modes, 2)
+    index = np.arange(2 * n_modes).reshape(n_modes, 2)
+    blocks = inverse[:, index[:, :, None], index[:, None, :]]  # (n_frf or 1, n_modes, 2, 2)
+    gain = row[:, None] * np.einsum(
+        "omi,omij,omj->om", modal, np.linalg.inv(blocks), modal, optimize=True
+    )
+    physical_x = x / size[:p]
+    residues = physical_x[:, 0 : 2 * n_modes : 2] + 1j * physical_x[:, 1 : 2 * n_modes : 2]
+
+    information = np.zeros((n_frf, 0, 0))
+    score = np.zeros((n_frf, 0))
+    if pole_terms:
+        information, score = _pole_step(G, b, inverse, x, residues, size, p, row)
+    return Regression(
+        poles=poles,
+        residues=residues,
+        residuals=physical_x[:, 2 * n_modes :],
+        cost=cost,
+        gain=gain,
+        information=information,
+        score=score,
+    )
+
+
+def _pole_step(
+    G: npt.NDArray[np.float64],
+    b: npt.NDArray[np.float64],
+    inverse: npt.NDArray[np.float64],
+    x: npt.NDArray[np.float64],
+    residues: npt.NDArray[np.complex128],
+    size: npt.NDArray[np.float64],
+    p: int,
+    row: npt.NDArray[np.float64],
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Information and score of the poles with the linear parameters projected out.
+
+    A step (a, b) of a pole changes H by R (a + jb) / (s - p)^2: per FRF the derivative regressors
+    times the 2 x 2 matrix of the complex product with R.
+    """
+    n_frf, n_modes = residues.shape
+    G21 = G[:, p:, :p]
+    schur = G[:, p:, p:] - G21 @ inverse @ G21.transpose(0, 2, 1)
+    rest = b[:, p:] - np.einsum("oij,oj->oi", np.broadcast_to(G21, (n_frf, *G21.shape[1:])), x)
+    scaled = schur * size[p:, None] * size[None, p:]
+    rest = (rest * size[p:]).reshape(n_frf, n_modes, 2)
+    C = np.empty((n_frf, n_modes, 2, 2))
+    C[..., 0, 0] = C[..., 1, 1] = residues.real
+    C[..., 1, 0] = residues.imag
+    C[..., 0, 1] = -residues.imag
+    score = np.einsum("o,omij,omi->omj", row, C, rest).reshape(n_frf, 2 * n_modes)
+    blocks = scaled.reshape(-1, n_modes, 2, n_modes, 2)
+    blocks = np.broadcast_to(blocks, (n_frf, n_modes, 2, n_modes, 2))
+    left = np.einsum("omij,omikl->omjkl", C, blocks)
+    information = np.einsum("omjkl,oklh->omjkh", left, C)
+    information *= row[:, None, None, None, None]
+    return information.reshape(n_frf, 2 * n_modes, 2 * n_modes), score

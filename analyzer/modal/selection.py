@@ -1,0 +1,145 @@
+"""Which candidate poles the data need.
+
+Candidates are generous; the regression decides. Without a mode the weighted misfit rises by its
+gain; noise alone would give two real parameters an FRF. A mode stays when its gain is beyond
+doubt, when it carries a visible part of the FRFs at its own frequency, when its pole is
+determined, and when it is not a second copy of a neighbour.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.modal.choice import physical
+from analyzer.modal.correlation import mac
+from analyzer.modal.refine import refine_poles
+from analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
+from analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
+
+__all__ = ["Selection", "lack_of_fit", "select_modes"]
+
+_LEAST_SIGNIFICANCE = 5.0
+_LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequency
+_MOST_DAMPING_STD = 0.5  # of the damping ratio
+_DUPLICATE_MAC = 0.9
+_DUPLICATE_DISTANCE = 1.0  # in half bandwidths of the wider of the two
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Selection:
+    """The poles that stayed, refined."""
+
+    fit: Regression
+    share: npt.NDArray[np.float64]  # (n_modes,) stability of each
+    significance: npt.NDArray[np.float64]  # (n_modes,)
+
+
+def lack_of_fit(fit: Regression, n_freq: int) -> float:
+    """Weighted misfit per real degree of freedom; a half for noise of the stated variance."""
+    n_frf, n_modes = fit.residues.shape
+    free = max(n_frf * (2 * n_freq - 2 * n_modes - N_RESIDUAL) - 2 * n_modes, 1)
+    return float(fit.cost.sum()) / free
+
+
+def _significance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
+    """Gain of each mode over what noise with correlated lines would give: (n_modes,)."""
+    expected = 2.0 * fit.cost.size * max(lack_of_fit(fit, n_freq), np.finfo(float).tiny) / share
+    result: npt.NDArray[np.float64] = fit.gain.sum(axis=0) / expected
+    return result
+
+
+def _visible(fit: Regression, data: ModalData) -> npt.NDArray[np.float64]:
+    """Weighted amplitude of each mode over that of the FRFs at its own frequency: (n_modes,)."""
+    line = np.argmin(np.abs(data.s.imag[:, None] - fit.poles.imag), axis=0)  # (n_modes,)
+    weight = data.row_weight[:, None] * data.weight[:, line]
+    own = np.abs(fit.residues / (data.s[line] - fit.poles)) ** 2
+    all_of_it = np.abs(data.values[:, line]) ** 2
+    result: npt.NDArray[np.float64] = np.sqrt(
+        (weight * own).sum(axis=0) / np.maximum((weight * all_of_it).sum(axis=0), 1e-300)
+    )
+    return result
+
+
+def _duplicate_of_a_stronger(fit: Regression, significance: npt.NDArray[np.float64]) -> int | None:
+    """Index of a mode that repeats a stronger neighbour, or None."""
+    order = np.argsort(significance)
+    for weak in order:
+        for other in range(fit.poles.size):
+            if other == weak or significance[other] < significance[weak]:
+                continue
+            reach = max(-fit.poles[weak].real, -fit.poles[other].real)
+            if abs(fit.poles[weak] - fit.poles[other]) > _DUPLICATE_DISTANCE * reach:
+                continue
+            both = fit.residues[:, weak], fit.residues[:, other]
+            if np.any(both[0]) and np.any(both[1]) and mac(*both) > _DUPLICATE_MAC:
+                return int(weak)
+    return None
+
+
+def _weakest(
+    fit: Regression, data: ModalData, band_hz: tuple[float, float], share: float, *, strict: bool
+) -> int | None:
+    """The mode to drop next, or None when all may stay."""
+    n_freq = data.s.size
+    significance = _significance(fit, n_freq, share)
+    bad = significance < _LEAST_SIGNIFICANCE
+    if strict:
+        bad |= ~physical(fit.poles, band_hz)
+        bad |= _visible(fit, data) < _LEAST_VISIBLE
+        J = frequency_damping_jacobian(fit.poles)
+        std = np.sqrt(np.maximum(np.diag(J @ white_covariance(fit, n_freq, share) @ J.T), 0.0))
+        damping = -fit.poles.real / np.abs(fit.poles)
+        bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
+    if np.any(bad):
+        return int(np.argmin(np.where(bad, significance, np.inf)))
+    return _duplicate_of_a_stronger(fit, significance) if strict else None
+
+
+def select_modes(
+    data: ModalData,
+    poles: npt.NDArray[np.complex128],
+    stability: npt.NDArray[np.float64],
+    band_hz: tuple[float, float],
+    *,
+    line_share: float,
+) -> Selection:
+    """Keep the candidates the data need and refine them to maximum likelihood.
+
+    Parameters
+    ----------
+    data
+        FRFs weighted by one over their variance.
+    poles, stability
+        (n,) candidates in rad/s and the share of orders each was seen at.
+    band_hz
+        Band the frequencies must stay in.
+    line_share
+        Independent lines per line under the window.
+
+    Returns
+    -------
+    Selection
+        Possibly of no modes.
+    """
+    share = stability
+    fit = regress(data, poles, pole_terms=False)
+    while poles.size:
+        drop = _weakest(fit, data, band_hz, line_share, strict=False)
+        if drop is None:
+            break
+        poles, share = np.delete(poles, drop), np.delete(share, drop)
+        fit = regress(data, poles, pole_terms=False)
+    fit = refine_poles(data, poles)
+    while fit.poles.size:
+        drop = _weakest(fit, data, band_hz, line_share, strict=True)
+        if drop is None:
+            break
+        share = np.delete(share, drop)
+        fit = refine_poles(data, np.delete(fit.poles, drop))
+    rank = np.argsort(np.abs(fit.poles), kind="stable")
+    if np.any(rank != np.arange(rank.size)):
+        fit, share = regress(data, fit.poles[rank]), share[rank]
+    return Selection(fit=fit, share=share, significance=_significance(fit, data.s.size, line_share))

@@ -1,0 +1,198 @@
+"""Covariance of fitted poles from the scatter between measured points.
+
+The lines of one FRF are correlated (exponential window), the axes of one hit are correlated, and
+a model always lacks something: a covariance from line variances alone would be too small. Each
+measured point, with all its axes and lines, is therefore one cluster, and the covariance is the
+cluster-robust one with the bias reduction and the degrees of freedom of Bell and McCaffrey.
+
+With A_g and s_g the information and the score of cluster g after the residues are projected out,
+A = sum A_g, S_g = A_g^(1/2):
+
+    cov = A^-1 [ sum_g t_g t_g^T ] A^-1,  t_g = S_g (I - S_g A^-1 S_g)^(-1/2) S_g^-1 s_g
+
+A mode that few points see leaves few degrees of freedom. Each variance is therefore drawn towards
+the white-noise variance (A^-1), scaled by the factor by which the robust variances of all modes
+exceed theirs, with the weight of four degrees of freedom; the correlations stay the robust ones.
+With fewer than three clusters the white-noise covariance stands alone, scaled by the lack of fit
+and by the correlation of neighbouring lines, with the degrees of freedom of the hits' scatter.
+
+References
+----------
+Bell and McCaffrey, Survey Methodology 28 (2002) 169. Pustejovsky and Tipton, J. Bus. Econ. Stat.
+36 (2018) 672.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.modal.regression import Regression
+
+__all__ = ["PoleCovariance", "frequency_damping_jacobian", "pole_covariance", "white_covariance"]
+
+_PRIOR_DOF = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoleCovariance:
+    """Covariance of (f_1, zeta_1, f_2, zeta_2, ...) and Student-t degrees of freedom of each."""
+
+    covariance: npt.NDArray[np.float64]  # (2 n_modes, 2 n_modes), Hz and 1
+    dof: npt.NDArray[np.float64]  # (2 n_modes,)
+    robust: bool  # from clusters; False: from line variances
+
+
+def frequency_damping_jacobian(
+    poles: npt.NDArray[np.complex128],
+) -> npt.NDArray[np.float64]:
+    """Derivative of (f, zeta) of each pole by (Re p, Im p): (2 n, 2 n), block diagonal."""
+    n = poles.size
+    magnitude = np.abs(poles)
+    J = np.zeros((n, 2, n, 2))
+    i = np.arange(n)
+    J[i, 0, i, 0] = poles.real / magnitude / (2.0 * np.pi)
+    J[i, 0, i, 1] = poles.imag / magnitude / (2.0 * np.pi)
+    # zeta = -Re p / |p|
+    J[i, 1, i, 0] = -(poles.imag**2) / magnitude**3
+    J[i, 1, i, 1] = poles.real * poles.imag / magnitude**3
+    return J.reshape(2 * n, 2 * n)
+
+
+def white_covariance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
+    """Covariance of (Re p, Im p) for independent errors, scaled by the lack of fit.
+
+    Parameters
+    ----------
+    fit
+        Regression at the refined poles.
+    n_freq
+        Lines of each FRF.
+    share
+        Independent lines per line under the window.
+    """
+    A = fit.information.sum(axis=0)
+    n_frf = fit.cost.size
+    free = max(n_frf * (2 * n_freq - 2 * fit.poles.size - 3) - 2 * fit.poles.size, 1)
+    lack_of_fit = float(fit.cost.sum()) / free
+    return _inverse(A) * lack_of_fit / share
+
+
+def _inverse(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
+    inner: npt.NDArray[np.float64] = np.linalg.pinv(
+        A * scale[:, None] * scale[None, :], hermitian=True
+    )
+    return inner * scale[:, None] * scale[None, :]
+
+
+def _cluster_parts(
+    fit: Regression, clusters: npt.NDArray[np.int64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    n = int(clusters.max()) + 1
+    member = (clusters[None, :] == np.arange(n)[:, None]).astype(float)
+    A = np.tensordot(member, fit.information, axes=1)
+    return A, member @ fit.score
+
+
+def pole_covariance(
+    fit: Regression,
+    clusters: npt.NDArray[np.int64],
+    *,
+    n_freq: int,
+    share: float,
+    hit_dof: float,
+) -> PoleCovariance:
+    """Covariance of frequencies and damping ratios.
+
+    Parameters
+    ----------
+    fit
+        Regression at the refined poles.
+    clusters
+        (n_frf,), which cluster each FRF belongs to, from 0.
+    n_freq
+        Lines of each FRF.
+    share
+        Independent lines per line under the window, for the fall-back.
+    hit_dof
+        Degrees of freedom of the hits' scatter, for the fall-back.
+
+    Returns
+    -------
+    PoleCovariance
+    """
+    n_par = 2 * fit.poles.size
+    J = frequency_damping_jacobian(fit.poles)
+    if n_par == 0:
+        return PoleCovariance(covariance=np.zeros((0, 0)), dof=np.zeros(0), robust=True)
+    white = J @ white_covariance(fit, n_freq, share) @ J.T
+    fallback = PoleCovariance(covariance=white, dof=np.full(n_par, hit_dof), robust=False)
+    A_g, s_g = _cluster_parts(fit, clusters)
+    if A_g.shape[0] < 3:
+        return fallback
+    # Scaled so that A is the identity: every expression below is then in units of information.
+    A = A_g.sum(axis=0)
+    value, vector = np.linalg.eigh(A * _outer_scale(A))
+    if value[0] <= 1e-12 * value[-1]:
+        return fallback
+    scale = 1.0 / np.sqrt(np.diag(A))
+    whiten = scale[:, None] * vector / np.sqrt(value)  # columns; whiten^T A whiten = I
+    B = whiten.T @ A_g @ whiten  # (n, p, p), sums to I
+    r = s_g @ whiten
+    leverage, basis = np.linalg.eigh(0.5 * (B + B.transpose(0, 2, 1)))
+    leverage = np.clip(leverage, 0.0, 1.0)
+    # S (I - S S)^(-1/2) S^-1 shares the eigenvectors of B; a direction seen by one cluster alone
+    # (leverage 1) carries no information on scatter and is left out.
+    lone = leverage > 1.0 - 1e-6
+    factor = np.where(lone, 0.0, 1.0 / np.sqrt(np.maximum(1.0 - leverage, 1e-6)))
+    t = np.einsum("gij,gj->gi", basis * factor[:, None, :], np.einsum("gji,gj->gi", basis, r))
+    map_out = J @ whiten  # contrasts in whitened parameters
+    covariance = map_out @ (t.T @ t) @ map_out.T
+    dof = _satterthwaite(map_out, leverage, basis, factor)
+    return _drawn_together(covariance, white, dof)
+
+
+def _drawn_together(
+    robust: npt.NDArray[np.float64], white: npt.NDArray[np.float64], dof: npt.NDArray[np.float64]
+) -> PoleCovariance:
+    """Robust covariance with its variances drawn towards the scaled white ones."""
+    own = np.diag(robust)
+    model = np.maximum(np.diag(white), np.finfo(float).tiny)
+    excess = float(np.sum(dof * own / model) / np.sum(dof))
+    variance = (dof * own + _PRIOR_DOF * excess * model) / (dof + _PRIOR_DOF)
+    stretch = np.sqrt(variance / np.maximum(own, np.finfo(float).tiny))
+    return PoleCovariance(
+        covariance=robust * stretch[:, None] * stretch[None, :],
+        dof=dof + _PRIOR_DOF,
+        robust=True,
+    )
+
+
+def _outer_scale(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    scale = 1.0 / np.sqrt(np.diag(A))
+    return scale[:, None] * scale[None, :]
+
+
+def _satterthwaite(
+    contrasts: npt.NDArray[np.float64],
+    leverage: npt.NDArray[np.float64],
+    basis: npt.NDArray[np.float64],
+    factor: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]:
+    """Degrees of freedom of each contrast's robust variance under a white working model.
+
+    dof = (tr M)^2 / tr(M M), M_gh = delta_gh b_g.b_g - b_g^T S_g S_h b_h with
+    b_g = (I - S_g S_g)^(-1/2) S_g c, A the identity.
+    """
+    root = np.sqrt(leverage)
+    dof = np.empty(contrasts.shape[0])
+    for i, c in enumerate(contrasts):
+        in_basis = np.einsum("gji,j->gi", basis, c)
+        b = factor * root * in_basis
+        projected = np.einsum("gij,gj->gi", basis, root * b)
+        M = np.diag(np.sum(b**2, axis=1)) - projected @ projected.T
+        dof[i] = np.trace(M) ** 2 / max(float(np.sum(M * M)), np.finfo(float).tiny)
+    return dof

@@ -1,0 +1,225 @@
+"""A simulated hammer test in closed form: half-sine pulses on a known modal model.
+
+The response of one mode to a half-sine is known exactly, so the records hold no integration
+error; both channels carry the same AC coupling where asked for, added in closed form too.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from protocols.arm.records import Arm, Tolerances
+from protocols.board.records import BoardDictionary, Channel, IepeState
+from protocols.plan_records import (
+    Mode,
+    Plan,
+    PlannedPosture,
+    Sampling,
+    SensorOnArm,
+    Trigger,
+    Windows,
+)
+from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
+
+FORCE_SCALE = 1e-4  # N per count
+ACCELERATION_SCALE = 1e-6  # m/s^2 per count
+
+
+def _one_sided(t, p, rate):
+    """integral_0^t e^(p (t - u)) e^(j rate u) du for t >= 0, zero before."""
+    t = np.maximum(t, 0.0)
+    return (np.exp(1j * rate * t) - np.exp(p * t)) / (1j * rate - p)
+
+
+def half_sine_response(t, width, p):
+    """Response at times t of 1/(s - p) to sin(pi u / width) on 0 < u < width.
+
+    A half-sine is a sine begun at 0 plus the same sine begun at `width`.
+    """
+    rate = np.pi / width
+    total = np.zeros(t.shape, dtype=complex)
+    for start in (0.0, width):
+        later = t - start
+        wave = (_one_sided(later, p, rate) - _one_sided(later, p, -rate)) / 2j
+        total += np.where(later > 0.0, wave, 0.0)
+    return total
+
+
+def half_sine(t, width):
+    return np.where((t > 0.0) & (t < width), np.sin(np.pi * t / width), 0.0)
+
+
+def acceleration(t, width, poles, residues, corner_hz=0.0):
+    """(n_axes, n) acceleration to a unit half-sine; residues (n_modes, n_axes) of receptance.
+
+    With AC coupling s/(s + wc) the transfer function s^3 / (s + wc) R/(s - p) + c.c. is split
+    into partial fractions; the direct part is proportional to the force and its derivative.
+    """
+    wc = 2.0 * np.pi * corner_hz
+    total = np.zeros((residues.shape[1], t.size))
+    force = half_sine(t, width)
+    slope = np.where((t > 0.0) & (t < width), np.pi / width * np.cos(np.pi * t / width), 0.0)
+    for p, R in zip(poles, residues, strict=True):
+        # s^3/((s + wc)(s - p)) = s + (p - wc) + A/(s - p) + B/(s + wc)
+        A = p**3 / (p + wc)
+        ringing = A * half_sine_response(t, width, p)
+        if corner_hz > 0.0:
+            B = -(wc**3) / (-wc - p)
+            ringing = ringing + B * half_sine_response(t, width, -wc)
+        direct = (p - wc) * force + slope
+        total += 2.0 * (R[:, None] * (ringing + direct)[None, :]).real
+    return total
+
+
+def force_record(t, width, corner_hz=0.0):
+    """Unit half-sine through AC coupling s/(s + wc)."""
+    wc = 2.0 * np.pi * corner_hz
+    droop = wc * half_sine_response(t, width, -wc).real if corner_hz > 0.0 else 0.0
+    return half_sine(t, width) - droop
+
+
+def dictionary(corner_hz=0.0, names=("hammer", "acc_x", "acc_y", "acc_z")):
+    channels = tuple(
+        Channel(
+            name=name,
+            quantity="force" if i == 0 else "acceleration",
+            unit="N" if i == 0 else "m/s^2",
+            scale=FORCE_SCALE if i == 0 else ACCELERATION_SCALE,
+            full_scale=1e4,
+            iepe=IepeState.OK,
+            highpass_hz=corner_hz,
+            serial_number="1",
+            calibration_date="",
+            teds=b"",
+        )
+        for i, name in enumerate(names)
+    )
+    return BoardDictionary(
+        board_id="b",
+        firmware="1",
+        link_bytes_per_s=1_000_000,
+        block_capacity=1_000_000,
+        tick_hz=1_000_000,
+        filter_group_delay_samples=0.0,
+        channels=channels,
+    )
+
+
+def arm():
+    tolerances = Tolerances(
+        mass=0.0,
+        inertia=0.0,
+        center_m=0.0,
+        encoder_offset_rad=0.0,
+        sensor_tilt_rad=0.0,
+        sensor_gain=0.0,
+        hammer_gain=0.0,
+        hit_direction_rad=0.0,
+    )
+    return Arm(
+        name="a",
+        source="",
+        joints=(),
+        gravity_m_s2=np.zeros(3),
+        points=(),
+        groups={},
+        tolerances=tolerances,
+        can=None,
+        text="",
+        urdf_text=None,
+        sha256="",
+    )
+
+
+def session(
+    poles,
+    residues,
+    *,
+    mode=Mode.ROVING_RESPONSE,
+    rate=1652,
+    samples=2048,
+    exponential_end=0.03,
+    force_s=None,
+    corner_hz=0.0,
+    hits=3,
+    noise=0.0,
+    rng=None,
+    joints=(0.1, 0.2),
+):
+    """Session of a roving test; residues (n_modes, n_points, 3) of receptance, one reference."""
+    rng = rng or np.random.default_rng(0)
+    pretrigger = 100
+    points = tuple(str(i + 1) for i in range(residues.shape[1]))
+    reading = JointReading(
+        joints_rad=np.array(joints), drive_state=1, held=True, age_s=0.001, host_s=0.0
+    )
+    taken = []
+    for index, point in enumerate(points):
+        for _ in range(hits):
+            width = rng.uniform(2.5e-3, 4e-3)
+            t = (np.arange(samples) - pretrigger + rng.uniform(0.0, 1.0)) / rate
+            peak = rng.uniform(50.0, 150.0)
+            force = peak * force_record(t, width, corner_hz)
+            response = peak * acceleration(t, width, poles, residues[:, index], corner_hz)
+            record = np.vstack([force, response])
+            record += noise * rng.standard_normal(record.shape)
+            scale = np.array([FORCE_SCALE] + [ACCELERATION_SCALE] * 3)
+            counts = np.round(record / scale[:, None]).astype(np.int32).T
+            number = len(taken) + 1
+            hammer = mode is Mode.ROVING_HAMMER
+            taken.append(
+                Hit(
+                    number=number,
+                    posture="p",
+                    sensor_point="7" if hammer else point,
+                    hit_point=point if hammer else "7",
+                    hit_direction=np.array([0.0, 0.0, -1.0]),
+                    first_sample=number * 10_000,
+                    trigger_sample=number * 10_000 + pretrigger,
+                    trigger_host_s=0.0,
+                    counts=counts,
+                    before=reading,
+                    after=reading,
+                    verdict=Verdict(
+                        accepted=True, reasons=(), notes=(), peak_n=peak, width_s=width
+                    ),
+                )
+            )
+    plan = Plan(
+        name="t",
+        arm="a",
+        mode=mode,
+        fixed_point="7",
+        hits_per_point=hits,
+        max_attempts=5,
+        sampling=Sampling(rate_hz=Fraction(rate), samples=samples, pretrigger=pretrigger),
+        trigger=Trigger(level_n=5.0, rising=True),
+        windows=Windows(exponential_end=exponential_end, force_s=force_s),
+        sensor=SensorOnArm(mass_kg=0.0),
+        postures=(
+            PlannedPosture(
+                name="p",
+                joints_rad=np.array(joints),
+                tolerance_rad=0.01,
+                points=points,
+                hit_direction=None,
+                validation=False,
+            ),
+        ),
+        text="",
+        sha256="",
+    )
+    header = SessionHeader(
+        session_id="0",
+        created="2025-01-01T00:00:00Z",
+        software="t",
+        arm=arm(),
+        plan=plan,
+        dictionary=dictionary(corner_hz),
+        dictionary_bytes=b"",
+        channel_mask=0b1111,
+        time_scale=1.0,
+    )
+    return Session(header=header, hits=tuple(taken), losses=(), complete=True)
