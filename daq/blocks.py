@@ -6,6 +6,7 @@ never with a hole filled in.
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,7 +120,7 @@ class BlockCollector:
         self._max_rounds = max_rounds
         self._max_blocks = max_blocks
         self._open: dict[int, BlockAssembler] = {}
-        self._newest_done = 0
+        self._done: deque[int] = deque(maxlen=1024)
         self.foreign_frames = 0
 
     def __len__(self) -> int:
@@ -127,7 +128,7 @@ class BlockCollector:
 
     def announce(self, info: BlockInfo, now_s: float) -> bool:
         """Take a BLOCK_READY in; False if it is known, done, too many, or not what was set up."""
-        if info.block_id in self._open or info.block_id <= self._newest_done:
+        if info.block_id in self._open or info.block_id in self._done:
             return False
         if len(self._open) >= self._max_blocks or info.length != self._block_length:
             return False
@@ -136,7 +137,7 @@ class BlockCollector:
 
     def knows(self, block_id: int) -> bool:
         """Whether the block is being put together or has been."""
-        return block_id in self._open or block_id <= self._newest_done
+        return block_id in self._open or block_id in self._done
 
     def add(self, samples: Samples, now_s: float) -> None:
         """Take BLOCK_DATA in; data of a block that is not open is counted and left."""
@@ -154,7 +155,7 @@ class BlockCollector:
         if not block.complete and not (waited and block.rounds >= self._max_rounds):
             return None
         del self._open[block_id]
-        self._newest_done = max(self._newest_done, block_id)
+        self._done.append(block_id)
         return block.captured()
 
     def overdue(self, now_s: float) -> tuple[Resend, ...]:

@@ -240,6 +240,10 @@ class BoardLink:
         self._sent = {tag: times for tag, times in self._sent.items() if times[1] > sent[1]}
         return Reply(frame=frame, sent_s=sent[0], received_s=self._clock.now_s())
 
+    def waits_for_reply(self) -> bool:
+        """Whether a command has not been answered yet."""
+        return bool(self._sent)
+
     def check_alive(self) -> None:
         """Raise DeviceTimeoutError if a command has waited for its reply three times too long."""
         if not self._sent:

@@ -102,7 +102,8 @@ def judge_record(
     force_n: Signal = block.counts[:, column] * np.float64(channels[column].scale)
     start = block.info.trigger_sample - block.first_sample
     quiet = force_n[: max(min(start, len(force_n)) - _RINGING_REACH, 0)]
-    force_n = force_n - np.float64(np.median(quiet)) if quiet.size >= _FEWEST_QUIET else 0.0)
+    if quiet.size >= _FEWEST_QUIET:
+        force_n = force_n - np.float64(np.median(quiet))
     if not trigger.rising:
         force_n = -force_n
     peak_at = int(np.argmax(force_n))

@@ -204,7 +204,7 @@ def retake(
     here = state.here
     return replace(
         state,
-        progress=state.progress[:index] + (renewed,) + state.progress[index + 1 :],
+        progress=(*state.progress[:index], renewed, *state.progress[index + 1 :]),
         current=index,
         at_posture=state.at_posture and here is not None and here.posture == chosen.posture,
         ready=False,
@@ -216,7 +216,7 @@ def _advance(state: SessionState, changed: Progress) -> SessionState:
     index = state.current
     if index is None:
         return state
-    progress = state.progress[:index] + (changed,) + state.progress[index + 1 :]
+    progress = (*state.progress[:index], changed, *state.progress[index + 1 :])
     if not changed.complete:
         return replace(state, progress=progress)
     following = _next(progress)

@@ -1,0 +1,314 @@
+"""The body of the acquisition process: open, loop, hand over, close.
+
+A process of its own, because a reader beside a redrawing screen loses samples. It owns both
+devices and the journal; it hears commands and tells events over one connection.
+"""
+
+from __future__ import annotations
+
+import secrets
+import select
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from multiprocessing.connection import Connection
+from typing import Any
+
+from daq import session_machine
+from daq.board_link import BoardLink
+from daq.board_session import BoardSession
+from daq.can_listener import CanSource, open_can
+from daq.clock import Clock, SystemClock
+from daq.commands import Command, Ready, Retake, Skip, Stop
+from daq.events import BoardFound, Failed, Finished, SessionOpened
+from daq.joint_state import JointState
+from daq.journal_writer import JournalWriter
+from daq.losses import LossTally
+from daq.outbox import Outbox
+from daq.serial_port import SerialPort
+from daq.session_loop import SessionLoop
+from daq.settings import AcquisitionSettings
+from protocols.arm.records import CanMapping
+from protocols.board.records import IepeState
+from protocols.errors import ArmError, ArmodalError, CanError, JournalError
+from protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
+from protocols.session.records import SessionHeader
+
+__all__ = ["run_acquisition"]
+
+TURN_WALL_S = 0.005  # a pseudo-terminal holds four turns of the fastest stream
+FAST_TURN_WALL_S = 0.002  # where the laboratory's clock runs faster than the host's
+IDLE_WALL_S = 0.02
+CAN_WALL_S = 1.0  # the bus is given at least so long at the start
+FAREWELL_WALL_S = 2.0
+FAILED_EXIT_CODE = 2
+
+
+@dataclass(slots=True)
+class _Journal:
+    writer: JournalWriter | None = None
+    earlier: Journal | None = None
+
+
+def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]) -> int:
+    """Run a session until its plan is done, `Stop` comes, the listener goes, or it fails.
+
+    Parameters
+    ----------
+    settings
+        Ports, arm, plan, journal.
+    channel
+        Receives commands (`daq.commands`), is sent events (`daq.events`). A slow listener is
+        never waited for.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 2 after a `Failed` event.
+    """
+    outbox = Outbox(channel)
+    journal = _Journal()
+    try:
+        with ExitStack() as stack:
+            finished = _run(settings, channel, outbox, journal, stack)
+    except ArmodalError as error:
+        path = str(journal.writer.path) if journal.writer else None
+        outbox.put(Failed(message=str(error), kind=type(error).__name__, journal=path))
+        outbox.finish(FAREWELL_WALL_S)
+        return FAILED_EXIT_CODE
+    outbox.put(finished)
+    outbox.finish(FAREWELL_WALL_S)
+    return 0
+
+
+def _run(
+    settings: AcquisitionSettings,
+    channel: Connection[Any, Any],
+    outbox: Outbox,
+    journal: _Journal,
+    stack: ExitStack,
+) -> Finished:
+    clock = SystemClock(settings.time_scale)
+    mapping = settings.arm.can
+    if mapping is None:
+        raise ArmError(
+            f"arm {settings.arm.name} has no [can] section: without it no joint angle is known"
+        )
+    if settings.resume:
+        _resume(settings, journal, stack)
+    can_source = open_can(settings.can_channel, mapping.bitrate)
+    stack.callback(can_source.close)
+    port = SerialPort(settings.board_port)
+    stack.callback(port.close)
+    link = BoardLink(port, clock, reply_timeout_s=settings.reply_timeout_s)
+    losses = LossTally()
+    board = BoardSession(link, link.hello(), settings, clock, losses)
+    joints = JointState(mapping, [joint.name for joint in settings.arm.joints])
+    _hear_every_joint(can_source, joints, mapping, settings, clock)
+    board.start()
+    _check_same_sensors(board, journal)
+    outbox.put(
+        BoardFound(
+            port=settings.board_port, dictionary=board.found.dictionary, channel_mask=board.mask
+        )
+    )
+    earlier = journal.earlier
+    session_id = earlier.header.session_id if earlier else settings.session_id
+    session_id = session_id or secrets.token_hex(8)
+    writer = _open_journal(settings, session_id, board, clock, journal, stack)
+    hits = earlier.hits if earlier else ()
+    loop = SessionLoop(
+        settings=settings,
+        clock=clock,
+        board=board,
+        joints=joints,
+        losses=losses,
+        journal=writer,
+        outbox=outbox,
+        state=session_machine.begin(settings.plan, hits),
+        next_hit=hits[-1].number + 1 if hits else 1,
+        turn_s=_turn_wall_s(settings) * settings.time_scale,
+    )
+    outbox.put(
+        SessionOpened(
+            session_id=session_id,
+            journal=str(writer.path),
+            hits_before=len(hits),
+            warnings=earlier.warnings if earlier else (),
+        )
+    )
+    _note_sensors(loop, board, clock)
+    _loop(loop, board, can_source, joints, channel, clock, _turn_wall_s(settings), losses)
+    loop.flush_losses()
+    reason = loop.ended or ""
+    writer.append(encode_end(End(reason=reason, host_s=clock.now_s())))
+    board.stop()
+    return Finished(
+        complete=loop.complete,
+        reason=reason,
+        journal=str(writer.path),
+        accepted=loop.accepted + sum(hit.verdict.accepted for hit in hits),
+        rejected=loop.rejected + sum(not hit.verdict.accepted for hit in hits),
+        cpu_s=time.process_time(),
+        previews_dropped=outbox.previews_dropped,
+    )
+
+
+def _loop(
+    loop: SessionLoop,
+    board: BoardSession,
+    can_source: CanSource,
+    joints: JointState,
+    channel: Connection[Any, Any],
+    clock: Clock,
+    turn_wall_s: float,
+    losses: LossTally,
+) -> None:
+    """One turn after the other; bytes gather between turns, so that few turns move many."""
+    polled = can_source.fileno() < 0
+    waited_on = [board.fileno(), channel.fileno()] + ([] if polled else [can_source.fileno()])
+    listening = True
+    while loop.ended is None:
+        select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)
+        now_s = clock.now_s()
+        joints.feed(can_source.read(), now_s)
+        losses.watch("can", can_source.faults, "lines that are not slcan", now_s)
+        board.turn(now_s)
+        commands, listening = _commands(channel) if listening else ((), False)
+        if not listening:
+            commands = (*commands, Stop(reason="the operator's program has gone"))
+        loop.turn(now_s, commands)
+        if not board.waits_for_reply:
+            clock.sleep(turn_wall_s / clock.wall_s(1.0))
+
+
+def _commands(channel: Connection[Any, Any]) -> tuple[tuple[Command, ...], bool]:
+    """Return what has been said, and whether somebody is still there."""
+    said: list[Command] = []
+    try:
+        while channel.poll(0):
+            command = channel.recv()
+            if isinstance(command, Ready | Retake | Skip | Stop):
+                said.append(command)
+    except (EOFError, OSError):
+        return tuple(said), False
+    return tuple(said), True
+
+
+def _turn_wall_s(settings: AcquisitionSettings) -> float:
+    return TURN_WALL_S if settings.time_scale <= 1.0 else FAST_TURN_WALL_S
+
+
+def _hear_every_joint(
+    source: CanSource,
+    joints: JointState,
+    mapping: CanMapping,
+    settings: AcquisitionSettings,
+    clock: Clock,
+) -> None:
+    """Wait until every joint has been heard of, or say what is missing."""
+    n_frames = 0
+    wait_s = max(settings.can_timeout_s, CAN_WALL_S / clock.wall_s(1.0))
+    until_s = clock.now_s() + wait_s
+    while joints.absent:
+        left_s = until_s - clock.now_s()
+        if left_s <= 0.0:
+            raise CanError(_silence(source, joints, mapping, n_frames))
+        if source.fileno() < 0:
+            clock.sleep(min(left_s, IDLE_WALL_S / clock.wall_s(1.0)))
+        else:
+            select.select([source.fileno()], [], [], clock.wall_s(left_s))
+        frames = source.read()
+        n_frames += len(frames)
+        joints.feed(frames, clock.now_s())
+
+
+def _silence(source: CanSource, joints: JointState, mapping: CanMapping, n_frames: int) -> str:
+    missing = ", ".join(joints.absent)
+    if joints.frames or joints.invalid:
+        return (
+            f"the controller on {source.name} tells nothing of {missing} "
+            f"({joints.frames} frames decoded, {joints.invalid} not): does the database "
+            f"{mapping.database} fit this controller?"
+        )
+    if n_frames:
+        return (
+            f"{n_frames} frames came on {source.name}, none of them of {mapping.database}: is it "
+            "the right bus, and the right arm file?"
+        )
+    return (
+        f"no frame came on {source.name} at {mapping.bitrate} bit/s: is the controller on and "
+        "sending (a CiA 402 drive needs a master that sends NMT and SYNC), and is the bit rate "
+        f"right? {source.faults} lines could not be read"
+    )
+
+
+def _resume(settings: AcquisitionSettings, journal: _Journal, stack: ExitStack) -> None:
+    """Open the journal to go on with, if it belongs to this arm and plan."""
+    writer, earlier = JournalWriter.resume(settings.journal)
+    stack.callback(writer.close)
+    header = earlier.header
+    for what, theirs, ours, name in (
+        ("arm", header.arm.sha256, settings.arm.sha256, settings.arm.name),
+        ("plan", header.plan.sha256, settings.plan.sha256, settings.plan.name),
+    ):
+        if theirs != ours:
+            had = header.arm.name if what == "arm" else header.plan.name
+            raise JournalError(
+                f"{settings.journal} is a session of {what} {had} (sha256 {theirs[:12]}), not of "
+                f"{name} (sha256 {ours[:12]}): give the files it was begun with, or begin another "
+                "session"
+            )
+    journal.writer, journal.earlier = writer, earlier
+
+
+def _check_same_sensors(board: BoardSession, journal: _Journal) -> None:
+    """Refuse to mix hits of different sensors or scales in one journal."""
+    if journal.earlier is None:
+        return
+    header = journal.earlier.header
+    if header.dictionary_bytes != board.found.dictionary_bytes or header.channel_mask != board.mask:
+        raise JournalError(
+            f"the session was begun with board {header.dictionary.board_id}, and this one, "
+            f"{board.found.dictionary.board_id}, describes itself differently (sensors, scales or "
+            "supply): connect the same sensors, or begin another session"
+        )
+
+
+def _open_journal(
+    settings: AcquisitionSettings,
+    session_id: str,
+    board: BoardSession,
+    clock: Clock,
+    journal: _Journal,
+    stack: ExitStack,
+) -> JournalWriter:
+    if journal.writer is not None:
+        mark = Mark(kind=MarkKind.RESUMED, posture=None, point=None, host_s=clock.now_s())
+        journal.writer.append(encode_mark(mark))
+        return journal.writer
+    header = SessionHeader(
+        session_id=session_id,
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        software=settings.software,
+        arm=settings.arm,
+        plan=settings.plan,
+        dictionary=board.found.dictionary,
+        dictionary_bytes=board.found.dictionary_bytes,
+        channel_mask=board.mask,
+        time_scale=settings.time_scale,
+    )
+    journal.writer = JournalWriter.create(settings.journal, header)
+    stack.callback(journal.writer.close)
+    return journal.writer
+
+
+def _note_sensors(loop: SessionLoop, board: BoardSession, clock: Clock) -> None:
+    for sensor in board.channels:
+        if sensor.iepe in {IepeState.OPEN, IepeState.SHORT}:
+            loop.note(
+                f"the board finds the sensor circuit of {sensor.name} {sensor.iepe.name.lower()}: "
+                "check sensor and cable",
+                clock.now_s(),
+            )

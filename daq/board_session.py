@@ -1,0 +1,258 @@
+"""A running board: its frames sorted, its clock followed, its blocks fetched and released."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from daq.blocks import BlockCollector, CapturedBlock
+from daq.board_link import BoardLink, FoundBoard
+from daq.clock import Clock
+from daq.clock_fit import ClockFit, ClockTracker
+from daq.judge import FORCE, channels_of
+from daq.losses import LossTally
+from daq.preview import StreamWatch
+from daq.settings import AcquisitionSettings
+from protocols.board.messages import (
+    decode_block_info,
+    decode_reply,
+    decode_samples,
+    decode_status,
+    encode_release,
+    encode_resend,
+)
+from protocols.board.records import (
+    BoardStatus,
+    Channel,
+    Configuration,
+    Frame,
+    FrameType,
+    ReplyCode,
+    Slope,
+)
+from protocols.board.samples import COUNT_MAX
+from protocols.errors import BoardRefusedError, DeviceLostError, FrameError, PlanError
+from protocols.plan_records import Plan
+
+__all__ = ["BoardSession", "configuration_for", "measured_mask"]
+
+FIRST_ROUND_TRIPS = 20
+STATUS_EVERY_S = 0.25  # lab seconds
+STATUS_EVERY_WALL_S = 0.03
+RESEND_AFTER_S = 0.2  # lab seconds
+RESEND_AFTER_WALL_S = 0.05
+RELEASE_AGAIN_WALL_S = 0.5
+
+_REPLIES = frozenset(
+    {FrameType.STATUS_REPLY, FrameType.RESEND_REPLY, FrameType.RELEASE_REPLY, FrameType.STOP_REPLY}
+)
+
+
+def measured_mask(channels: tuple[Channel, ...]) -> int:
+    """Return the mask of the channels that measure force or acceleration.
+
+    Raises
+    ------
+    BoardRefusedError
+        If the board has no force channel, or nothing to measure the response.
+    """
+    mask = sum(1 << i for i, c in enumerate(channels) if c.quantity in {FORCE, "acceleration"})
+    quantities = {c.quantity for i, c in enumerate(channels) if mask >> i & 1}
+    if quantities != {FORCE, "acceleration"}:
+        raise BoardRefusedError(
+            "wanted a board with a force and an acceleration channel, this one has: "
+            + (", ".join(f"{c.name} ({c.quantity})" for c in channels) or "none")
+        )
+    return mask
+
+
+def configuration_for(
+    plan: Plan, channels: tuple[Channel, ...], mask: int, *, stream: bool
+) -> Configuration:
+    """Return what a plan asks of a board with these channels.
+
+    Raises
+    ------
+    PlanError
+        If the trigger level is beyond the force channel's range.
+    """
+    index = next(i for i, c in enumerate(channels) if c.quantity == FORCE)
+    level = round(plan.trigger.level_n / channels[index].scale)
+    if abs(level) > COUNT_MAX:
+        raise PlanError(
+            f"trigger level {plan.trigger.level_n:g} N is beyond the range of "
+            f"{channels[index].name}, {COUNT_MAX * abs(channels[index].scale):.4g} N"
+        )
+    # A channel that inverts crosses the level the other way in counts.
+    rising = plan.trigger.rising == (channels[index].scale > 0.0)
+    return Configuration(
+        rate_hz=plan.sampling.rate_hz,
+        channel_mask=mask,
+        trigger_channel=index,
+        trigger_level_counts=level,
+        slope=Slope.RISING if rising else Slope.FALLING,
+        pretrigger=plan.sampling.pretrigger,
+        block_length=plan.sampling.samples,
+        stream=stream,
+    )
+
+
+class BoardSession:
+    """One board from HELLO to STOP.
+
+    Parameters
+    ----------
+    link
+        The conversation with it.
+    found
+        What HELLO returned.
+    settings
+        Of the acquisition.
+    clock
+        The laboratory's.
+    losses
+        Where everything that did not arrive is noted.
+    """
+
+    def __init__(
+        self,
+        link: BoardLink,
+        found: FoundBoard,
+        settings: AcquisitionSettings,
+        clock: Clock,
+        losses: LossTally,
+    ) -> None:
+        self._link = link
+        self._clock = clock
+        self._losses = losses
+        self.found = found
+        self.mask = measured_mask(found.dictionary.channels)
+        self.channels = channels_of(found.dictionary, self.mask)
+        self._configuration = configuration_for(
+            settings.plan, found.dictionary.channels, self.mask, stream=settings.stream
+        )
+        n_channels = len(self.channels)
+        self._resend_after_s = max(
+            RESEND_AFTER_S, RESEND_AFTER_WALL_S / max(clock.wall_s(1.0), 1e-9)
+        )
+        self._blocks = BlockCollector(
+            n_channels,
+            block_length=settings.plan.sampling.samples,
+            resend_after_s=self._resend_after_s,
+            max_blocks=settings.blocks_in_memory(n_channels),
+        )
+        self.stream = StreamWatch(n_channels)
+        self._tracker = ClockTracker(found.dictionary.tick_hz)
+        self._status_at_s = 0.0
+        self._releasing: dict[int, float] = {}  # block: wall-scaled time of the last RELEASE
+        self._release_tags: deque[tuple[int, int]] = deque(maxlen=64)
+        self._malformed = 0
+        self.status: BoardStatus | None = None
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on."""
+        return self._link.fileno()
+
+    @property
+    def clock_fit(self) -> ClockFit:
+        """Host time of the board's ticks."""
+        return self._tracker.fit()
+
+    @property
+    def waits_for_reply(self) -> bool:
+        """Whether a reply is due, and a prompt reader makes the clock fit better."""
+        return self._link.waits_for_reply()
+
+    def start(self) -> None:
+        """Configure the board, learn its clock, and let it run."""
+        self._link.stop()
+        self._link.configure(self._configuration)
+        for _ in range(FIRST_ROUND_TRIPS):
+            self.status, trip = self._link.status()
+            self._tracker.add(trip)
+        self._link.start()
+        self._status_at_s = self._clock.now_s()
+
+    def turn(self, now_s: float) -> None:
+        """Take in what has come, and ask for what is missing; never waits."""
+        for frame in self._link.pump():
+            try:
+                self._take(frame, now_s)
+            except FrameError:
+                self._malformed += 1
+        for wanted in self._blocks.overdue(now_s):
+            self._link.send(
+                FrameType.RESEND, encode_resend(wanted.block_id, wanted.first, wanted.count)
+            )
+        self._release_again(now_s)
+        status_every_s = max(STATUS_EVERY_S, STATUS_EVERY_WALL_S / self._clock.wall_s(1.0))
+        if now_s - self._status_at_s >= status_every_s:
+            self._status_at_s = now_s
+            self._link.send(FrameType.STATUS)
+        self._link.check_alive()
+        self._count_losses(now_s)
+
+    def captured(self, now_s: float) -> CapturedBlock | None:
+        """Return the next block that is whole, or as whole as it will get."""
+        return self._blocks.take(now_s)
+
+    def release(self, block_id: int, now_s: float) -> None:
+        """Let the board forget a block; asked again until the board confirms."""
+        self._releasing[block_id] = now_s
+        self._release_tags.append(
+            (self._link.send(FrameType.RELEASE, encode_release(block_id)), block_id)
+        )
+
+    def stop(self) -> None:
+        """Stop sampling."""
+        self._link.stop()
+
+    def _take(self, frame: Frame, now_s: float) -> None:
+        kind = frame.header.type
+        if kind is FrameType.STREAM:
+            self.stream.add(frame)
+        elif kind is FrameType.BLOCK_DATA:
+            self._blocks.add(decode_samples(frame), now_s)
+        elif kind is FrameType.BLOCK_READY:
+            self._blocks.announce(decode_block_info(frame.payload), now_s)
+        elif kind in _REPLIES:
+            reply = self._link.reply_of(frame)
+            if kind is FrameType.STATUS_REPLY:
+                self._take_status(decode_status(frame.payload))
+                if reply is not None:
+                    self._tracker.add(reply.trip)
+            elif kind is FrameType.RELEASE_REPLY:
+                self._confirm_release(frame)
+
+    def _take_status(self, status: BoardStatus) -> None:
+        self.status = status
+        oldest = status.oldest_block
+        if status.buffered_blocks and not self._blocks.knows(oldest):
+            self._link.send(FrameType.RESEND, encode_resend(oldest, 0, 0))
+
+    def _confirm_release(self, frame: Frame) -> None:
+        code, reason = decode_reply(frame.payload)
+        if code is ReplyCode.WRONG_SESSION:
+            raise DeviceLostError(
+                f"the board has restarted ({reason or code.name}): its blocks are gone; resume "
+                "the session"
+            )
+        for tag, block_id in self._release_tags:
+            if tag == frame.header.tag:
+                self._releasing.pop(block_id, None)
+
+    def _release_again(self, now_s: float) -> None:
+        again_s = RELEASE_AGAIN_WALL_S / self._clock.wall_s(1.0)
+        for block_id, asked_s in tuple(self._releasing.items()):
+            if now_s - asked_s > again_s:
+                self.release(block_id, now_s)
+
+    def _count_losses(self, now_s: float) -> None:
+        watch = self._losses.watch
+        stream = self.stream
+        watch("stream", stream.missing, "preview samples that never came", now_s, stream.last_gap)
+        watch("frame", self._link.frames_lost, "frames missing by their number", now_s)
+        watch("frame", self._link.bad_frames, "stretches that were no valid frame", now_s)
+        watch("frame", self._malformed + stream.malformed, "frames with a malformed payload", now_s)
+        if self.status is not None:
+            watch("trigger", self.status.triggers_missed, "triggers the board missed", now_s)
+            watch("stream", self.status.adc_overruns, "overruns of the converter", now_s)

@@ -1,0 +1,325 @@
+"""The loop of a session: joints, board and operator in, durable hits and prompts out."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from daq import session_machine as machine
+from daq.blocks import CapturedBlock
+from daq.board_session import BoardSession
+from daq.clock import Clock
+from daq.commands import Command, Ready, Retake, Skip, Stop
+from daq.events import HitJudged, JointsSeen, LossNoted, Noted, Prompted
+from daq.geometry import hit_direction
+from daq.joint_state import JointState, largest_difference_rad
+from daq.journal_writer import JournalWriter
+from daq.judge import force_column, judge_record
+from daq.judge_posture import judge_posture, with_posture
+from daq.losses import LossTally
+from daq.outbox import Outbox
+from daq.session_machine import PromptKind, SessionState
+from daq.settings import AcquisitionSettings
+from protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
+from protocols.session.records import Hit, JointReading
+
+__all__ = ["SessionLoop"]
+
+PREVIEW_EVERY_WALL_S = 0.1
+JOINTS_EVERY_WALL_S = 0.2
+LOSSES_EVERY_WALL_S = 1.0
+AFTER_WALL_S = 0.15  # the bus's process is given at least so long for a newer angle
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Armed:
+    """Which planned point hits belonged to, and in which time."""
+
+    index: int
+    since_s: float
+    until_s: float = math.inf
+
+
+class SessionLoop:
+    """All that happens between opening and closing.
+
+    Call `turn` again and again with the time and what the operator has said, until `ended`.
+    """
+
+    def __init__(
+        self,
+        *,
+        settings: AcquisitionSettings,
+        clock: Clock,
+        board: BoardSession,
+        joints: JointState,
+        losses: LossTally,
+        journal: JournalWriter,
+        outbox: Outbox,
+        state: SessionState,
+        next_hit: int,
+        turn_s: float,
+    ) -> None:
+        self._settings = settings
+        self._clock = clock
+        self._board = board
+        self._joints = joints
+        self._losses = losses
+        self._journal = journal
+        self._outbox = outbox
+        self._state = state
+        self._next_hit = next_hit
+        self._turn_s = turn_s
+        self._armed: _Armed | None = None
+        self._waiting: deque[CapturedBlock] = deque()
+        self._asked: machine.Prompt | None = None
+        self._silent = False
+        self._due = {"preview": 0.0, "joints": 0.0, "losses": 0.0}
+        self._rate_hz = float(settings.plan.sampling.rate_hz)
+        self.accepted = 0
+        self.rejected = 0
+        self.ended: str | None = None
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing more is asked."""
+        return self._state.kind is PromptKind.DONE
+
+    def turn(self, now_s: float, commands: tuple[Command, ...]) -> None:
+        """Do what is due."""
+        for command in commands:
+            self._obey(command, now_s)
+        reading = self._joints.reading(now_s)
+        self._follow_posture(reading, now_s)
+        self._judge_blocks(now_s)
+        self._report(reading, now_s)
+        if self.complete and self.ended is None and not self._waiting:
+            self.ended = "every planned point has its hits"
+
+    def flush_losses(self) -> None:
+        """Put what was lost so far into the journal."""
+        for loss in self._losses.take():
+            self._journal.append(encode_loss(loss))
+            self._outbox.put(LossNoted(loss=loss))
+
+    def note(self, text: str, now_s: float) -> None:
+        """Tell the operator something, and keep it."""
+        here = self._state.here
+        self._mark(MarkKind.NOTE, now_s, text, point=here.point if here else None)
+        self._outbox.put(Noted(text=text, host_s=now_s))
+
+    def _obey(self, command: Command, now_s: float) -> None:
+        state = self._state
+        if isinstance(command, Ready):
+            if state.kind is PromptKind.POSTURE:
+                self.note("ready came before the arm was at its posture, and was not taken", now_s)
+            elif state.kind is PromptKind.POINT:
+                self._mark(MarkKind.POINT, now_s)
+                self._change(machine.point_ready(state), now_s)
+        elif isinstance(command, Skip):
+            self._mark(MarkKind.SKIPPED, now_s, command.reason)
+            self._change(machine.skip(state), now_s)
+        elif isinstance(command, Retake):
+            try:
+                changed = machine.retake(state, command.posture, command.point)
+            except KeyError as error:
+                self.note(f"retake: the plan has no {error.args[0]}", now_s)
+                return
+            self._change(changed, now_s)
+        elif isinstance(command, Stop):
+            self.ended = command.reason
+
+    def _change(self, state: SessionState, now_s: float) -> None:
+        """Go to another state; hits count for it from now on, if it asks for one."""
+        armed = self._armed
+        if state.kind is PromptKind.HIT and state.current is not None:
+            if armed is None or armed.index != state.current or armed.until_s < math.inf:
+                self._armed = _Armed(index=state.current, since_s=now_s)
+        elif armed is not None and armed.until_s == math.inf:
+            self._armed = _Armed(index=armed.index, since_s=armed.since_s, until_s=now_s)
+        self._state = state
+        prompt = state.prompt
+        if prompt != self._asked:
+            self._asked = prompt
+            self._outbox.put(Prompted(prompt=prompt, host_s=now_s))
+
+    def _follow_posture(self, reading: JointReading, now_s: float) -> None:
+        silent = reading.joints_rad is None
+        if silent != self._silent:
+            self._silent = silent
+            self.note("the controller is silent" if silent else "the controller is back", now_s)
+        posture = self._state.posture
+        if posture is None:
+            self._change(self._state, now_s)
+            return
+        if reading.joints_rad is not None:
+            off_rad = largest_difference_rad(reading.joints_rad, posture.joints_rad)
+            if self._state.kind is not PromptKind.POSTURE:
+                if off_rad > posture.tolerance_rad:
+                    self._change(machine.posture_left(self._state), now_s)
+            elif off_rad <= posture.tolerance_rad and reading.held:
+                spread_rad = self._joints.spread_rad(now_s - self._settings.still_s)
+                if spread_rad is not None and spread_rad <= self._moved_rad(posture.tolerance_rad):
+                    self._mark(MarkKind.POSTURE, now_s)
+                    self._change(machine.posture_reached(self._state), now_s)
+        self._change(self._state, now_s)
+
+    def _judge_blocks(self, now_s: float) -> None:
+        while (block := self._board.captured(now_s)) is not None:
+            self._waiting.append(block)
+        while self._waiting:
+            block = self._waiting[0]
+            fit = self._board.clock_fit
+            # The filter shows the input as it was a group delay before.
+            delay = self._board.found.dictionary.filter_group_delay_samples
+            trigger_s = fit.host_s(block.info.trigger_ticks) - delay / self._rate_hz
+            armed = self._armed
+            if (
+                armed is None
+                or armed.index != self._state.current
+                or not armed.since_s <= trigger_s <= armed.until_s
+            ):
+                self._waiting.popleft()
+                self._set_aside(block, now_s)
+                continue
+            lead = block.info.trigger_sample - block.info.first_sample
+            start_s = trigger_s - lead / self._rate_hz
+            end_s = start_s + (block.info.length + delay) / self._rate_hz
+            after = self._after(block, end_s, now_s)
+            if after is None:
+                return
+            self._waiting.popleft()
+            self._judge(block, trigger_s, self._joints.reading_before(start_s), after, now_s)
+
+    def _after(self, block: CapturedBlock, end_s: float, now_s: float) -> JointReading | None:
+        """Return angles from after the block, None while there is hope for them."""
+        after = self._joints.reading_after(end_s + self._turn_s)
+        if after is not None:
+            return after
+        hope_s = max(self._settings.settle_s, AFTER_WALL_S / self._clock.wall_s(1.0))
+        if now_s - max(block.last_data_s, end_s) < hope_s:
+            return None
+        last = self._joints.reading(now_s)
+        return JointReading(
+            joints_rad=None,
+            drive_state=last.drive_state,
+            held=last.held,
+            age_s=max(last.age_s, hope_s),
+            host_s=now_s,
+        )
+
+    def _set_aside(self, block: CapturedBlock, now_s: float) -> None:
+        self._board.release(block.info.block_id, now_s)
+        column = force_column(self._board.channels)
+        peak_n = float(np.abs(block.counts[:, column]).max(initial=0))
+        peak_n *= abs(self._board.channels[column].scale)
+        self.note(
+            f"block {block.info.block_id} (peak {peak_n:.3g} N) was triggered when no hit was "
+            "asked for: not used",
+            now_s,
+        )
+
+    def _judge(
+        self,
+        block: CapturedBlock,
+        trigger_s: float,
+        before: JointReading,
+        after: JointReading,
+        now_s: float,
+    ) -> None:
+        state = self._state
+        prompt = state.prompt
+        posture = state.posture
+        if posture is None:
+            self._set_aside(block, now_s)
+            return
+        plan = self._settings.plan
+        verdict = with_posture(
+            judge_record(
+                block, self._board.channels, plan.sampling, plan.trigger, self._settings.limits
+            ),
+            judge_posture(
+                before,
+                after,
+                posture.joints_rad,
+                posture.tolerance_rad,
+                self._moved_rad(posture.tolerance_rad),
+            ),
+        )
+        if block.missing:
+            self._losses.add(
+                "block", block.missing, "samples of a triggered block that never came", now_s
+            )
+        hit = Hit(
+            number=self._next_hit,
+            posture=posture.name,
+            sensor_point=prompt.sensor_point,
+            hit_point=prompt.hit_point,
+            hit_direction=hit_direction(self._settings.arm, posture, prompt.hit_point),
+            first_sample=block.first_sample,
+            trigger_sample=block.info.trigger_sample,
+            trigger_host_s=trigger_s,
+            counts=block.counts,
+            before=before,
+            after=after,
+            verdict=verdict,
+        )
+        verdict_s = self._clock.wall_s(self._clock.now_s() - block.last_data_s)
+        commit_s = self._journal.append(encode_hit(hit))
+        self._board.release(block.info.block_id, now_s)
+        self._next_hit += 1
+        self.accepted += verdict.accepted
+        self.rejected += not verdict.accepted
+        self._outbox.put(
+            HitJudged(
+                hit=hit,
+                verdict_s=verdict_s,
+                commit_s=commit_s,
+                clock_uncertainty_s=self._board.clock_fit.uncertainty_s(block.info.trigger_ticks),
+            )
+        )
+        self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
+
+    def _report(self, reading: JointReading, now_s: float) -> None:
+        if self._is_due("preview", PREVIEW_EVERY_WALL_S, now_s):
+            preview = self._board.stream.preview()
+            if preview is not None:
+                self._outbox.put(preview)
+        if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
+            self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
+            self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
+            posture, joints_rad = self._state.posture, reading.joints_rad
+            off_rad = None
+            if posture is not None and joints_rad is not None:
+                off_rad = largest_difference_rad(joints_rad, posture.joints_rad)
+            self._outbox.put(JointsSeen(reading=reading, off_rad=off_rad))
+        if self._losses and self._is_due("losses", LOSSES_EVERY_WALL_S, now_s):
+            self.flush_losses()
+
+    def _is_due(self, what: str, every_wall_s: float, now_s: float) -> bool:
+        if now_s < self._due[what]:
+            return False
+        self._due[what] = now_s + every_wall_s / self._clock.wall_s(1.0)
+        return True
+
+    def _moved_rad(self, tolerance_rad: float) -> float:
+        return self._settings.limits.moved * tolerance_rad
+
+    def _mark(self, kind: MarkKind, now_s: float, note: str = "", point: str | None = None) -> None:
+        here = self._state.here
+        if kind in {MarkKind.POINT, MarkKind.SKIPPED} and here is not None:
+            point = here.point
+        self._journal.append(
+            encode_mark(
+                Mark(
+                    kind=kind,
+                    posture=here.posture if here else None,
+                    point=point,
+                    host_s=now_s,
+                    note=note,
+                )
+            )
+        )

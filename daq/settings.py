@@ -1,0 +1,68 @@
+"""What an acquisition process is started with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from daq.judge import JudgeLimits
+from protocols.arm.records import Arm
+from protocols.errors import PlanError
+from protocols.plan_records import Plan
+
+__all__ = ["AcquisitionSettings"]
+
+MOST_BLOCKS = 8
+BYTES_PER_SAMPLE = 16  # counts, their copy, presence, and the judge's working arrays
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AcquisitionSettings:
+    """Settings of one acquisition process; times are lab seconds.
+
+    board_port : path of the board's serial line
+    can_channel : path of a serial CAN adapter, or interface:channel of python-can
+    journal : file to begin, or with `resume` to go on with
+    time_scale : lab seconds per second; 1 in a real laboratory
+    session_id : hex; drawn when None
+    reply_timeout_s : wait for a reply of the board before asking again
+    can_timeout_s : wait at the start for an angle of every joint
+    still_s : the joints must have been still for so long before a posture counts as reached
+    settle_s : a hit's `after` angles must be newer than the block's end by one turn of the loop;
+        they are waited for at most so long
+    stream : whether the board is asked for its preview
+    max_memory : bytes for blocks in the making
+    """
+
+    board_port: str
+    can_channel: str
+    arm: Arm
+    plan: Plan
+    journal: Path
+    resume: bool = False
+    time_scale: float = 1.0
+    session_id: str | None = None
+    software: str = "armodal"
+    reply_timeout_s: float = 0.5
+    can_timeout_s: float = 3.0
+    still_s: float = 0.3
+    settle_s: float = 0.5
+    stream: bool = True
+    max_memory: int = 64 * 2**20
+    limits: JudgeLimits = field(default_factory=JudgeLimits)
+
+    def blocks_in_memory(self, n_channels: int) -> int:
+        """Return how many blocks may be put together at a time.
+
+        Raises
+        ------
+        PlanError
+            If not even one fits.
+        """
+        block = BYTES_PER_SAMPLE * n_channels * self.plan.sampling.samples
+        if block > self.max_memory:
+            raise PlanError(
+                f"a block of {self.plan.sampling.samples} samples x {n_channels} channels takes "
+                f"{block} bytes of memory, {self.max_memory} are allowed: sample shorter blocks"
+            )
+        return min(MOST_BLOCKS, self.max_memory // block)
