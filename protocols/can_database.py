@@ -6,6 +6,7 @@ Nothing here reads a clock: whoever feeds the frames keeps their times and ages.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +40,10 @@ _PARSER_ERRORS = (
     ArithmeticError,
     RecursionError,
 )
+
+
+_MESSAGE_LENGTH = re.compile(r"\bBO_\s+\d+\s+\w+\s*:\s*(\d+)")
+_LONGEST_MESSAGE = 64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -190,6 +195,13 @@ class CanEncoder:
 
 def load_database(text: str, name: str) -> cantools.database.can.Database:
     """Parse the text of a DBC file, or raise CanError with its name."""
+    for found in _MESSAGE_LENGTH.finditer(text):
+        # The parser lays out every bit of a message, so that a huge one would take the memory.
+        if len(found[1]) > 2 or int(found[1]) > _LONGEST_MESSAGE:
+            raise CanError(
+                f"CAN database {name}: wanted messages of at most {_LONGEST_MESSAGE} bytes, "
+                f"got {found[1][:12]}"
+            )
     try:
         database = cantools.database.load_string(text, database_format="dbc", strict=True)
     except _PARSER_ERRORS as problem:
@@ -200,14 +212,20 @@ def load_database(text: str, name: str) -> cantools.database.can.Database:
 
 
 def mapped_message(
-    database: cantools.database.can.Database, message: str, signal: str
+    database: cantools.database.can.Database, message: str, signal: str, *, number: bool = False
 ) -> cantools.database.can.Message:
     """Return the message, having checked that it carries the signal in a form we can decode.
+
+    Parameters
+    ----------
+    number
+        True for a counter or a state, which must be a plain unsigned number.
 
     Raises
     ------
     CanError
-        If either is absent, or the message is multiplexed, a container or no classic frame.
+        If either is absent, or the message is multiplexed, a container or no classic frame, or
+        the signal is no plain number where one is wanted.
     """
     known = {m.name: m for m in database.messages}
     if message not in known:
@@ -218,7 +236,11 @@ def mapped_message(
     signals = {s.name: s for s in definition.signals}
     if signal not in signals:
         raise CanError(f"wanted a signal of {message} ({_listed(signals)}), got {signal!r}")
-    scale = float(signals[signal].scale)
+    found = signals[signal]
+    plain = found.scale == 1 and found.offset == 0 and not (found.is_signed or found.is_float)
+    if number and not (plain and found.length <= 32):
+        raise CanError(f"wanted {message}.{signal} unsigned and unscaled, of at most 32 bits")
+    scale = float(found.scale)
     if not math.isfinite(scale) or scale == 0.0:
         raise CanError(f"wanted a finite scale of {message}.{signal}, not zero, got {scale}")
     return definition
@@ -226,17 +248,20 @@ def mapped_message(
 
 def _mapped_messages(mapping: CanMapping) -> dict[tuple[int, bool], _MappedMessage]:
     database = load_database(mapping.database_text, mapping.database)
-    wanted = [(joint.message, joint.signal) for joint in mapping.joints]
+    wanted = [(joint.message, joint.signal, False) for joint in mapping.joints]
     if mapping.drive_state is not None:
-        wanted.append((mapping.drive_state.message, mapping.drive_state.signal))
+        wanted.append((mapping.drive_state.message, mapping.drive_state.signal, True))
     if mapping.counter is not None:
-        wanted.append(mapping.counter)
+        wanted.append((*mapping.counter, True))
     messages: dict[tuple[int, bool], _MappedMessage] = {}
-    for message, signal in wanted:
-        definition = mapped_message(database, message, signal)
+    for message, signal, number in wanted:
+        definition = mapped_message(database, message, signal, number=number)
         signals = {s.name: s for s in definition.signals}
         state = mapping.drive_state.signal if mapping.drive_state is not None else None
         counter = mapping.counter[1] if mapping.counter is not None else None
+        for name in (state, counter):
+            if name is not None and name in signals:
+                mapped_message(database, message, name, number=True)
         messages[definition.frame_id, definition.is_extended_frame] = _MappedMessage(
             definition=definition,
             joints=tuple(joint for joint in mapping.joints if joint.message == message),

@@ -47,10 +47,12 @@ class SamplingTable(FileModel):
     samples: Annotated[int, Field(ge=64, le=1_048_576)]
     pretrigger: Annotated[int, Field(ge=0)]
 
-    @field_validator("rate_hz")
+    @field_validator("rate_hz", mode="before")
     @classmethod
-    def _check_rate(cls, value: float | str) -> float | str:
+    def _check_rate(cls, value: object) -> object:
         wanted = 'a rate from 1 to 1000000 Hz, as a number or a fraction such as "51200/31"'
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise not_wanted(wanted)
         try:
             rate = exact_rate(value)
         except ValueError as problem:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from protocols.arm.file_model import CanSection
 from protocols.arm.records import CanMapping, DriveStateSignal, JointSignal
-from protocols.can_database import load_database, mapped_message
+from protocols.can_database import CanDecoder, load_database, mapped_message
 from protocols.errors import ArmError, CanError
 from protocols.toml_reader import refuse
 
@@ -29,7 +29,7 @@ def can_mapping(
         database = load_database(database_text, section.database)
     except CanError as problem:
         raise ArmError(f"{origin}: can.database: {problem}") from problem
-    signals: list[tuple[str, str, str]] = []
+    signals: list[tuple[str, str, str, bool]] = []
     seen: set[str] = set()
     for index, table in enumerate(section.joints):
         path = f"can.joints[{index}]"
@@ -37,20 +37,21 @@ def can_mapping(
             wanted = f"each of {', '.join(joints)} once"
             refuse(ArmError, origin, f"{path}.joint", wanted=wanted, got=table.joint)
         seen.add(table.joint)
-        signals.append((path, table.message, table.signal))
+        signals.append((path, table.message, table.signal, False))
     if missing := [name for name in joints if name not in seen]:
         refuse(ArmError, origin, "can.joints", wanted="a signal for every joint", got=missing)
     if section.drive_state is not None:
         state = section.drive_state
-        signals.append(("can.drive_state", state.message, state.signal))
+        signals.append(("can.drive_state", state.message, state.signal, True))
     if section.counter is not None:
-        signals.append(("can.counter", section.counter.message, section.counter.signal))
-    for path, message, signal in signals:
+        counter = section.counter
+        signals.append(("can.counter", counter.message, counter.signal, True))
+    for path, message, signal, number in signals:
         try:
-            mapped_message(database, message, signal)
+            mapped_message(database, message, signal, number=number)
         except CanError as problem:
             raise ArmError(f"{origin}: {path}: {problem}") from problem
-    return CanMapping(
+    mapping = CanMapping(
         database=section.database,
         database_text=database_text,
         bitrate=section.bitrate,
@@ -78,3 +79,8 @@ def can_mapping(
         if section.counter is None
         else (section.counter.message, section.counter.signal),
     )
+    try:
+        CanDecoder(mapping)
+    except CanError as problem:
+        raise ArmError(f"{origin}: can: {problem}") from problem
+    return mapping

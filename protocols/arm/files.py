@@ -89,7 +89,13 @@ def arm_from_texts(
     file = _file(text, origin)
     if (file.urdf is None) != (urdf_text is None):
         refuse(ArmError, origin, "urdf", wanted="the text of the URDF it names", got=file.urdf)
-    joints = _joints(file, None if urdf_text is None else read_urdf(urdf_text), origin)
+    chain = None
+    if urdf_text is not None:
+        try:
+            chain = read_urdf(urdf_text)
+        except ArmError as problem:
+            raise ArmError(f"{origin}: urdf {file.urdf}: {problem}") from problem
+    joints = _joints(file, chain, origin)
     link_names = [BASE, *(joint.link.name for joint in joints)]
     for index, name in enumerate(link_names):
         if name in link_names[:index]:

@@ -66,22 +66,22 @@ def read_urdf(text: str) -> Chain:
     """
     root = _parse_xml(text)
     if root.tag != "robot":
-        raise ArmError(f"URDF: wanted the root element robot, got {root.tag[:40]!r}")
+        raise ArmError(f"wanted the root element robot, got {root.tag[:40]!r}")
     links = _named(root, "link")
     joints = _named(root, "joint")
     if not 2 <= len(links) <= _MOST_LINKS:
-        raise ArmError(f"URDF: wanted 2 to {_MOST_LINKS} links, got {len(links)}")
+        raise ArmError(f"wanted 2 to {_MOST_LINKS} links, got {len(links)}")
     children: dict[str, list[ET.Element]] = {name: [] for name in links}
     parents: dict[str, str] = {}
     for name, joint in joints.items():
         parent, child = _end(joint, "parent", links), _end(joint, "child", links)
         if child in parents:
-            raise ArmError(f"URDF: joint {name}: wanted a link with one parent, got {child} again")
+            raise ArmError(f"joint {name}: wanted a link with one parent, got {child} again")
         parents[child] = parent
         children[parent].append(joint)
     roots = [name for name in links if name not in parents]
     if len(roots) != 1:
-        raise ArmError(f"URDF: wanted one link without a parent, got {len(roots)}: {roots[:4]}")
+        raise ArmError(f"wanted one link without a parent, got {len(roots)}: {roots[:4]}")
 
     chain: list[UrdfJoint] = []
     seen = 0
@@ -90,16 +90,16 @@ def read_urdf(text: str) -> Chain:
         seen += len(body.names)
         if len(body.moving) > 1:
             names = ", ".join(j.get("name", "") for j, _ in body.moving)
-            raise ArmError(f"URDF: wanted a serial chain, got a branch at {body.names[0]}: {names}")
+            raise ArmError(f"wanted a serial chain, got a branch at {body.names[0]}: {names}")
         if not body.moving:
             break
         element, T_body_origin = body.moving[0]
         body = _body(_end(element, "child", links), links, children)
         chain.append(_joint(element, T_body_origin, body))
     if seen != len(links):
-        raise ArmError(f"URDF: wanted every link on the chain, got {len(links) - seen} in a loop")
+        raise ArmError(f"wanted every link on the chain, got {len(links) - seen} in a loop")
     if not chain:
-        raise ArmError("URDF: wanted at least one revolute joint, got none")
+        raise ArmError("wanted at least one revolute joint, got none")
     return Chain(name=root.get("name", ""), base=roots[0], joints=tuple(chain))
 
 
@@ -124,14 +124,14 @@ def _parse_xml(text: str) -> ET.Element:
         nonlocal depth
         depth += 1
         if depth > _DEEPEST:
-            raise ArmError(f"URDF: wanted elements at most {_DEEPEST} deep, got more")
+            raise ArmError(f"wanted elements at most {_DEEPEST} deep, got more")
 
     def end(_name: str) -> None:
         nonlocal depth
         depth -= 1
 
     def doctype(*_arguments: object) -> NoReturn:
-        raise ArmError("URDF: wanted plain XML, got a document type; remove the DOCTYPE")
+        raise ArmError("wanted plain XML, got a document type; remove the DOCTYPE")
 
     scanner = expat.ParserCreate()
     scanner.StartElementHandler = start
@@ -144,7 +144,7 @@ def _parse_xml(text: str) -> ET.Element:
     except (expat.ExpatError, ET.ParseError, ValueError) as problem:
         if isinstance(problem, ArmError):
             raise
-        raise ArmError(f"URDF: wanted XML, got: {problem}") from problem
+        raise ArmError(f"wanted XML, got: {problem}") from problem
 
 
 def _named(root: ET.Element, tag: str) -> dict[str, ET.Element]:
@@ -152,7 +152,7 @@ def _named(root: ET.Element, tag: str) -> dict[str, ET.Element]:
     for element in root.findall(tag):
         name = element.get("name", "")
         if not name or name in found:
-            raise ArmError(f"URDF: wanted every {tag} with a name of its own, got {name!r}")
+            raise ArmError(f"wanted every {tag} with a name of its own, got {name!r}")
         found[name] = element
     return found
 
@@ -161,7 +161,7 @@ def _end(joint: ET.Element, tag: str, links: dict[str, ET.Element]) -> str:
     element = joint.find(tag)
     name = "" if element is None else element.get("link", "")
     if name not in links:
-        raise ArmError(f"URDF: joint {joint.get('name')}: wanted a {tag} link, got {name!r}")
+        raise ArmError(f"joint {joint.get('name')}: wanted a {tag} link, got {name!r}")
     return name
 
 
@@ -185,7 +185,7 @@ def _body(
                 moving.append((joint, T_body_joint))
             else:
                 raise ArmError(
-                    f"URDF: joint {joint.get('name')}: wanted type revolute or fixed, got {kind!r}"
+                    f"joint {joint.get('name')}: wanted type revolute or fixed, got {kind!r}"
                 )
     return _Body(names=tuple(names), inertials=tuple(inertials), moving=tuple(moving))
 
@@ -197,7 +197,7 @@ def _joint(element: ET.Element, T_parent_joint: npt.NDArray[np.float64], body: _
     axis = np.array(_numbers(text, 3, f"joint {name}: axis xyz"))
     length = float(np.linalg.norm(axis))
     if length < 1e-6:
-        raise ArmError(f"URDF: joint {name}: wanted an axis with a direction, got {text!r}")
+        raise ArmError(f"joint {name}: wanted an axis with a direction, got {text!r}")
     return UrdfJoint(
         name=name,
         T_parent_joint=frozen_array(T_parent_joint, np.float64),
@@ -212,11 +212,11 @@ def _range(element: ET.Element, name: str) -> tuple[float, float]:
         return -math.inf, math.inf
     limit = element.find("limit")
     if limit is None:
-        raise ArmError(f"URDF: joint {name}: wanted a limit, got none; add <limit lower upper>")
+        raise ArmError(f"joint {name}: wanted a limit, got none; add <limit lower upper>")
     lower = _number(limit.get("lower", "0"), f"joint {name}: limit lower")
     upper = _number(limit.get("upper", "0"), f"joint {name}: limit upper")
     if not lower < upper:
-        raise ArmError(f"URDF: joint {name}: wanted limit lower < upper, got {lower} and {upper}")
+        raise ArmError(f"joint {name}: wanted limit lower < upper, got {lower} and {upper}")
     return lower, upper
 
 
@@ -239,7 +239,7 @@ def _link(body: _Body) -> InertialLink:
         link = physical_link(element.get("name", ""), mass, T[:3, 3], inertia)
         parts.append((link.mass_kg, link.center_m, link.inertia_kg_m2))
     if not parts:
-        raise ArmError(f"URDF: link {name}: wanted an inertial, got none; a moving link has mass")
+        raise ArmError(f"link {name}: wanted an inertial, got none; a moving link has mass")
     return merge_bodies(name, parts)
 
 
@@ -257,14 +257,14 @@ def _attribute(parent: ET.Element, tag: str, key: str, owner: str) -> str:
     element = parent.find(tag)
     value = None if element is None else element.get(key)
     if value is None:
-        raise ArmError(f"URDF: {owner}: wanted <{tag} {key}=...>, got none")
+        raise ArmError(f"{owner}: wanted <{tag} {key}=...>, got none")
     return value
 
 
 def _numbers(text: str, count: int, owner: str) -> list[float]:
     words = text.split()
     if len(words) != count:
-        raise ArmError(f"URDF: {owner}: wanted {count} numbers, got {text[:60]!r}")
+        raise ArmError(f"{owner}: wanted {count} numbers, got {text[:60]!r}")
     return [_number(word, owner) for word in words]
 
 
@@ -274,5 +274,5 @@ def _number(text: str, owner: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or abs(value) > 1e6:
-        raise ArmError(f"URDF: {owner}: wanted a finite number, got {text[:60]!r}")
+        raise ArmError(f"{owner}: wanted a finite number, got {text[:60]!r}")
     return value

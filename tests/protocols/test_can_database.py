@@ -1,0 +1,214 @@
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocols.arm.files import ARMS_DIRECTORY, load_arm
+from protocols.arm.records import CanMapping
+from protocols.can_database import (
+    DBC_DIRECTORY,
+    CanDecoder,
+    CanEncoder,
+    CanFrame,
+    load_database,
+)
+from protocols.errors import CanError
+
+JOINTS = [f"joint_{number}" for number in range(1, 7)]
+# Half a count of 0.0001 degree, with room for rounding in float64.
+HALF_COUNT_RAD = math.radians(0.5e-4) * 1.001
+
+
+def shipped_mapping() -> CanMapping:
+    mapping = load_arm("rv4frl").can
+    assert mapping is not None
+    return mapping
+
+
+def cia402_mapping() -> CanMapping:
+    mapping = load_arm(ARMS_DIRECTORY / "examples" / "rv4frl-cia402.toml").can
+    assert mapping is not None
+    return mapping
+
+
+def joints_1_2(position_1: int, position_2: int, state: int, counter: int) -> CanFrame:
+    """The frame by hand, as docs/can.md lays it out."""
+    data = (
+        position_1.to_bytes(3, "little", signed=True)
+        + position_2.to_bytes(3, "little", signed=True)
+        + bytes([state, counter])
+    )
+    return CanFrame(can_id=0x301, extended=False, data=data)
+
+
+@given(
+    st.lists(st.floats(-14.0, 14.0), min_size=6, max_size=6),
+    st.sampled_from([0, 1, 2, 3, 15]),
+    st.integers(0, 255),
+)
+def test_angles_round_trip_within_half_a_count(
+    angles: list[float], state: int, counter: int
+) -> None:
+    mapping = shipped_mapping()
+    sent = dict(zip(JOINTS, angles, strict=True))
+    decoder = CanDecoder(mapping)
+    got: dict[str, float] = {}
+    for frame in CanEncoder(mapping).encode(sent, drive_state=state, counter=counter):
+        update = decoder.decode(frame)
+        assert update is not None
+        assert (update.counter, update.drive_state) == (counter, state)
+        got |= update.joints_rad
+    assert got == pytest.approx(sent, abs=HALF_COUNT_RAD)
+
+
+def test_a_frame_laid_out_by_hand_is_decoded() -> None:
+    update = CanDecoder(shipped_mapping()).decode(joints_1_2(-250_000, 900_000, 2, 17))
+    assert update is not None
+    # The closed form: a quarter of a hundred degrees, and a right angle.
+    expected = {"joint_1": math.radians(-25.0), "joint_2": math.pi / 2}
+    assert update.joints_rad == pytest.approx(expected, abs=1e-12)
+    assert (update.message, update.counter, update.drive_state) == ("JOINTS_1_2", 17, 2)
+
+
+def test_scale_sign_and_offset_turn_counts_into_joint_angles() -> None:
+    mapping = cia402_mapping()
+    joint = replace(mapping.joints[1], offset_rad=0.25)
+    mapping = replace(mapping, joints=(mapping.joints[0], joint, *mapping.joints[2:]))
+    # A motor turn and a half behind the example's gear of 120, with sign -1.
+    counts = 131072 * 3 // 2
+    data = (0x0237).to_bytes(2, "little") + counts.to_bytes(4, "little", signed=True)
+    update = CanDecoder(mapping).decode(CanFrame(can_id=0x182, extended=False, data=data))
+    assert update is not None
+    expected = 0.25 - 3.0 * math.pi / 120.0
+    assert update.joints_rad == pytest.approx({"joint_2": expected}, abs=1e-12)
+    assert update.drive_state == 0x37
+
+
+def test_cia402_drives_are_held_only_when_all_six_are_enabled() -> None:
+    decoder = CanDecoder(cia402_mapping())
+    states = []
+    for node, word in [(1, 0x0637), (2, 0x0627), (3, 0x0637), (4, 0x0637), (5, 0x0637)]:
+        frame = CanFrame(
+            can_id=0x180 + node, extended=False, data=word.to_bytes(2, "little") + bytes(4)
+        )
+        update = decoder.decode(frame)
+        assert update is not None
+        states.append(update.held)
+    assert states == [False] * 5  # node 6 has not spoken
+    for word, held in [(0x0637, True), (0x0608, False)]:  # then a fault
+        frame = CanFrame(can_id=0x186, extended=False, data=word.to_bytes(2, "little") + bytes(4))
+        update = decoder.decode(frame)
+        assert update is not None
+        assert update.held is held
+    assert update.drive_state == 0x08
+
+
+def test_one_message_not_held_is_enough_whichever_speaks_last() -> None:
+    mapping = shipped_mapping()
+    encoder, decoder = CanEncoder(mapping), CanDecoder(mapping)
+    angles = dict.fromkeys(JOINTS, 0.0)
+    for frame in encoder.encode(angles, drive_state=2, counter=0):
+        update = decoder.decode(frame)
+    assert update is not None
+    assert update.held is True
+    decoder.decode(joints_1_2(0, 0, 15, 1))
+    for frame in encoder.encode(angles, drive_state=2, counter=1)[1:]:
+        update = decoder.decode(frame)
+        assert update is not None
+        assert (update.held, update.drive_state) == (False, 15)
+
+
+@given(st.lists(st.integers(1, 255), min_size=1, max_size=20), st.integers(0, 255))
+def test_skipped_counters_are_counted_as_lost_frames(steps: list[int], start: int) -> None:
+    decoder = CanDecoder(shipped_mapping())
+    decoder.decode(joints_1_2(0, 0, 2, start))
+    counter, lost = start, 0
+    for step in steps:
+        counter = (counter + step) % 256
+        update = decoder.decode(joints_1_2(0, 0, 2, counter))
+        assert update is not None
+        lost += update.lost
+    assert lost == sum(steps) - len(steps)
+
+
+def test_a_repeated_counter_renews_no_angle() -> None:
+    decoder = CanDecoder(shipped_mapping())
+    decoder.decode(joints_1_2(1, 2, 2, 9))
+    update = decoder.decode(joints_1_2(1, 2, 2, 9))
+    assert update is not None
+    assert update.repeated
+    assert update.joints_rad == {}
+    assert update.lost == 0
+
+
+@pytest.mark.parametrize("length", [0, 1, 7])
+def test_short_frames_are_refused_and_change_nothing(length: int) -> None:
+    decoder = CanDecoder(shipped_mapping())
+    decoder.decode(joints_1_2(0, 0, 2, 9))
+    with pytest.raises(CanError, match=f"JOINTS_1_2: wanted 8 bytes, got {length}"):
+        decoder.decode(CanFrame(can_id=0x301, extended=False, data=bytes(length)))
+    update = decoder.decode(joints_1_2(0, 0, 2, 10))
+    assert update is not None
+    assert update.lost == 0
+
+
+def test_an_angle_not_available_is_refused() -> None:
+    with pytest.raises(CanError, match=r"JOINTS_1_2.POSITION_1: wanted .* not available"):
+        CanDecoder(shipped_mapping()).decode(joints_1_2(-(2**23), 0, 2, 0))
+
+
+def test_the_ends_of_the_range_are_inside_it() -> None:
+    update = CanDecoder(shipped_mapping()).decode(joints_1_2(2**23 - 1, 1 - 2**23, 2, 0))
+    assert update is not None
+    assert len(update.joints_rad) == 2
+
+
+@given(st.integers(0, 0x7FF), st.booleans(), st.binary(max_size=8), st.booleans())
+def test_any_frame_decodes_or_is_refused_or_is_not_ours(
+    can_id: int, extended: bool, data: bytes, remote: bool
+) -> None:
+    decoder = CanDecoder(shipped_mapping())
+    frame = CanFrame(can_id=can_id, extended=extended, data=data, remote=remote)
+    ours = (can_id, extended) in decoder.frame_ids and not remote
+    try:
+        assert (decoder.decode(frame) is not None) == ours
+    except CanError:
+        assert ours
+
+
+def test_a_mapping_without_state_and_counter_tells_neither() -> None:
+    mapping = replace(shipped_mapping(), drive_state=None, counter=None)
+    update = CanDecoder(mapping).decode(joints_1_2(0, 0, 15, 3))
+    assert update is not None
+    assert (update.drive_state, update.held, update.counter) == (None, None, None)
+
+
+def test_angles_beyond_the_signal_are_not_encoded() -> None:
+    encoder = CanEncoder(shipped_mapping())
+    with pytest.raises(CanError, match="JOINTS_1_2 cannot be encoded"):
+        encoder.encode(dict.fromkeys(JOINTS, 20.0), drive_state=2, counter=0)
+    with pytest.raises(CanError, match="wanted an angle of joint_1"):
+        encoder.encode({}, drive_state=2, counter=0)
+
+
+@pytest.mark.parametrize("name", ["armodal_controller.dbc", "cia402.dbc"])
+def test_shipped_databases_are_read(name: str) -> None:
+    database = load_database((DBC_DIRECTORY / name).read_text(encoding="utf-8"), name)
+    assert database.messages
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_a_database_or_refused(text: str) -> None:
+    with contextlib.suppress(CanError):
+        load_database("BO_ 1 " + text, "x.dbc")
+
+
+def test_a_message_that_would_fill_the_memory_is_refused() -> None:
+    text = 'VERSION ""\nBU_: A\nBO_ 1 BIG: 4000000000 A\n SG_ S : 0|8@1+ (1,0) [0|0] "" A\n'
+    with pytest.raises(CanError, match="wanted messages of at most 64 bytes, got 4000000000"):
+        load_database(text, "x.dbc")
