@@ -59,6 +59,7 @@ __all__ = [
     "encode_record",
     "load_journal",
     "read_journal",
+    "read_journal_bytes",
     "scan",
     "session_of",
 ]
@@ -102,7 +103,7 @@ def load_journal(path: str | Path) -> Session:
 
 def read_journal(path: str | Path) -> Journal:
     """Read a journal file with its marks and the place where it may be continued."""
-    return decode_journal(_read_bytes(Path(path)))
+    return decode_journal(read_journal_bytes(Path(path)))
 
 
 def session_of(journal: Journal) -> Session:
@@ -183,7 +184,8 @@ def _decoded(record: Record) -> Hit | Loss | Mark | End | None:
         raise JournalError(f"journal record at byte {record.offset}: {error}") from error
 
 
-def _read_bytes(path: Path) -> bytes:
+def read_journal_bytes(path: Path) -> bytes:
+    """Return the bytes of a journal file, at most `MAX_JOURNAL` of them, or raise JournalError."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_JOURNAL + 1)

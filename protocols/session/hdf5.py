@@ -1,0 +1,214 @@
+"""The session file: HDF5 derived from the journal, laid out for generic viewers.
+
+The layout is specified in `docs/session-file.md`. A file appears whole or not at all: it is
+written beside its place, read back, compared, and only then renamed.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from protocols.errors import ArmodalError, SessionError
+from protocols.frf_records import FrequencyResponse
+from protocols.session.compare import first_difference
+from protocols.session.hdf5_frf import check_frf, frf_name, read_frf_groups, write_frf_groups
+from protocols.session.hdf5_header import (
+    Provenance,
+    read_header,
+    read_provenance_group,
+    write_header,
+    write_provenance,
+)
+from protocols.session.hdf5_hits import read_hits, read_losses, write_hits, write_losses
+from protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts, open_tree
+from protocols.session.journal_payloads import hit_model, loss_model
+from protocols.session.membership import check_membership
+from protocols.session.records import Session
+
+__all__ = [
+    "FORMAT_VERSION",
+    "Provenance",
+    "read_frfs",
+    "read_provenance",
+    "read_session",
+    "write_session",
+]
+
+DEFINITION = "armodal-session"
+FORMAT_VERSION = 1
+_ENTRY = "session"
+
+
+def write_session(
+    session: Session,
+    path: str | Path,
+    *,
+    frfs: Sequence[FrequencyResponse] = (),
+    provenance: Provenance | None = None,
+) -> None:
+    """Write a session file, replacing one that is there only when the new one is proven.
+
+    Parameters
+    ----------
+    session
+        Complete or not.
+    path
+        Where the file shall be. The temporary file lies in the same folder.
+    frfs
+        FRF matrices to store with it, one a posture.
+    provenance
+        What the session was derived from; without it, the software of the session itself and
+        no journal.
+
+    Raises
+    ------
+    SessionError
+        If the session contradicts itself, the file cannot be written, or what was read back is
+        not what was written. A file that was there before is untouched then.
+    """
+    target = Path(path)
+    _check(session, frfs, target)
+    if provenance is None:
+        provenance = Provenance(journal_sha256=None, software=session.header.software)
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        _write(temporary, session, frfs, provenance)
+        _sync(temporary)
+        _verify(temporary, session, frfs, provenance)
+        temporary.replace(target)
+        _sync(target.parent)
+    except (OSError, RuntimeError, ValueError) as error:
+        if isinstance(error, ArmodalError):
+            raise
+        raise SessionError(
+            f"the session file {target} cannot be written ({error}): free or choose another "
+            "place and run `armodal recover`; the journal is untouched"
+        ) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def read_session(path: str | Path) -> Session:
+    """Read a session file, checking everything in it.
+
+    Raises
+    ------
+    SessionError
+        If the file is not a session file of this version, or anything in it is damaged,
+        impossible or in contradiction to the rest.
+    """
+    with open_tree(Path(path)) as root:
+        return _read_entry(_entry(root))
+
+
+def read_frfs(path: str | Path) -> tuple[FrequencyResponse, ...]:
+    """Read the FRF matrices of a session file; errors as `read_session`."""
+    with open_tree(Path(path)) as root:
+        return read_frf_groups(_entry(root))
+
+
+def read_provenance(path: str | Path) -> Provenance:
+    """Read what a session file was derived from; errors as `read_session`."""
+    with open_tree(Path(path)) as root:
+        return read_provenance_group(_entry(root))
+
+
+def _check(session: Session, frfs: Sequence[FrequencyResponse], target: Path) -> None:
+    """Raise SessionError if what is to be written could not be read back."""
+    try:
+        previous = None
+        for hit in session.hits:
+            hit_model(hit)
+            check_membership(hit, session.header, previous)
+            previous = hit
+        for loss in session.losses:
+            loss_model(loss)
+        for frf in frfs:
+            check_frf(frf)
+    except ArmodalError as error:
+        raise SessionError(f"{target} is not written: {error}") from error
+
+
+def _write(
+    path: Path, session: Session, frfs: Sequence[FrequencyResponse], provenance: Provenance
+) -> None:
+    with h5py.File(path, "w") as file:
+        file.attrs["NX_class"] = "NXroot"
+        file.attrs["default"] = _ENTRY
+        file.attrs["creator"] = provenance.software
+        entry = add_group(file, _ENTRY, "NXentry")
+        add_text(entry, "definition", DEFINITION)
+        add_array(entry, "format_version", np.array(FORMAT_VERSION, dtype=np.int64))
+        write_header(entry, session.header)
+        add_array(entry, "complete", np.array(session.complete, dtype=np.uint8))
+        add_texts(entry, "warnings", session.warnings)
+        write_hits(entry, session.header, session.hits)
+        write_losses(entry, session.losses)
+        write_frf_groups(entry, frfs)
+        write_provenance(entry, provenance)
+        if frfs:
+            entry.attrs["default"] = frf_name(0)
+        elif session.hits:
+            entry.attrs["default"] = "first_hit"
+
+
+def _verify(
+    path: Path, session: Session, frfs: Sequence[FrequencyResponse], provenance: Provenance
+) -> None:
+    """Raise SessionError unless the file holds what it was given."""
+    with open_tree(path) as root:
+        entry = _entry(root)
+        difference = (
+            first_difference(_read_entry(entry), session, "session")
+            or first_difference(read_frf_groups(entry), tuple(frfs), "frfs")
+            or first_difference(read_provenance_group(entry), provenance, "provenance")
+        )
+    if difference is not None:
+        raise SessionError(
+            f"the session file written differs from the session at {difference}: it was thrown "
+            "away; run `armodal recover` again, on another disk if it happens twice"
+        )
+
+
+def _entry(root: Tree) -> Tree:
+    if not root.has(_ENTRY):
+        root.refuse(_ENTRY, "a session written by armodal", "an HDF5 file of something else")
+    entry = root.group(_ENTRY)
+    definition = entry.text("definition", limit=256)
+    if definition != DEFINITION:
+        entry.refuse("definition", repr(DEFINITION), repr(definition))
+    version = int(entry.array("format_version", np.int64, ()))
+    if version != FORMAT_VERSION:
+        entry.refuse("format_version", f"version {FORMAT_VERSION}", f"version {version}")
+    return entry
+
+
+def _read_entry(entry: Tree) -> Session:
+    header = read_header(entry)
+    return Session(
+        header=header,
+        hits=read_hits(entry, header),
+        losses=read_losses(entry),
+        complete=bool(entry.flags("complete", ())),
+        warnings=entry.texts("warnings"),
+    )
+
+
+def _sync(path: Path) -> None:
+    """Make a file, or the names in a folder, durable."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        if sys.platform == "darwin":
+            import fcntl  # noqa: PLC0415 - F_FULLFSYNC is there on macOS only
+
+            fcntl.fcntl(descriptor, fcntl.F_FULLFSYNC)
+        else:
+            os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

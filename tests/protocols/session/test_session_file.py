@@ -1,0 +1,336 @@
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from protocols.errors import EstimateError, JournalError, SessionError
+from protocols.frf_records import FrequencyResponse
+from protocols.session.compare import first_difference
+from protocols.session.hdf5 import (
+    Provenance,
+    read_frfs,
+    read_provenance,
+    read_session,
+    write_session,
+)
+from protocols.session.journal import load_journal
+from protocols.session.records import Hit, Session, SessionHeader
+from protocols.session.recovery import rebuild
+
+Frfs = tuple[FrequencyResponse, ...]
+
+
+@pytest.fixture
+def written(example, frfs: Frfs, tmp_path: Path) -> Path:
+    path = tmp_path / "a.h5"
+    write_session(example.session, path, frfs=frfs)
+    return path
+
+
+def test_session_and_frfs_round_trip(example, frfs: Frfs, written: Path) -> None:
+    assert first_difference(read_session(written), example.session, "session") is None
+    assert first_difference(read_frfs(written), frfs, "frfs") is None
+    assert [item.name for item in written.parent.iterdir()] == ["a.h5"]
+
+
+def test_session_without_hits_or_frfs_round_trips(header: SessionHeader, tmp_path: Path) -> None:
+    session = Session(header=header, hits=(), losses=(), complete=False)
+    write_session(session, tmp_path / "a.h5")
+    assert first_difference(read_session(tmp_path / "a.h5"), session, "session") is None
+    assert read_frfs(tmp_path / "a.h5") == ()
+    provenance = read_provenance(tmp_path / "a.h5")
+    assert provenance == Provenance(journal_sha256=None, software=header.software)
+
+
+def test_journal_and_file_tell_of_the_same_session(example, tmp_path: Path) -> None:
+    (tmp_path / "a.journal").write_bytes(example.journal)
+    session = load_journal(tmp_path / "a.journal")
+    write_session(session, tmp_path / "a.h5")
+    assert first_difference(read_session(tmp_path / "a.h5"), session, "session") is None
+
+
+def default_plot(file: h5py.File) -> h5py.Group:
+    """Follow @default from the root as the NeXus manual has it."""
+    group = file
+    while group.attrs["NX_class"] != "NXdata":
+        group = group[group.attrs["default"]]
+    return group
+
+
+def check_nxdata(group: h5py.Group) -> None:
+    signal = group[group.attrs["signal"]]
+    axes = list(group.attrs["axes"])
+    assert len(axes) == signal.ndim
+    for dimension, name in enumerate(axes):
+        if name != ".":
+            assert group[name].shape == (signal.shape[dimension],)
+            assert group[name].attrs["units"]
+    assert signal.attrs["units"]
+    assert signal.attrs["interpretation"] == "spectrum"
+    assert signal.dtype.kind in "fi"
+
+
+def test_default_leads_viewers_to_the_frf_magnitude(frfs: Frfs, written: Path) -> None:
+    with h5py.File(written) as file:
+        group = default_plot(file)
+        check_nxdata(group)
+        assert np.array_equal(group[group.attrs["signal"]][()], np.abs(frfs[0].values))
+        assert group["values"].dtype == np.complex128
+        check_nxdata(file["session/frf_002"])
+
+
+def test_default_leads_viewers_to_a_hit_while_there_are_no_frfs(example, tmp_path: Path) -> None:
+    write_session(example.session, tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5") as file:
+        group = default_plot(file)
+        check_nxdata(group)
+        assert np.array_equal(group["counts"][()], example.session.hits[0].counts.T)
+        # Trigger sample is the third after the first; times are exact quotients of one rate.
+        assert group["time_s"][3] == 0
+        for hit in example.session.hits:
+            check_nxdata(file[f"session/hits/hit_{hit.number:04d}"])
+
+
+def test_calibration_stands_in_words(header: SessionHeader, written: Path) -> None:
+    with h5py.File(written) as file:
+        channels = file["session/board/channels"]
+        for index, channel in enumerate(header.dictionary.channels):
+            assert channels["scale"][index] == channel.scale
+            assert channels["unit"][index].decode() == channel.unit
+            assert channels["serial_number"][index].decode() == channel.serial_number
+            assert bytes.fromhex(channels["teds_hex"][index].decode()) == channel.teds
+
+
+def test_interrupted_write_leaves_the_old_file(
+    example, written: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = written.read_bytes()
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("protocols.session.hdf5.write_losses", full)
+    with pytest.raises(SessionError, match="No space left"):
+        write_session(example.session, written)
+    assert written.read_bytes() == before
+    assert [item.name for item in written.parent.iterdir()] == ["a.h5"]
+
+
+def test_file_that_reads_back_otherwise_is_thrown_away(
+    example, written: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = written.read_bytes()
+    monkeypatch.setattr("protocols.session.hdf5.write_losses", lambda entry, _: lose(entry))
+    from protocols.session.hdf5_hits import write_losses  # noqa: PLC0415
+
+    def lose(entry: h5py.Group) -> None:
+        write_losses(entry, ())
+
+    with pytest.raises(SessionError, match=r"differs from the session at session\.losses"):
+        write_session(example.session, written)
+    assert written.read_bytes() == before
+
+
+def test_session_that_contradicts_itself_is_not_written(
+    example, make_hit: Callable[..., Hit], tmp_path: Path
+) -> None:
+    stranger = replace(make_hit(9), posture="elsewhere")
+    session = replace(example.session, hits=(stranger,))
+    with pytest.raises(SessionError, match="no posture"):
+        write_session(session, tmp_path / "a.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_frfs_that_contradict_themselves_are_not_written(
+    example, frfs: Frfs, tmp_path: Path
+) -> None:
+    for change, says in (
+        ({"n_hits": np.ones((2, 1), dtype=np.int64)}, "n_hits"),
+        ({"freq_hz": frfs[0].freq_hz[::-1]}, "rise"),
+        ({"coherence": frfs[0].coherence[:2]}, "coherence"),
+    ):
+        with pytest.raises(SessionError, match=says):
+            write_session(example.session, tmp_path / "a.h5", frfs=[replace(frfs[0], **change)])
+
+
+def put(file: h5py.File, name: str, value: object, **options: object) -> None:
+    del file[name]
+    file.create_dataset(name, data=value, **options)
+
+
+def link_soft(file: h5py.File) -> None:
+    file["session/elsewhere"] = file["session/losses"]
+    del file["session/losses"]
+    file["session/losses"] = h5py.SoftLink("/session/elsewhere")
+
+
+def link_external(file: h5py.File) -> None:
+    del file["session/plan"]
+    file["session/plan"] = h5py.ExternalLink("other.h5", "/session/plan")
+
+
+def store_outside(file: h5py.File) -> None:
+    del file["session/losses/host_s"]
+    file["session/losses"].create_dataset(
+        "host_s", shape=(2,), dtype="<f8", external=[("/etc/hostname", 0, 16)]
+    )
+
+
+def make_virtual(file: h5py.File) -> None:
+    del file["session/losses/host_s"]
+    layout = h5py.VirtualLayout(shape=(2,), dtype="<f8")
+    layout[:] = h5py.VirtualSource("other.h5", "x", shape=(2,))
+    file["session/losses"].create_virtual_dataset("host_s", layout)
+
+
+def claim_much(file: h5py.File) -> None:
+    name = "session/hits/hit_0001/counts"
+    del file[name]
+    file.create_dataset(name, shape=(4, 2**24), dtype="<i4")
+
+
+def claim_much_compressed(file: h5py.File) -> None:
+    name = "session/hits/hit_0001/counts"
+    del file[name]
+    file.create_dataset(name, shape=(4, 2**24), dtype="<i4", chunks=(4, 2**20), compression="gzip")
+
+
+def change_counts(file: h5py.File) -> None:
+    file["session/hits/hit_0001/counts"][2, 3] += 1
+
+
+def exchange_arm(file: h5py.File) -> None:
+    text = file["session/arm/text"][()] + b"\n# a later thought\n"
+    put(file, "session/arm/text", np.bytes_(text))
+
+
+def recalibrate(file: h5py.File) -> None:
+    file["session/board/channels/scale"][0] *= 1.01
+
+
+@pytest.mark.parametrize(
+    ("harm", "says"),
+    [
+        (link_soft, "a SoftLink came"),
+        (link_external, "a ExternalLink came"),
+        (store_outside, "data in another file"),
+        (make_virtual, "data in another file"),
+        (claim_much, "bytes stored"),
+        (claim_much_compressed, "100 times the file"),
+        (change_counts, "CRC-32"),
+        (exchange_arm, "not the one the session began with"),
+        (recalibrate, "what the board's dictionary says"),
+        (lambda f: put(f, "session/definition", np.bytes_(b"NXarpes")), "definition"),
+        (lambda f: put(f, "session/format_version", np.int64(9)), "version 9"),
+        (lambda f: put(f, "session/session_id", "vlen"), "fixed-length"),
+        (lambda f: put(f, "session/complete", np.uint8(2)), "zeros and ones"),
+        (lambda f: put(f, "session/complete", np.float64(1)), "complete"),
+        (lambda f: put(f, "session/complete", h5py.Empty("u1")), "complete"),
+        (lambda f: put(f, "session/losses/host_s", [1.0]), r"shape \(2\)"),
+        (lambda f: put(f, "session/losses/host_s", [np.nan, 1.0]), "finite"),
+        (lambda f: put(f, "session/losses/count", [-5, 1]), "row 0"),
+        (lambda f: put(f, "session/hits/table/number", [1, 3, 3]), "hit"),
+        (lambda f: put(f, "session/hits/table/reasons", np.array([b"[1]"] * 3)), "JSON"),
+        (lambda f: put(f, "session/hits/table/posture", np.array([b"\xff"] * 3)), "UTF-8"),
+        (lambda f: put(f, "session/hits/table/posture", np.array([b"x"] * 3)), "no posture"),
+        (lambda f: put(f, "session/losses/count", [1, 1], fletcher32=True), "filter"),
+        (lambda f: f.__delitem__("session/plan"), "nothing came"),
+        (lambda f: f.__delitem__("session"), "something else"),
+    ],
+)
+def test_harmed_file_is_refused_in_one_message(
+    harm: Callable[[h5py.File], None], says: str, written: Path
+) -> None:
+    with h5py.File(written, "r+") as file:
+        harm(file)
+    with pytest.raises(SessionError, match=says) as caught:
+        read_session(written)
+    assert "\n" not in str(caught.value)
+    assert "armodal recover" in str(caught.value)
+
+
+def test_repacked_file_is_read(example, written: Path) -> None:
+    with h5py.File(written, "r+") as file:
+        for hit in example.session.hits:
+            name = f"session/hits/hit_{hit.number:04d}/counts"
+            counts = file[name][()]
+            put(file, name, counts, compression="gzip", shuffle=True)
+    assert first_difference(read_session(written), example.session, "session") is None
+
+
+@pytest.mark.parametrize("content", [b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(100)])
+def test_what_is_not_hdf5_is_refused(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.h5").write_bytes(content)
+    with pytest.raises(SessionError, match="cannot be read as HDF5"):
+        read_session(tmp_path / "a.h5")
+
+
+def test_missing_file_is_one_clear_message(tmp_path: Path) -> None:
+    with pytest.raises(SessionError, match="there is no session file"):
+        read_session(tmp_path / "a.h5")
+
+
+def test_truncated_file_is_refused(written: Path) -> None:
+    data = written.read_bytes()
+    for cut in range(0, len(data), len(data) // 40):
+        written.write_bytes(data[:cut])
+        with pytest.raises(SessionError):
+            read_session(written)
+
+
+def test_220_hits_are_written_and_proven_within_a_second(
+    header: SessionHeader, make_hit: Callable[..., Hit], tmp_path: Path
+) -> None:
+    hits = tuple(make_hit(number, samples=2048) for number in range(1, 221))
+    session = Session(header=header, hits=hits, losses=(), complete=False)
+    took_s = []
+    for _ in range(3):  # the fastest of three, since other work may share the cores
+        begin = time.perf_counter()
+        write_session(session, tmp_path / "a.h5")
+        took_s.append(time.perf_counter() - begin)
+    assert min(took_s) < 1
+
+
+def test_rebuild_says_what_it_recovered_and_dropped(example, frfs: Frfs, tmp_path: Path) -> None:
+    journal = tmp_path / "a.journal"
+    torn = example.journal[:-5]
+    journal.write_bytes(torn)
+    recovery = rebuild(
+        journal, tmp_path / "a.h5", software="armodal test", estimate_frfs=lambda _: frfs
+    )
+    assert (recovery.accepted, recovery.rejected) == (2, 1)
+    assert recovery.journal_bytes == len(torn)
+    assert recovery.dropped_bytes == len(example.records[-1]) - 5
+    assert not recovery.records_beyond
+    assert recovery.frf_problem is None
+    assert journal.read_bytes() == torn
+    assert first_difference(read_session(tmp_path / "a.h5"), recovery.session, "session") is None
+    assert len(read_frfs(tmp_path / "a.h5")) == len(frfs)
+    assert read_provenance(tmp_path / "a.h5") == Provenance(
+        journal_sha256=hashlib.sha256(torn).hexdigest(), software="armodal test"
+    )
+
+
+def test_rebuild_goes_on_without_frfs_when_hits_are_too_few(example, tmp_path: Path) -> None:
+    (tmp_path / "a.journal").write_bytes(example.journal)
+
+    def refuse(_: Session) -> Frfs:
+        raise EstimateError("three hits a point were wanted")
+
+    recovery = rebuild(
+        tmp_path / "a.journal", tmp_path / "a.h5", software="test", estimate_frfs=refuse
+    )
+    assert recovery.frf_problem == "three hits a point were wanted"
+    assert len(read_session(tmp_path / "a.h5").hits) == len(example.session.hits)
+
+
+def test_rebuild_of_something_else_writes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "a.journal").write_bytes(b"#!/bin/sh\n")
+    with pytest.raises(JournalError, match="not an armodal journal"):
+        rebuild(tmp_path / "a.journal", tmp_path / "a.h5", software="test")
+    assert not (tmp_path / "a.h5").exists()
