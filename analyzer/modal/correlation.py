@@ -98,5 +98,5 @@ def to_real_axis(vector: _Complex) -> _Complex:
     """The shape turned so that its best line is the real axis, largest entry positive."""
     S = _scatter(vector)
     angle = 0.5 * np.arctan2(2.0 * S[0, 1], S[0, 0] - S[1, 1])
-    turned = vector * np.exp(-1j * angle)
+    turned: _Complex = vector * np.exp(-1j * angle)
     return turned if turned.real[np.argmax(np.abs(vector))] >= 0.0 else -turned

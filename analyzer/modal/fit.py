@@ -17,9 +17,10 @@ from analyzer.modal.correlation import mpc, mpd_deg, to_real_axis
 from analyzer.modal.modes import ModalModel, Mode, response_points, synthesise
 from analyzer.modal.noise import independent_line_share
 from analyzer.modal.plscf import Stabilisation, poles_plscf
-from analyzer.modal.regression import ModalData
+from analyzer.modal.regression import modal_data
 from analyzer.modal.selection import Selection, lack_of_fit, select_modes
 from analyzer.modal.uncertainty import PoleCovariance, pole_covariance
+from analyzer.modal.windows import laplace_lines
 from protocols.arrays import frozen_array
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
@@ -85,22 +86,6 @@ def _variance(
     return filled
 
 
-def _data(
-    frf: FrequencyResponse,
-    s: npt.NDArray[np.complex128],
-    values: npt.NDArray[np.complex128],
-    variance: npt.NDArray[np.float64],
-) -> ModalData:
-    flat = values.reshape(-1, s.size)
-    weight = 1.0 / variance.reshape(-1, s.size)
-    row = np.exp(np.mean(np.log(weight), axis=1))
-    weight = weight / row[:, None]
-    shared = bool(np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0))
-    return ModalData(
-        form=frf.form, s=s, values=flat, weight=weight[:1] if shared else weight, row_weight=row
-    )
-
-
 def _candidates(
     values: npt.NDArray[np.complex128],
     variance: npt.NDArray[np.float64],
@@ -115,19 +100,20 @@ def _candidates(
     if values.shape[1] > values.shape[0]:
         values, variance = values.transpose(1, 0, 2), variance.transpose(1, 0, 2)
     weight = 1.0 / np.sqrt(variance.mean(axis=1))
-    whole: Stabilisation | None = None
-    poles, shares = [], []
+    whole = poles_plscf(values, freq, decay_rad_s=decay, weight=weight, max_order=max_order)
+    found, share = candidate_poles(whole, (float(freq[0]), float(freq[-1])))
+    poles, shares = [found], [share]
+    # A polynomial matrix of n_ref columns has n_ref times as many poles as its order.
+    zoom_order = max(max_order // values.shape[1], 8)
     for low, high in zoom_bands(freq):
         lines = (freq >= low) & (freq <= high)
-        order = min(max_order, np.count_nonzero(lines) // 2)
         table = poles_plscf(
             values[..., lines],
             freq[lines],
             decay_rad_s=decay,
             weight=weight[:, lines],
-            max_order=order if whole is not None else max_order,
+            max_order=min(zoom_order, int(np.count_nonzero(lines)) // 2),
         )
-        whole = whole or table
         found, share = candidate_poles(table, (low, high))
         poles.append(found)
         shares.append(share)
@@ -179,7 +165,7 @@ def fit_modes(
     share = independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq))))
     table, poles, stability = _candidates(values, variance, freq, frf.decay_rad_s, max_order)
     try:
-        data = _data(frf, frf.decay_rad_s + 2j * np.pi * freq, values, variance)
+        data = modal_data(frf.form, laplace_lines(freq, frf.decay_rad_s), values, variance)
         chosen = select_modes(data, poles, stability, band, line_share=share)
         clusters = response_points(frf).reshape(-1)
         hits = float(np.median(frf.n_hits))

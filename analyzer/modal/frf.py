@@ -14,6 +14,7 @@ from analyzer.modal.windows import (
     exponential_window,
     force_window,
     highpass_response,
+    laplace_lines,
     undo_highpass,
 )
 from protocols.arrays import frozen_array
@@ -73,7 +74,7 @@ def _check_records(hits: tuple[Hit, ...], n_channels: int) -> int:
                 f"({n_samples}, {n_channels} or more) like hit {hits[0].number}; "
                 "reject it or analyse its block separately"
             )
-    return n_samples
+    return int(n_samples)
 
 
 def hit_spectra(
@@ -114,11 +115,11 @@ def hit_spectra(
     records = np.stack([hit.counts[:, columns] for hit in hits]).transpose(0, 2, 1) * scale[:, None]
     triggers = [int(hit.trigger_sample - hit.first_sample) for hit in hits]
     variance = np.empty(records.shape[:2])
-    for record, trigger, row in zip(records, triggers, variance, strict=True):
+    for i, trigger in enumerate(triggers):
         # The last two samples before the trigger may already hold the pulse's foot.
-        quiet = record[:, : max(trigger - 2, 2)]
-        record -= quiet.mean(axis=1, keepdims=True)
-        row[:] = np.maximum(quiet.var(axis=1, ddof=1), scale**2 / 12.0)
+        quiet = records[i, :, : max(trigger - 2, 2)]
+        variance[i] = np.maximum(quiet.var(axis=1, ddof=1), scale**2 / 12.0)
+        records[i] -= quiet.mean(axis=1, keepdims=True)
 
     exponential = exponential_window(n, rate, decay)
     force_weight = np.broadcast_to(exponential, (len(hits), n))
@@ -130,14 +131,14 @@ def hit_spectra(
     records[:, 0] *= force_weight
     records[:, 1:] *= exponential
 
-    freq = np.fft.rfftfreq(n, 1.0 / rate)
+    freq = np.arange(n // 2 + 1, dtype=np.float64) * (rate / n)
     spectra = np.fft.rfft(records, axis=-1) / rate
     noise_force = np.sum(force_weight**2, axis=-1) * variance[:, 0] / rate**2
     noise_response = np.sum(exponential**2) * variance[:, 1:] / rate**2
 
     keep_lines = _band_lines(freq, np.abs(spectra[:, 0]), rate, band_hz)
     freq = freq[keep_lines]
-    s = decay + 2j * np.pi * freq
+    s = laplace_lines(freq, decay)
     coupling = np.stack([highpass_response(s, c.highpass_hz) for c in coupled])
     if windows.force_s is not None:
         coupling[0] = 1.0
@@ -284,15 +285,17 @@ def posture_frf(
     if roving_hammer:
         responses = sensor_dofs(fixed_point)
         references = [hit_dof(first[point]) for point in points]
-        order = (1, 0, 2)  # (axis, point, line)
         n_hits = np.broadcast_to(counts, (len(labels), len(points)))
-        value, coherence, variance = (a.transpose(order) for a in (value, coherence, variance))
+        # (point, axis, line) to (axis, point, line)
+        value, coherence = value.transpose(1, 0, 2), coherence.transpose(1, 0, 2)
+        variance = variance.transpose(1, 0, 2)
     else:
         responses = [dof for point in points for dof in sensor_dofs(point)]
         references = [hit_dof(hits[0])]
         shape = (len(responses), 1, -1)
         n_hits = np.repeat(counts, len(labels))[:, None]
-        value, coherence, variance = (a.reshape(shape) for a in (value, coherence, variance))
+        value, coherence = value.reshape(shape), coherence.reshape(shape)
+        variance = variance.reshape(shape)
 
     return FrequencyResponse(
         posture=posture,

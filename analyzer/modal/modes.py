@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from analyzer.modal.plscf import Stabilisation
 from analyzer.modal.regression import residual_terms
+from analyzer.modal.windows import laplace_lines
 from protocols.arrays import frozen_array
 from protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
@@ -99,7 +100,7 @@ def synthesise(
     decay_rad_s
         Real part of the lines; 0 for the FRF itself.
     """
-    s = decay_rad_s + 2j * np.pi * np.asarray(freq_hz, dtype=np.float64)
+    s = laplace_lines(freq_hz, decay_rad_s)
     total = model.residual_terms @ residual_terms(model.form, s).T
     power = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}[model.form]
     for mode in model.modes:

@@ -5,7 +5,8 @@ scatter is therefore averaged over neighbouring lines, then drawn towards a two-
 all FRFs of the posture share, and held above the noise seen before the trigger:
 
     scatter   v1 = mean over 2m+1 lines of sum|X_h - H F_h|^2 / ((n - 1) sum|F_h|^2)
-    model     v0 = floor + r^2 |H|^2, r^2 the median over FRFs of sum(v1 - floor)/sum|H|^2
+    model     v0 = floor + r^2 |H|^2, r^2 the median over FRFs of the mean of (v1 - floor)/|H|^2
+              on the quarter of lines where |H|^2 stands highest above the floor
     variance  v  = max(floor, (nu1 v1 + nu0 v0) / (nu1 + nu0))
 
 `floor` is the noise floor carried to the FRF, r the relative scatter of hits (aim, level,
@@ -23,6 +24,7 @@ __all__ = ["hit_scatter_variance", "independent_line_share", "smooth_lines"]
 _HALF_WIDTH = 4  # lines on either side: about nine lines, some four of them independent
 _SINGLE_HIT_RELATIVE = 0.01
 _MODEL_DOF = 12.0
+_CLEAR_SHARE = 0.25
 
 
 def smooth_lines(values: npt.NDArray[np.float64], half_width: int) -> npt.NDArray[np.float64]:
@@ -86,9 +88,13 @@ def hit_scatter_variance(
     dof = (2.0 * (n_hits - 1) * lines)[..., None]
     several = n_hits > 1
     if np.any(several):
-        excess = np.sum(np.maximum(smoothed - floor, 0.0), axis=-1)[several]
-        energy = np.sum(magnitude_squared, axis=-1)[several]
-        relative = float(np.median(excess / np.maximum(energy, np.finfo(float).tiny)))
+        ratio = np.maximum(floor, np.finfo(float).tiny) / np.maximum(
+            magnitude_squared, np.finfo(float).tiny
+        )
+        clear = ratio <= np.quantile(ratio, _CLEAR_SHARE, axis=-1, keepdims=True)
+        share = np.where(clear, (smoothed - floor) / np.maximum(magnitude_squared, 1e-300), 0.0)
+        mean = share.sum(axis=-1) / clear.sum(axis=-1)
+        relative = max(float(np.median(mean[several])), 0.0)
     else:
         relative = _SINGLE_HIT_RELATIVE**2
     model = floor + relative * magnitude_squared

@@ -29,7 +29,7 @@ from protocols.errors import EstimateError
 
 __all__ = ["Stabilisation", "poles_plscf"]
 
-_RIDGE = 1e-13  # of the mean diagonal: keeps noise-free normal equations definite
+_RIDGE = 1e-15  # of the diagonal, times ten until the normal equations are definite
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +73,8 @@ class _Zone:
         """Poles in rad/s, with positive frequency, of the roots `z` in the upper half plane."""
         log = np.log(z)
         angle = 2.0 * np.pi * (self.number // 2) + (-log.imag if self.reversed else log.imag)
-        return (log.real + 1j * angle) / self.dt_s
+        poles: npt.NDArray[np.complex128] = (log.real + 1j * angle) / self.dt_s
+        return poles
 
 
 def _zone(low_hz: float, high_hz: float) -> _Zone:
@@ -120,7 +121,6 @@ def _normal_matrix(
     lag = np.arange(order + 1)[None, :] - np.arange(order + 1)[:, None] + order  # s - r + n
     shared = bool(np.allclose(w2, w2[:1], rtol=1e-9, atol=0.0))
     R = _real_lag_sums(w2[:1] if shared else w2, cosines)[:, lag]  # (n_resp or 1, n+1, n+1)
-    R += _RIDGE * np.mean(R[:, 0, 0]) * np.eye(order + 1)
     S = _lag_sums(w2[:, None, :] * H, cosines, sines)[..., lag]  # (n_resp, n_ref, r, s)
     S = S.transpose(0, 2, 3, 1).reshape(n_resp, order + 1, (order + 1) * n_ref)
     weighted = w2[:, None, :] * H
@@ -128,24 +128,27 @@ def _normal_matrix(
     T_lags = _lag_sums(T, cosines, sines)[..., lag]  # (i, j, r, s)
     M = T_lags.transpose(2, 0, 3, 1).reshape((order + 1) * n_ref, (order + 1) * n_ref)
     if shared:
-        root = np.linalg.cholesky(R[0])
+        root = _definite_factor(R[0], float(R[0, 0, 0]))
         stacked = S.transpose(1, 0, 2).reshape(order + 1, -1)
-        half = solve_triangular(root, stacked, lower=True, check_finite=False)
-        half = half.reshape((order + 1) * n_resp, -1)
+        solved = solve_triangular(root, stacked, lower=True, check_finite=False)
+        half = np.asarray(solved, dtype=np.float64).reshape((order + 1) * n_resp, -1)
     else:
-        # Batched inverse of the small Cholesky factors; each is (n + 1, n + 1).
-        half = np.linalg.solve(np.linalg.cholesky(R), S).reshape(n_resp * (order + 1), -1)
+        roots = _definite_factor(R, R[:, :1, :1])
+        half = np.linalg.solve(roots, S).reshape(n_resp * (order + 1), -1)
     result: npt.NDArray[np.float64] = M - half.T @ half
     return 0.5 * (result + result.T), float(np.trace(M)) / M.shape[0]
 
 
-def _definite_factor(matrix: npt.NDArray[np.float64], size: float) -> npt.NDArray[np.float64]:
-    """Lower Cholesky factor of a reduced normal matrix, with the least ridge that allows it.
+def _definite_factor(
+    matrix: npt.NDArray[np.float64], size: float | npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Lower Cholesky factor of one or many normal matrices, with the least ridge that allows it.
 
-    The reduction subtracts numbers of magnitude `size` and leaves rounding of that magnitude.
+    Entries of magnitude `size` leave rounding of that magnitude, where noise-free data or lines
+    that do not fill the circle make the matrix singular.
     """
-    identity = np.eye(matrix.shape[0])
-    ridge = np.finfo(float).eps * size
+    identity = np.eye(matrix.shape[-1])
+    ridge = _RIDGE * size
     for _ in range(8):
         try:
             factor = np.linalg.cholesky(matrix + ridge * identity)

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from protocols.frf_records import FrfForm
 
-__all__ = ["N_RESIDUAL", "ModalData", "Regression", "regress", "residual_terms"]
+__all__ = ["N_RESIDUAL", "ModalData", "Regression", "modal_data", "regress", "residual_terms"]
 
 N_RESIDUAL = 3
 _DERIVATIVE = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
@@ -40,13 +40,7 @@ class ModalData:
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`
 
-    @property
-    def energy(self) -> npt.NDArray[np.float64]:
-        """Weighted sum of squares of each FRF: (n_frf,)."""
-        result: npt.NDArray[np.float64] = self.row_weight * np.sum(
-            self.weight * np.abs(self.values) ** 2, axis=1
-        )
-        return result
+    energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +58,23 @@ class Regression:
     gain: npt.NDArray[np.float64]  # (n_frf, n_modes) rise of cost without the mode
     information: npt.NDArray[np.float64]  # (n_frf, 2 n_modes, 2 n_modes), poles, projected
     score: npt.NDArray[np.float64]  # (n_frf, 2 n_modes), poles, projected
+
+
+def modal_data(
+    form: FrfForm,
+    s: npt.NDArray[np.complex128],
+    values: npt.NDArray[np.complex128],
+    variance: npt.NDArray[np.float64],
+) -> ModalData:
+    """FRFs of any leading shape, flattened to rows, weighted by one over their variance."""
+    flat = values.reshape(-1, s.size)
+    weight = 1.0 / variance.reshape(-1, s.size)
+    row = np.exp(np.mean(np.log(weight), axis=1))
+    weight = weight / row[:, None]
+    if np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0):
+        weight = np.ascontiguousarray(weight[:1])
+    energy = row * np.sum(weight * np.abs(flat) ** 2, axis=1)
+    return ModalData(form=form, s=s, values=flat, weight=weight, row_weight=row, energy=energy)
 
 
 def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:

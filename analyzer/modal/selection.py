@@ -22,6 +22,7 @@ from analyzer.modal.uncertainty import frequency_damping_jacobian, white_covaria
 __all__ = ["Selection", "lack_of_fit", "select_modes"]
 
 _LEAST_SIGNIFICANCE = 5.0
+_DOUBTFUL_SIGNIFICANCE = 1000.0
 _LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequency
 _MOST_DAMPING_STD = 0.5  # of the damping ratio
 _DUPLICATE_MAC = 0.9
@@ -41,7 +42,7 @@ def lack_of_fit(fit: Regression, n_freq: int) -> float:
     """Weighted misfit per real degree of freedom; a half for noise of the stated variance."""
     n_frf, n_modes = fit.residues.shape
     free = max(n_frf * (2 * n_freq - 2 * n_modes - N_RESIDUAL) - 2 * n_modes, 1)
-    return float(fit.cost.sum()) / free
+    return float(np.sum(fit.cost) / free)
 
 
 def _significance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
@@ -98,6 +99,26 @@ def _weakest(
     return _duplicate_of_a_stronger(fit, significance) if strict else None
 
 
+def _not_needed(
+    fit: Regression, data: ModalData, line_share: float
+) -> tuple[int, Regression] | None:
+    """A doubtful mode the others make up for once they may move, and the fit without it.
+
+    Two poles can split one mode between them, each seeming needed while the other stands where
+    it is. The likelihood ratio after a new refinement tells.
+    """
+    significance = _significance(fit, data.s.size, line_share)
+    n_frf = fit.cost.size
+    noise = lack_of_fit(fit, data.s.size) * (2.0 * n_frf + 2.0) / line_share
+    for index in np.argsort(significance):
+        if significance[index] > _DOUBTFUL_SIGNIFICANCE:
+            return None
+        without = refine_poles(data, np.delete(fit.poles, index))
+        if np.sum(without.cost - fit.cost) < _LEAST_SIGNIFICANCE * noise:
+            return int(index), without
+    return None
+
+
 def select_modes(
     data: ModalData,
     poles: npt.NDArray[np.complex128],
@@ -135,10 +156,15 @@ def select_modes(
     fit = refine_poles(data, poles)
     while fit.poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=True)
-        if drop is None:
+        if drop is not None:
+            share = np.delete(share, drop)
+            fit = refine_poles(data, np.delete(fit.poles, drop))
+            continue
+        spare = _not_needed(fit, data, line_share)
+        if spare is None:
             break
-        share = np.delete(share, drop)
-        fit = refine_poles(data, np.delete(fit.poles, drop))
+        index, fit = spare
+        share = np.delete(share, index)
     rank = np.argsort(np.abs(fit.poles), kind="stable")
     if np.any(rank != np.arange(rank.size)):
         fit, share = regress(data, fit.poles[rank]), share[rank]

@@ -82,10 +82,8 @@ def white_covariance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[
 
 def _inverse(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
-    inner: npt.NDArray[np.float64] = np.linalg.pinv(
-        A * scale[:, None] * scale[None, :], hermitian=True
-    )
-    return inner * scale[:, None] * scale[None, :]
+    inner = np.linalg.pinv(A * scale[:, None] * scale[None, :], hermitian=True)
+    return np.asarray(inner * scale[:, None] * scale[None, :], dtype=np.float64)
 
 
 def _cluster_parts(

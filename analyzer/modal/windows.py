@@ -20,6 +20,7 @@ __all__ = [
     "exponential_window",
     "force_window",
     "highpass_response",
+    "laplace_lines",
     "undo_highpass",
 ]
 
@@ -62,7 +63,9 @@ def exponential_window(
     n_samples: int, rate_hz: float, decay_rad_s: float
 ) -> npt.NDArray[np.float64]:
     """Exponential e^(-decay t), t from the first sample: (n_samples,)."""
-    return np.exp(-decay_rad_s / rate_hz * np.arange(n_samples))
+    times_s = np.arange(n_samples, dtype=np.float64) / rate_hz
+    window: npt.NDArray[np.float64] = np.exp(-decay_rad_s * times_s)
+    return window
 
 
 def force_window(
@@ -85,6 +88,16 @@ def highpass_response(
 ) -> npt.NDArray[np.complex128]:
     """Transfer function s / (s + wc) of first-order AC coupling at the Laplace points `s`."""
     return s / (s + 2.0 * np.pi * corner_hz)
+
+
+def laplace_lines(
+    freq_hz: npt.NDArray[np.float64], decay_rad_s: float
+) -> npt.NDArray[np.complex128]:
+    """Laplace points s = decay + j 2 pi f of the lines: (n_freq,)."""
+    lines = np.empty(freq_hz.shape, dtype=np.complex128)
+    lines.real = decay_rad_s
+    lines.imag = 2.0 * np.pi * freq_hz
+    return lines
 
 
 def undo_highpass(

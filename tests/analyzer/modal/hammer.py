@@ -146,6 +146,7 @@ def session(
     hits=3,
     noise=0.0,
     rng=None,
+    aim=0.0,
     joints=(0.1, 0.2),
 ):
     """Session of a roving test; residues (n_modes, n_points, 3) of receptance, one reference."""
@@ -161,8 +162,10 @@ def session(
             width = rng.uniform(2.5e-3, 4e-3)
             t = (np.arange(samples) - pretrigger + rng.uniform(0.0, 1.0)) / rate
             peak = rng.uniform(50.0, 150.0)
+            # A hand that aims differently reaches every mode a little differently.
+            reach = 1.0 + aim * rng.standard_normal((len(poles), 1))
             force = peak * force_record(t, width, corner_hz)
-            response = peak * acceleration(t, width, poles, residues[:, index], corner_hz)
+            response = peak * acceleration(t, width, poles, reach * residues[:, index], corner_hz)
             record = np.vstack([force, response])
             record += noise * rng.standard_normal(record.shape)
             scale = np.array([FORCE_SCALE] + [ACCELERATION_SCALE] * 3)
