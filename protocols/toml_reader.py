@@ -165,7 +165,8 @@ def _sentence(detail: ErrorDetails, data: dict[str, Any]) -> str:
         message = "a table"
     elif kind == "string_pattern_mismatch":
         message = "text without control characters" if "x00" in message else message
-    wanted = message.removeprefix("Input should be ").removeprefix("a valid ")
+    wanted = message.removeprefix("Input should be ")
+    wanted = wanted.replace("a valid integer", "an integer").replace("a valid ", "a ")
     return f"{_path(loc)}: wanted {wanted}, got {shown(value)}{named}"
 
 

@@ -259,8 +259,8 @@ NAMES = "joint_1, joint_2, joint_3, joint_4, joint_5, joint_6"
          "can.drive_state: wanted JOINTS_1_2.POSITION_1 unsigned and unscaled"),
         ('signal = "COUNTER"', 'signal = "POSITION_1"',
          "can.counter: wanted JOINTS_1_2.POSITION_1 unsigned and unscaled"),
-        ("stale_after_s = 0.1", "stale_after_s = 0.001", "can: wanted stale_after_s of at least"),
-        ("bitrate = 500000", "bitrate = 500000.0", "can.bitrate: wanted integer, got 500000.0"),
+        ("stale_after_s = 0.5", "stale_after_s = 0.001", "can: wanted stale_after_s of at least"),
+        ("bitrate = 500000", "bitrate = 500000.0", "can.bitrate: wanted an integer, got 500000.0"),
     ],
 )  # fmt: skip
 def test_each_fault_is_refused_with_its_path(tmp_path: Path, old: str, new: str, said: str) -> None:

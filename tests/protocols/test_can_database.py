@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -18,6 +20,7 @@ from protocols.can_database import (
     load_database,
 )
 from protocols.errors import CanError
+from protocols.slcan import SlcanParser
 
 JOINTS = [f"joint_{number}" for number in range(1, 7)]
 # Half a count of 0.0001 degree, with room for rounding in float64.
@@ -144,6 +147,14 @@ def test_a_repeated_counter_renews_no_angle() -> None:
     assert update.repeated
     assert update.joints_rad == {}
     assert update.lost == 0
+
+
+def test_the_worked_example_of_the_document_is_right() -> None:
+    document = Path(__file__).parents[2] / "docs" / "can.md"
+    found = re.search(r"`(t[0-9A-F]+)` and CR", document.read_text(encoding="utf-8"))
+    assert found is not None
+    (frame,) = SlcanParser().feed(found[1].encode("ascii") + b"\r")
+    assert frame == joints_1_2(-250_000, 900_000, 2, 17)
 
 
 @pytest.mark.parametrize("length", [0, 1, 7])

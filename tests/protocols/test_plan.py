@@ -103,7 +103,7 @@ ALL = '["1", "2", "3", "4", "5", "6", "7",'
         ('mode = "roving-response"', 'mode = "roving"',
          "mode: wanted 'roving-response' or 'roving-hammer', got 'roving'"),
         ('fixed_point = "1"', 'fixed_point = "19"', "fixed_point: wanted a point of the arm (1, 2"),
-        ('fixed_point = "1"', "fixed_point = 1", "fixed_point: wanted string, got 1"),
+        ('fixed_point = "1"', "fixed_point = 1", "fixed_point: wanted a string, got 1"),
         ("hits_per_point = 3", "hits_per_point = 0", "hits_per_point: wanted greater than or"),
         ("max_attempts = 12", "max_attempts = 2",
          "the file: wanted max_attempts of at least hits_per_point"),
@@ -117,7 +117,7 @@ ALL = '["1", "2", "3", "4", "5", "6", "7",'
         ('"51200/31"', "1e300", "sampling.rate_hz: wanted a rate from 1 to 1000000 Hz"),
         ('"51200/31"', "1651.6129032258063", "sampling.rate_hz: wanted a rate"),
         ('"51200/31"', '"999999.999999999"', "sampling.rate_hz: wanted a rate"),
-        ("samples = 2048 ", "samples = 2048.5 ", "sampling.samples: wanted integer, got 2048.5"),
+        ("samples = 2048 ", "samples = 2048.5 ", "sampling.samples: wanted an integer, got 2048.5"),
         ("samples = 2048 ", "samples = 10 ", "sampling.samples: wanted greater than or equal"),
         ("pretrigger = 100", "pretrigger = 2048", "sampling: wanted pretrigger below samples"),
         ("pretrigger = 100", "pretrigger = -1", "sampling.pretrigger: wanted"),
@@ -145,7 +145,7 @@ ALL = '["1", "2", "3", "4", "5", "6", "7",'
          "postures[0].hit_direction: wanted at least 3 items, got [0.0, 1.0]"),
         ('name = "test 2"', 'name = "test 1"',
          "postures[1].name: wanted a name of its own, got 'test 1'"),
-        ("validation = true", 'validation = "yes"', "postures[3].validation: wanted boolean"),
+        ("validation = true", 'validation = "yes"', "postures[3].validation: wanted a boolean"),
     ],
 )  # fmt: skip
 def test_each_fault_is_refused_with_its_path(tmp_path: Path, old: str, new: str, said: str) -> None:

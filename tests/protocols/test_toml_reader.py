@@ -46,11 +46,11 @@ def test_a_missing_key_is_named() -> None:
 @pytest.mark.parametrize(
     ("value", "sentence"),
     [
-        ("1.0", "items[0].number: wanted number, got '1.0'"),
-        (True, "items[0].number: wanted number, got True"),
+        ("1.0", "items[0].number: wanted a number, got '1.0'"),
+        (True, "items[0].number: wanted a number, got True"),
         (float("nan"), "items[0].number: wanted a finite number, got nan"),
         (float("inf"), "items[0].number: wanted a finite number, got inf"),
-        ([], "items[0].number: wanted number, got []"),
+        ([], "items[0].number: wanted a number, got []"),
     ],
 )
 def test_a_value_of_the_wrong_kind_is_shown(value: object, sentence: str) -> None:
@@ -68,7 +68,7 @@ def test_a_value_in_place_of_a_table_is_shown() -> None:
 
 def test_keys_that_are_no_identifiers_are_quoted_in_the_path() -> None:
     message = message_of({"name": "a", "tables": {"a b": {"number": "x"}}})
-    assert "tables.'a b'.number: wanted number, got 'x'" in message
+    assert "tables.'a b'.number: wanted a number, got 'x'" in message
 
 
 def test_further_faults_are_counted() -> None:
