@@ -106,7 +106,7 @@ def _run(
     board = BoardSession(link, link.hello(), settings, clock, losses)
     joints = JointState(mapping, [joint.name for joint in settings.arm.joints])
     _hear_every_joint(can_source, joints, mapping, settings, clock)
-    board.start()
+    board.prepare()
     _check_same_sensors(board, journal)
     outbox.put(
         BoardFound(
@@ -117,6 +117,7 @@ def _run(
     session_id = earlier.header.session_id if earlier else settings.session_id
     session_id = session_id or secrets.token_hex(8)
     writer = _open_journal(settings, session_id, board, clock, journal, stack)
+    board.start()
     hits = earlier.hits if earlier else ()
     loop = SessionLoop(
         settings=settings,

@@ -162,13 +162,16 @@ class BoardSession:
         """Whether a reply is due, and a prompt reader makes the clock fit better."""
         return self._link.waits_for_reply()
 
-    def start(self) -> None:
-        """Configure the board, learn its clock, and let it run."""
+    def prepare(self) -> None:
+        """Configure the board and learn its clock."""
         self._link.stop()
         self._link.configure(self._configuration)
         for _ in range(FIRST_ROUND_TRIPS):
             self.status, trip = self._link.status()
             self._tracker.add(trip)
+
+    def start(self) -> None:
+        """Let it run."""
         self._link.start()
         self._status_at_s = self._clock.now_s()
 
