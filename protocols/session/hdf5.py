@@ -6,15 +6,16 @@ written beside its place, read back, compared, and only then renamed.
 
 from __future__ import annotations
 
+import fcntl
 import os
-import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from protocols.errors import ArmodalError, SessionError
+from protocols.errors import ArmodalError, JournalError, SessionError
 from protocols.frf_records import FrequencyResponse
 from protocols.session.compare import first_difference
 from protocols.session.hdf5_frf import check_frf, frf_name, read_frf_groups, write_frf_groups
@@ -83,15 +84,18 @@ def write_session(
         _verify(temporary, session, frfs, provenance)
         temporary.replace(target)
         _sync(target.parent)
+    except SessionError:
+        raise
+    except JournalError as error:
+        raise SessionError(f"{target} is not written: {error}") from error
     except (OSError, RuntimeError, ValueError) as error:
-        if isinstance(error, ArmodalError):
-            raise
         raise SessionError(
             f"the session file {target} cannot be written ({error}): free or choose another "
             "place and run `armodal recover`; the journal is untouched"
         ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # gone by its renaming, or never made
+            temporary.unlink()
 
 
 def read_session(path: str | Path) -> Session:
@@ -202,12 +206,11 @@ def _read_entry(entry: Tree) -> Session:
 
 def _sync(path: Path) -> None:
     """Make a file, or the names in a folder, durable."""
+    full_sync = getattr(fcntl, "F_FULLFSYNC", None)
     descriptor = os.open(path, os.O_RDONLY)
     try:
-        if sys.platform == "darwin":
-            import fcntl  # noqa: PLC0415 - F_FULLFSYNC is there on macOS only
-
-            fcntl.fcntl(descriptor, fcntl.F_FULLFSYNC)
+        if full_sync is not None and path.is_file():  # macOS: fsync stops at the drive's cache
+            fcntl.fcntl(descriptor, full_sync)
         else:
             os.fsync(descriptor)
     finally:

@@ -143,7 +143,15 @@ def test_session_that_contradicts_itself_is_not_written(
     session = replace(example.session, hits=(stranger,))
     with pytest.raises(SessionError, match="no posture"):
         write_session(session, tmp_path / "a.h5")
+    unreadable = replace(session.header, dictionary_bytes=b"\0")
+    with pytest.raises(SessionError, match="dictionary"):
+        write_session(replace(example.session, header=unreadable), tmp_path / "a.h5")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_that_is_not_there_is_one_clear_message(example, tmp_path: Path) -> None:
+    with pytest.raises(SessionError, match="cannot be written"):
+        write_session(example.session, tmp_path / "none" / "a.h5")
 
 
 def test_frfs_that_contradict_themselves_are_not_written(
@@ -177,7 +185,7 @@ def link_external(file: h5py.File) -> None:
 def store_outside(file: h5py.File) -> None:
     del file["session/losses/host_s"]
     file["session/losses"].create_dataset(
-        "host_s", shape=(2,), dtype="<f8", external=[("/etc/hostname", 0, 16)]
+        "host_s", shape=(2,), dtype="<f8", external=[("outside.bin", 0, 16)]
     )
 
 
