@@ -14,11 +14,13 @@ import numpy.typing as npt
 
 from analyzer.modal.plscf import Stabilisation
 
-__all__ = ["CANDIDATE_RADIUS", "candidate_poles", "merge_duplicates", "physical", "zoom_bands"]
+__all__ = ["candidate_poles", "merge_duplicates", "physical", "zoom_bands"]
 
 MOST_DAMPING = 0.25
 LEAST_DAMPING = 1e-4
-CANDIDATE_RADIUS = 0.01  # of |pole|: one per cent in frequency, 0.01 in damping ratio
+_RADIUS_OF_BANDWIDTH = 0.3  # of the half bandwidth |Re p|: a pole scatters in proportion to it
+_RADIUS_LEAST = 0.001  # of |pole|, added
+_RADIUS_MOST = 0.01  # of |pole|
 _LEAST_PARTICIPATION_MAC = 0.8
 _ZOOM_RATIO = 3.0  # highest over lowest frequency of a zoomed band
 _ZOOM_STEP = 2.0  # between the starts of neighbouring bands, so that they overlap
@@ -67,6 +69,14 @@ def physical(
     )
 
 
+def _radius(poles: npt.NDArray[np.complex128]) -> npt.NDArray[np.float64]:
+    """How far two estimates of the same pole may lie apart, rad/s."""
+    magnitude = np.abs(poles)
+    radius = _RADIUS_OF_BANDWIDTH * np.abs(poles.real) + _RADIUS_LEAST * magnitude
+    result: npt.NDArray[np.float64] = np.minimum(radius, _RADIUS_MOST * magnitude)
+    return result
+
+
 def candidate_poles(
     table: Stabilisation, band_hz: tuple[float, float], *, least_share: float = 0.25
 ) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.float64]]:
@@ -91,12 +101,12 @@ def candidate_poles(
     pole, order, w = table.pole_rad_s[keep], table.order[keep], table.participation[keep]
     if pole.size == 0:
         return np.empty(0, dtype=np.complex128), np.empty(0)
-    distance = np.abs(pole[:, None] - pole[None, :]) / np.abs(pole[:, None])
-    near = distance < CANDIDATE_RADIUS
+    distance = np.abs(pole[:, None] - pole[None, :]) / _radius(pole)[:, None]
+    near = distance < 1.0
     if w.shape[1] > 1:
         near &= np.abs(w.conj() @ w.T) ** 2 > _LEAST_PARTICIPATION_MAC
     alive = np.ones(pole.size, dtype=bool)
-    closeness = np.where(near, 1.0 - distance / CANDIDATE_RADIUS, 0.0)
+    closeness = np.where(near, 1.0 - distance, 0.0)
     wanted = max(3, int(np.ceil(least_share * len(table.orders))))
     chosen: list[complex] = []
     share: list[float] = []
@@ -122,14 +132,15 @@ def candidate_poles(
 
 
 def merge_duplicates(
-    poles: npt.NDArray[np.complex128], share: npt.NDArray[np.float64], radius: float
+    poles: npt.NDArray[np.complex128], share: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.intp]:
-    """Indices of the poles kept when any two within `radius` of |pole| are the same one.
+    """Indices of the poles kept when any two within one radius are the same one.
 
     Of two the one seen at more orders stays.
     """
     kept: list[int] = []
+    radius = _radius(poles)
     for i in np.argsort(-share, kind="stable"):
-        if all(abs(poles[i] - poles[j]) > radius * abs(poles[j]) for j in kept):
+        if all(abs(poles[i] - poles[j]) > radius[j] for j in kept):
             kept.append(int(i))
     return np.sort(np.asarray(kept, dtype=np.intp))

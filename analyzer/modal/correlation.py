@@ -36,7 +36,7 @@ def mac(first: npt.ArrayLike, second: npt.ArrayLike) -> float:
 
     Examples
     --------
-    >>> mac([1, 2], [2j, 4j])
+    >>> round(mac([1, 2], [2j, 4j]), 12)
     1.0
     """
     a, b = _checked(first, "MAC"), _checked(second, "MAC")

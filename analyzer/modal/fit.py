@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.modal.choice import (
-    CANDIDATE_RADIUS,
     candidate_poles,
     merge_duplicates,
     zoom_bands,
@@ -118,7 +117,7 @@ def _candidates(
         poles.append(found)
         shares.append(share)
     pole, share = np.concatenate(poles), np.concatenate(shares)
-    kept = merge_duplicates(pole, share, CANDIDATE_RADIUS)
+    kept = merge_duplicates(pole, share)
     return whole, pole[kept], share[kept]
 
 

@@ -29,7 +29,10 @@ from protocols.errors import EstimateError
 
 __all__ = ["Stabilisation", "poles_plscf"]
 
-_RIDGE = 1e-15  # of the diagonal, times ten until the normal equations are definite
+# Ridges relative to the diagonal. The numerators' normal matrix is nearly singular where the lines
+# leave part of the circle empty; a ridge r there leaves rounding of eps / sqrt(r) in the reduction.
+_NUMERATOR_RIDGE = 1e-10
+_LEAST_RIDGE = 1e-15  # times ten until the reduced equations are definite
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,28 +131,29 @@ def _normal_matrix(
     T_lags = _lag_sums(T, cosines, sines)[..., lag]  # (i, j, r, s)
     M = T_lags.transpose(2, 0, 3, 1).reshape((order + 1) * n_ref, (order + 1) * n_ref)
     if shared:
-        root = _definite_factor(R[0], float(R[0, 0, 0]))
+        root = _definite_factor(R[0], float(R[0, 0, 0]), _NUMERATOR_RIDGE)
         stacked = S.transpose(1, 0, 2).reshape(order + 1, -1)
         solved = solve_triangular(root, stacked, lower=True, check_finite=False)
-        half = np.asarray(solved, dtype=np.float64).reshape((order + 1) * n_resp, -1)
+        half = np.asarray(solved.reshape((order + 1) * n_resp, -1), dtype=np.float64)
     else:
-        roots = _definite_factor(R, R[:, :1, :1])
-        half = np.linalg.solve(roots, S).reshape(n_resp * (order + 1), -1)
+        roots = _definite_factor(R, R[:, :1, :1], _NUMERATOR_RIDGE)
+        stack = np.linalg.solve(roots, S).reshape(n_resp * (order + 1), -1)
+        half = np.asarray(stack, dtype=np.float64)
     result: npt.NDArray[np.float64] = M - half.T @ half
     return 0.5 * (result + result.T), float(np.trace(M)) / M.shape[0]
 
 
 def _definite_factor(
-    matrix: npt.NDArray[np.float64], size: float | npt.NDArray[np.float64]
+    matrix: npt.NDArray[np.float64], size: float | npt.NDArray[np.float64], relative: float
 ) -> npt.NDArray[np.float64]:
-    """Lower Cholesky factor of one or many normal matrices, with the least ridge that allows it.
+    """Lower Cholesky factor of one or many normal matrices under a ridge.
 
-    Entries of magnitude `size` leave rounding of that magnitude, where noise-free data or lines
-    that do not fill the circle make the matrix singular.
+    The ridge is `relative` times `size`, ten times that until the matrix is definite: noise-free
+    data leave nothing but rounding in some directions.
     """
     identity = np.eye(matrix.shape[-1])
-    ridge = _RIDGE * size
-    for _ in range(8):
+    ridge = relative * size
+    for _ in range(10):
         try:
             factor = np.linalg.cholesky(matrix + ridge * identity)
         except np.linalg.LinAlgError:
@@ -238,7 +242,7 @@ def poles_plscf(
     theta = 2.0 * np.pi * freq_hz * zone.dt_s
     M, size = _normal_matrix(values, weight, theta, order)
 
-    factor = _definite_factor(M[n_ref:, n_ref:], size)
+    factor = _definite_factor(M[n_ref:, n_ref:], size, _LEAST_RIDGE)
     forward = solve_triangular(factor, -M[n_ref:, :n_ref], lower=True, check_finite=False)
 
     step = order_step or max(1, round(order / 40))

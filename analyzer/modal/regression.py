@@ -164,7 +164,7 @@ def regress(
 
     information = np.zeros((n_frf, 0, 0))
     score = np.zeros((n_frf, 0))
-    if pole_terms:
+    if pole_terms and n_modes:
         information, score = _pole_step(G, b, inverse, x, residues, size, p, row)
     return Regression(
         poles=poles,
