@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from daq.journal_writer import JournalWriter
+from protocols.board.messages import encode_dictionary
+from protocols.errors import JournalError
+from protocols.session.journal import Mark, MarkKind, encode_mark, read_journal
+from protocols.session.records import SessionHeader
+
+
+@pytest.fixture
+def header(arm, plan, fakes):
+    board = fakes["dictionary"]()
+    return SessionHeader(
+        session_id="ab12",
+        created="2026-01-31T12:00:00+00:00",
+        software="test",
+        arm=arm,
+        plan=plan,
+        dictionary=board,
+        dictionary_bytes=encode_dictionary(board),
+        channel_mask=15,
+        time_scale=1.0,
+    )
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "a.journal"
+
+
+def mark(note: str) -> bytes:
+    return encode_mark(Mark(kind=MarkKind.NOTE, posture=None, point=None, host_s=1.0, note=note))
+
+
+def notes(path) -> list[str]:
+    return [m.note for m in read_journal(path).marks]
+
+
+def test_what_was_appended_is_there_while_the_file_is_still_open(header, path):
+    writer = JournalWriter.create(path, header)
+    writer.append(mark("one"))
+    assert notes(path) == ["one"]
+    assert writer.last_commit_s > 0.0
+    writer.close()
+
+
+def test_append_returns_only_after_the_record_is_durable(header, path, monkeypatch):
+    writer = JournalWriter.create(path, header)
+    synced: list[int] = []
+    sync = os.fdatasync
+    monkeypatch.setattr(
+        "daq.journal_writer.os.fdatasync",
+        lambda fd: (synced.append(os.fstat(fd).st_size), sync(fd))[1],
+    )
+    writer.append(mark("one"))
+    assert synced == [path.stat().st_size]
+    writer.close()
+
+
+def test_an_existing_file_is_never_begun_again(header, path):
+    path.write_bytes(b"precious")
+    with pytest.raises(JournalError, match="exists already"):
+        JournalWriter.create(path, header)
+    assert path.read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize("resume", [True, False])
+def test_a_second_writer_is_locked_out(header, path, resume):
+    writer = JournalWriter.create(path, header)
+    try:
+        with pytest.raises(JournalError, match="another session" if resume else "exists already"):
+            JournalWriter.resume(path) if resume else JournalWriter.create(path, header)
+    finally:
+        writer.close()
+
+
+@pytest.mark.parametrize("kept", [1, 7, 12, 40])
+def test_a_torn_tail_is_set_aside_and_complete_records_stay(header, path, kept):
+    writer = JournalWriter.create(path, header)
+    writer.append(mark("one"))
+    writer.append(mark("two"))
+    writer.close()
+    torn = mark("three")[:kept]
+    with path.open("ab") as file:
+        file.write(torn)
+    writer, journal = JournalWriter.resume(path)
+    assert [m.note for m in journal.marks] == ["one", "two"]
+    writer.append(mark("four"))
+    writer.close()
+    assert notes(path) == ["one", "two", "four"]
+    assert path.with_name("a.journal.torn-1").read_bytes() == torn
+    assert read_journal(path).dropped_bytes == 0
+
+
+def test_records_behind_damage_are_not_thrown_away(header, path):
+    writer = JournalWriter.create(path, header)
+    writer.append(mark("one"))
+    size = path.stat().st_size
+    writer.append(mark("two"))
+    writer.close()
+    data = bytearray(path.read_bytes())
+    data[size - 10] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(JournalError, match="complete records behind"):
+        JournalWriter.resume(path)
+    assert path.read_bytes() == data
+
+
+def test_a_full_disk_is_said_and_the_record_does_not_count(header, path, monkeypatch):
+    writer = JournalWriter.create(path, header)
+
+    def full(fd: int, data: memoryview) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("daq.journal_writer.os.write", full)
+    with pytest.raises(JournalError, match="No space left"):
+        writer.append(mark("one"))
+    monkeypatch.undo()
+    writer.close()
+    assert notes(path) == []
+
+
+def test_a_path_that_cannot_be_is_one_sentence(header, tmp_path):
+    with pytest.raises(JournalError, match="cannot begin the journal"):
+        JournalWriter.create(tmp_path / "no" / "such" / "folder", header)
+    with pytest.raises(JournalError, match="cannot resume the journal"):
+        JournalWriter.resume(tmp_path / "nothing.journal")

@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from daq import session_machine as machine
+from daq.session_machine import PromptKind, SessionState
+from protocols.arm.files import load_arm
+from protocols.plan import load_plan
+
+ARM = load_arm("rv4frl")
+PLAN = load_plan("rv4frl-three-postures", ARM)
+
+
+def at_hit(state: SessionState) -> SessionState:
+    return machine.point_ready(machine.posture_reached(state))
+
+
+def test_posture_then_point_then_hit_then_the_next_point():
+    state = machine.begin(PLAN)
+    assert state.kind is PromptKind.POSTURE
+    state = machine.posture_reached(state)
+    assert state.kind is PromptKind.POINT
+    state = machine.point_ready(state)
+    assert state.kind is PromptKind.HIT
+    for _ in range(PLAN.hits_per_point):
+        assert state.prompt.sensor_point == PLAN.postures[0].points[0]
+        state = machine.hit_judged(state, accepted=True)
+    assert state.kind is PromptKind.POINT
+    assert state.prompt.sensor_point == PLAN.postures[0].points[1]
+
+
+def test_every_planned_point_is_visited_once_in_order():
+    state = machine.begin(PLAN)
+    visited = []
+    while state.kind is not PromptKind.DONE:
+        state = at_hit(state)
+        here = state.here
+        assert here is not None
+        visited.append((here.posture, here.point))
+        for _ in range(PLAN.hits_per_point):
+            state = machine.hit_judged(state, accepted=True)
+    assert visited == [(p.name, point) for p in PLAN.postures for point in p.points]
+    assert state.prompt.points_done == state.prompt.points_total == len(visited)
+
+
+def test_a_new_posture_is_asked_for_after_the_last_point_of_the_old():
+    state = machine.begin(PLAN)
+    for _ in PLAN.postures[0].points:
+        state = machine.skip(at_hit(state))
+    assert state.kind is PromptKind.POSTURE
+    assert state.posture == PLAN.postures[1]
+
+
+def test_rejects_count_as_attempts_and_never_as_hits():
+    state = at_hit(machine.begin(PLAN))
+    for k in range(PLAN.max_attempts):
+        assert not state.prompt.exhausted, k
+        state = machine.hit_judged(state, accepted=False)
+    assert state.prompt.exhausted
+    assert state.prompt.accepted == 0
+    assert not machine.retake(state).prompt.exhausted
+
+
+def test_leaving_the_posture_keeps_what_is_mounted():
+    state = machine.posture_left(at_hit(machine.begin(PLAN)))
+    assert state.kind is PromptKind.POSTURE
+    assert machine.posture_reached(state).kind is PromptKind.HIT
+
+
+def test_ready_means_nothing_away_from_the_posture():
+    state = machine.begin(PLAN)
+    assert machine.point_ready(state) == state
+
+
+def test_retaking_a_complete_point_asks_for_as_many_again():
+    state = at_hit(machine.begin(PLAN))
+    for _ in range(PLAN.hits_per_point):
+        state = machine.hit_judged(state, accepted=True)
+    first = PLAN.postures[0]
+    state = machine.retake(state, first.name, first.points[0])
+    assert state.kind is PromptKind.POINT
+    assert state.prompt.wanted == 2 * PLAN.hits_per_point
+    with pytest.raises(KeyError):
+        machine.retake(state, "nowhere", "99")
+
+
+def test_roving_hammer_moves_the_hit_and_leaves_the_sensor():
+    plan = load_plan("rv4frl-roving-hammer", ARM)
+    prompt = machine.begin(plan).prompt
+    assert prompt.sensor_point == plan.fixed_point
+    assert prompt.hit_point == plan.postures[0].points[0]
+
+
+STEPS = st.lists(
+    st.sampled_from(["reached", "left", "ready", "good", "bad", "skip", "retake"]), max_size=200
+)
+
+
+@given(steps=STEPS)
+def test_no_sequence_of_steps_loses_a_hit_or_leaves_the_plan(steps):
+    state = machine.begin(PLAN)
+    accepted = 0
+    for step in steps:
+        if step == "reached":
+            state = machine.posture_reached(state)
+        elif step == "left":
+            state = machine.posture_left(state)
+        elif step == "ready":
+            state = machine.point_ready(state)
+        elif step in {"good", "bad"} and state.kind is PromptKind.HIT:
+            accepted += step == "good"
+            state = machine.hit_judged(state, accepted=step == "good")
+        elif step == "skip":
+            state = machine.skip(state)
+        elif step == "retake":
+            state = machine.retake(state)
+        assert sum(p.accepted for p in state.progress) == accepted
+        done = all(p.complete for p in state.progress)
+        assert (state.kind is PromptKind.DONE) == done
