@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+
+from analyzer.modal.noise import independent_line_share, smooth_lines
+from analyzer.modal.windows import (
+    exponential_decay,
+    exponential_window,
+    force_window,
+    undo_highpass,
+)
+from protocols.errors import EstimateError
+
+
+def test_exponential_falls_to_its_end_value_over_the_record():
+    decay = exponential_decay(0.03, 2.0)
+    window = exponential_window(2001, 1000.0, decay)
+    assert window[0] == 1.0
+    assert window[-1] == pytest.approx(0.03)
+
+
+@pytest.mark.parametrize("end", [0.0, -1.0, 1.5, float("nan")])
+def test_impossible_window_ends_are_refused(end):
+    with pytest.raises(EstimateError, match="exponential_end"):
+        exponential_decay(end, 1.0)
+
+
+def test_force_window_keeps_the_pulse_and_ends_at_its_length():
+    window = force_window(2000, 1000.0, 100, 0.4)
+    assert np.all(window[:450] == 1.0)
+    assert np.all(window[500:] == 0.0)
+    assert np.all(np.diff(window) <= 0.0)
+
+
+def test_undoing_the_coupling_restores_a_step():
+    rate, corner = 10_000.0, 0.5
+    t = np.arange(5000) / rate
+    coupled = np.exp(-2.0 * np.pi * corner * t)  # the step response of s/(s + wc)
+    # Trapezoidal rule: (wc dt)^2 / 12.
+    np.testing.assert_allclose(undo_highpass(coupled, rate, corner), 1.0, atol=1e-6)
+
+
+def test_independent_share_is_that_of_windowed_noise():
+    rng = np.random.default_rng(0)
+    n, end = 256, 0.03
+    window = exponential_window(n, 1.0, exponential_decay(end, float(n)))
+    spectra = np.fft.rfft(window * rng.standard_normal((4000, n)))[:, 10:110]
+    power = np.abs(spectra) ** 2
+    means = power.mean(axis=1)
+    # Variance of a mean of N exponential variables is mean^2 / (N share); ends of the hundred
+    # lines and 4000 draws leave some 5 %.
+    share = power.mean() ** 2 / (means.var() * 100)
+    decay = exponential_decay(end, float(n))
+    assert independent_line_share(decay, 1.0 / n) == pytest.approx(share, rel=0.1)
+
+
+def test_smoothing_keeps_a_constant_and_the_mean_of_a_line():
+    np.testing.assert_allclose(smooth_lines(np.full((2, 20), 3.0), 4), 3.0)
+    spike = np.zeros(21)
+    spike[10] = 9.0
+    np.testing.assert_allclose(smooth_lines(spike, 4)[6:15], 1.0)
