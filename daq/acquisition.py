@@ -37,7 +37,7 @@ from protocols.session.records import SessionHeader
 
 __all__ = ["run_acquisition"]
 
-TURN_WALL_S = 0.005  # a pseudo-terminal holds four turns of the fastest stream
+TURN_WALL_S = 0.008  # a pseudo-terminal holds more than two turns of the fastest stream
 FAST_TURN_WALL_S = 0.002  # where the laboratory's clock runs faster than the host's
 IDLE_WALL_S = 0.02
 CAN_WALL_S = 1.0  # the bus is given at least so long at the start
@@ -140,6 +140,7 @@ def _run(
         )
     )
     _note_sensors(loop, board, clock)
+    cpu_before_s = time.process_time()
     _loop(loop, board, can_source, joints, channel, clock, _turn_wall_s(settings), losses)
     loop.flush_losses()
     reason = loop.ended or ""
@@ -151,7 +152,7 @@ def _run(
         journal=str(writer.path),
         accepted=loop.accepted + sum(hit.verdict.accepted for hit in hits),
         rejected=loop.rejected + sum(not hit.verdict.accepted for hit in hits),
-        cpu_s=time.process_time(),
+        cpu_s=time.process_time() - cpu_before_s,
         previews_dropped=outbox.previews_dropped,
     )
 
@@ -169,23 +170,19 @@ def _loop(
     """One turn after the other; bytes gather between turns, so that few turns move many."""
     polled = can_source.fileno() < 0
     waited_on = [board.fileno(), channel.fileno()] + ([] if polled else [can_source.fileno()])
-    listening = True
     while loop.ended is None:
-        select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)
+        ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
         now_s = clock.now_s()
         joints.feed(can_source.read(), now_s)
         losses.watch("can", can_source.faults, "lines that are not slcan", now_s)
         board.turn(now_s)
-        commands, listening = _commands(channel) if listening else ((), False)
-        if not listening:
-            commands = (*commands, Stop(reason="the operator's program has gone"))
-        loop.turn(now_s, commands)
+        loop.turn(now_s, _commands(channel) if channel.fileno() in ready else ())
         if not board.waits_for_reply:
             clock.sleep(turn_wall_s / clock.wall_s(1.0))
 
 
-def _commands(channel: Connection[Any, Any]) -> tuple[tuple[Command, ...], bool]:
-    """Return what has been said, and whether somebody is still there."""
+def _commands(channel: Connection[Any, Any]) -> tuple[Command, ...]:
+    """Return what has been said; nobody there any more is a word to stop."""
     said: list[Command] = []
     try:
         while channel.poll(0):
@@ -193,8 +190,8 @@ def _commands(channel: Connection[Any, Any]) -> tuple[tuple[Command, ...], bool]
             if isinstance(command, Ready | Retake | Skip | Stop):
                 said.append(command)
     except (EOFError, OSError):
-        return tuple(said), False
-    return tuple(said), True
+        said.append(Stop(reason="the operator's program has gone"))
+    return tuple(said)
 
 
 def _turn_wall_s(settings: AcquisitionSettings) -> float:

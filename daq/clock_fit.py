@@ -5,7 +5,9 @@ lengthen a trip, so the fastest trips are the truest: the straight line
 
 .. math:: t = t_0 + a\,(n - n_0)
 
-is fitted by least squares to the middles of the fastest fifth of them.
+is fitted by least squares to the middles of the fastest fifth of them. The fifth is taken from
+each tenth of the time by itself: a quiet moment, with many fast trips close together, would
+otherwise be all there is to fit a rate to.
 """
 
 from __future__ import annotations
@@ -16,11 +18,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 __all__ = ["ClockFit", "ClockTracker", "RoundTrip", "fit_clock"]
 
 FASTEST_SHARE = 0.2
-FEWEST_FOR_A_SLOPE = 4
+SEGMENTS = 10
+FEWEST = 4
+NOMINAL_RATE_STD = 1e-4  # relative: a plain crystal, over temperature
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +47,7 @@ class ClockFit:
     """Host time as a straight line over device ticks.
 
     `scatter_s` is the standard deviation of the residuals, `asymmetry_s` what the unknown split
-    of the fastest trip between way out and way back leaves open (uniform over half a trip).
+    of the trips used between way out and way back leaves open (uniform over the median trip).
     """
 
     reference_ticks: int
@@ -51,7 +56,7 @@ class ClockFit:
     scatter_s: float
     asymmetry_s: float
     n_used: int
-    tick_spread: float  # root of the sum of squared tick distances from the reference
+    s_per_tick_std: float
 
     def host_s(self, ticks: int) -> float:
         """Return the host time of `ticks`, s."""
@@ -59,16 +64,18 @@ class ClockFit:
 
     def uncertainty_s(self, ticks: int) -> float:
         """Return the standard uncertainty of `host_s(ticks)`, s."""
-        leverage = 1.0 / self.n_used
-        if self.tick_spread > 0.0:
-            leverage += ((ticks - self.reference_ticks) / self.tick_spread) ** 2
-        return math.hypot(self.scatter_s * math.sqrt(leverage), self.asymmetry_s)
+        return math.hypot(
+            self.scatter_s / math.sqrt(self.n_used),
+            self.s_per_tick_std * (ticks - self.reference_ticks),
+            self.asymmetry_s,
+        )
 
 
 def fit_clock(trips: Sequence[RoundTrip], *, nominal_tick_hz: float) -> ClockFit:
     """Fit host time against device ticks over the fastest 20 % of `trips`.
 
-    With fewer than four such trips, or all at one instant, the rate is the nominal one.
+    Where the trips tell the rate worse than the device itself does (to 100 ppm), as at the
+    beginning of a session, the rate is the nominal one.
 
     Parameters
     ----------
@@ -84,8 +91,7 @@ def fit_clock(trips: Sequence[RoundTrip], *, nominal_tick_hz: float) -> ClockFit
     """
     if not trips:
         raise ValueError("clock fit: wanted at least one round trip, got none")
-    kept = max(math.ceil(FASTEST_SHARE * len(trips)), min(len(trips), FEWEST_FOR_A_SLOPE))
-    fastest = sorted(trips, key=lambda trip: trip.duration_s)[:kept]
+    fastest = _fastest(trips)
     origin_ticks = fastest[0].ticks
     origin_s = fastest[0].sent_s
     # Differences of whole numbers first: a float holds 64-bit ticks only to 2^11.
@@ -94,23 +100,48 @@ def fit_clock(trips: Sequence[RoundTrip], *, nominal_tick_hz: float) -> ClockFit
     mean_ticks = round(float(ticks.mean()))
     centred = ticks - mean_ticks
     spread2 = float(centred @ centred)
+    n = len(fastest)
     slope = 1.0 / nominal_tick_hz
-    fitted = 1
-    if kept >= FEWEST_FOR_A_SLOPE and spread2 > 0.0:
-        slope = float(centred @ (middles - middles.mean())) / spread2
-        fitted = 2
-    offset = float((middles - slope * centred).mean())
-    residuals = middles - offset - slope * centred
-    freedom = max(kept - fitted, 1)
+    slope_std = slope * NOMINAL_RATE_STD
+    if n >= FEWEST and spread2 > 0.0:
+        fitted = float(centred @ (middles - middles.mean())) / spread2
+        fitted_std = _scatter(centred, middles, fitted, 2) / math.sqrt(spread2)
+        if fitted_std < slope_std:
+            slope, slope_std = fitted, fitted_std
     return ClockFit(
         reference_ticks=origin_ticks + mean_ticks,
-        reference_s=origin_s + offset,
+        reference_s=origin_s + float((middles - slope * centred).mean()),
         s_per_tick=slope,
-        scatter_s=math.sqrt(float(residuals @ residuals) / freedom),
-        asymmetry_s=fastest[0].duration_s / math.sqrt(12.0),
-        n_used=kept,
-        tick_spread=math.sqrt(spread2) if fitted == 2 else 0.0,
+        scatter_s=_scatter(centred, middles, slope, 2),
+        asymmetry_s=float(np.median([trip.duration_s for trip in fastest])) / math.sqrt(12.0),
+        n_used=n,
+        s_per_tick_std=slope_std,
     )
+
+
+def _fastest(trips: Sequence[RoundTrip]) -> list[RoundTrip]:
+    """Return the fastest trips of each tenth of the time; of a few trips, the fastest four."""
+    first = min(trip.ticks for trip in trips)
+    span = max(trip.ticks for trip in trips) - first + 1
+    segments: dict[int, list[RoundTrip]] = {}
+    for trip in sorted(trips, key=lambda trip: trip.duration_s):
+        segments.setdefault(SEGMENTS * (trip.ticks - first) // span, []).append(trip)
+    chosen = [
+        trip
+        for segment in segments.values()
+        for trip in segment[: math.ceil(FASTEST_SHARE * len(segment))]
+    ]
+    if len(chosen) >= FEWEST:
+        return chosen
+    return sorted(trips, key=lambda trip: trip.duration_s)[:FEWEST]
+
+
+def _scatter(
+    centred: npt.NDArray[np.float64], middles: npt.NDArray[np.float64], slope: float, fitted: int
+) -> float:
+    residuals = middles - slope * centred
+    residuals = residuals - residuals.mean()
+    return math.sqrt(float(residuals @ residuals) / max(len(residuals) - fitted, 1))
 
 
 class ClockTracker:

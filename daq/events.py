@@ -110,7 +110,7 @@ class Finished:
     journal: str
     accepted: int
     rejected: int
-    cpu_s: float  # processor time of the acquisition process
+    cpu_s: float  # processor time of the loop, with all threads of the process
     previews_dropped: int
 
 

@@ -28,6 +28,7 @@ from protocols.session.records import Hit, JointReading
 
 __all__ = ["SessionLoop"]
 
+POSTURE_EVERY_WALL_S = 0.02
 PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
@@ -77,7 +78,7 @@ class SessionLoop:
         self._waiting: deque[CapturedBlock] = deque()
         self._asked: machine.Prompt | None = None
         self._silent = False
-        self._due = {"preview": 0.0, "joints": 0.0, "losses": 0.0}
+        self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0}
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         self.accepted = 0
         self.rejected = 0
@@ -92,10 +93,10 @@ class SessionLoop:
         """Do what is due."""
         for command in commands:
             self._obey(command, now_s)
-        reading = self._joints.reading(now_s)
-        self._follow_posture(reading, now_s)
+        if self._is_due("posture", POSTURE_EVERY_WALL_S, now_s):
+            self._follow_posture(self._joints.reading(now_s), now_s)
         self._judge_blocks(now_s)
-        self._report(reading, now_s)
+        self._report(now_s)
         if self.complete and self.ended is None and not self._waiting:
             self.ended = "every planned point has its hits"
 
@@ -152,8 +153,9 @@ class SessionLoop:
             self._silent = silent
             self.note("the controller is silent" if silent else "the controller is back", now_s)
         posture = self._state.posture
-        if posture is None:
+        if self._asked is None:
             self._change(self._state, now_s)
+        if posture is None:
             return
         if reading.joints_rad is not None:
             off_rad = largest_difference_rad(reading.joints_rad, posture.joints_rad)
@@ -165,7 +167,6 @@ class SessionLoop:
                 if spread_rad is not None and spread_rad <= self._moved_rad(posture.tolerance_rad):
                     self._mark(MarkKind.POSTURE, now_s)
                     self._change(machine.posture_reached(self._state), now_s)
-        self._change(self._state, now_s)
 
     def _judge_blocks(self, now_s: float) -> None:
         while (block := self._board.captured(now_s)) is not None:
@@ -283,7 +284,7 @@ class SessionLoop:
         )
         self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
 
-    def _report(self, reading: JointReading, now_s: float) -> None:
+    def _report(self, now_s: float) -> None:
         if self._is_due("preview", PREVIEW_EVERY_WALL_S, now_s):
             preview = self._board.stream.preview()
             if preview is not None:
@@ -291,6 +292,7 @@ class SessionLoop:
         if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
             self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
+            reading = self._joints.reading(now_s)
             posture, joints_rad = self._state.posture, reading.joints_rad
             off_rad = None
             if posture is not None and joints_rad is not None:

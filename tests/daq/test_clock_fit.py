@@ -48,6 +48,16 @@ def test_the_true_time_lies_within_the_uncertainty_when_one_way_is_slow():
     assert error_s <= np.sqrt(3.0) * fit.uncertainty_s(FAR + 2 * TICK_HZ) + 0.5 / TICK_HZ
 
 
+def test_a_quiet_moment_does_not_stand_for_the_whole_session():
+    rng = np.random.default_rng(8)
+    quiet = [trip(1e-3 * k, 1e-4 * rng.random(), 1e-4 * rng.random()) for k in range(40)]
+    late = [trip(0.5 * k, 1e-3 + 1e-3 * rng.random(), 1e-3) for k in range(1, 81)]
+    fit = fit_clock([*quiet, *late], nominal_tick_hz=TICK_HZ)
+    end = FAR + 40 * TICK_HZ
+    # Trips of 2 to 2.3 ms: the standard deviation of a uniform of that width is below 0.7 ms.
+    assert abs(fit.host_s(end) - 140.0) < 3.0 * fit.uncertainty_s(end) < 3.0 * 0.7e-3
+
+
 def test_a_single_trip_uses_the_rate_the_device_declares():
     fit = fit_clock([trip(0.0, 1e-3, 1e-3)], nominal_tick_hz=TICK_HZ)
     assert fit.host_s(FAR + TICK_HZ) == pytest.approx(101.0, abs=1e-9)
