@@ -6,6 +6,7 @@ devices and the journal; it hears commands and tells events over one connection.
 
 from __future__ import annotations
 
+import gc
 import secrets
 import select
 import time
@@ -37,7 +38,7 @@ from protocols.session.records import SessionHeader
 
 __all__ = ["run_acquisition"]
 
-TURN_WALL_S = 0.008  # a pseudo-terminal holds more than two turns of the fastest stream
+TURN_WALL_S = 0.010  # a pseudo-terminal holds more than two turns of the fastest stream
 FAST_TURN_WALL_S = 0.002  # where the laboratory's clock runs faster than the host's
 IDLE_WALL_S = 0.02
 CAN_WALL_S = 1.0  # the bus is given at least so long at the start
@@ -140,6 +141,9 @@ def _run(
         )
     )
     _note_sensors(loop, board, clock)
+    # What is there now stays to the end: the collector need not look at it again and again.
+    gc.collect()
+    gc.freeze()
     cpu_before_s = time.process_time()
     _loop(loop, board, can_source, joints, channel, clock, _turn_wall_s(settings), losses)
     loop.flush_losses()
@@ -171,14 +175,15 @@ def _loop(
     polled = can_source.fileno() < 0
     waited_on = [board.fileno(), channel.fileno()] + ([] if polled else [can_source.fileno()])
     while loop.ended is None:
-        ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
-        now_s = clock.now_s()
-        joints.feed(can_source.read(), now_s)
-        losses.watch("can", can_source.faults, "lines that are not slcan", now_s)
-        board.turn(now_s)
-        loop.turn(now_s, _commands(channel) if channel.fileno() in ready else ())
         if not board.waits_for_reply:
             clock.sleep(turn_wall_s / clock.wall_s(1.0))
+        ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
+        now_s = clock.now_s()
+        if polled or can_source.fileno() in ready:
+            joints.feed(can_source.read(), now_s)
+            losses.watch("can", can_source.faults, "lines that are not slcan", now_s)
+        board.turn(now_s, readable=board.fileno() in ready)
+        loop.turn(now_s, _commands(channel) if channel.fileno() in ready else ())
 
 
 def _commands(channel: Connection[Any, Any]) -> tuple[Command, ...]:

@@ -175,9 +175,9 @@ class BoardSession:
         self._link.start()
         self._status_at_s = self._clock.now_s()
 
-    def turn(self, now_s: float) -> None:
-        """Take in what has come, and ask for what is missing; never waits."""
-        for frame in self._link.pump():
+    def turn(self, now_s: float, *, readable: bool) -> None:
+        """Take in what has come, if anything has, and ask for what is missing; never waits."""
+        for frame in self._link.pump() if readable else ():
             try:
                 self._take(frame, now_s)
             except FrameError:

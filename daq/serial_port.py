@@ -19,6 +19,7 @@ from protocols.errors import DeviceLostError, DeviceTimeoutError, PortError
 __all__ = ["BytePort", "SerialPort"]
 
 LARGEST_READ = 65536
+TERMINAL_READ = 4095  # a terminal returns no more at once, however much there is
 WRITE_TIMEOUT_S = 2.0
 
 
@@ -91,6 +92,8 @@ class SerialPort:
                 break
             parts.append(part)
             room -= len(part)
+            if len(part) < TERMINAL_READ:
+                break  # a short read has emptied the line
         return b"".join(parts)
 
     def write(self, data: bytes) -> None:

@@ -204,6 +204,11 @@ class FakeBoard(Line):
         self._sequence = 0
         self._last_block = 0
         self._started_s = 0.0
+        self.scale = 1.0
+        self.struck_s = 0.0
+
+    def now_s(self) -> float:
+        return time.monotonic() * self.scale
 
     def send(self, kind: FrameType, payload: bytes, *, tag: int = 0, first: int = 0) -> None:
         with self.lock:
@@ -214,7 +219,7 @@ class FakeBoard(Line):
                 dictionary_hash=dictionary_hash(self.dictionary_bytes),
                 tag=tag,
                 first_sample=first,
-                ticks=int(time.monotonic() * TICK_HZ),
+                ticks=int(self.now_s() * TICK_HZ),
             )
             self._sequence += 1
             if not self.drop(kind, first):
@@ -226,8 +231,9 @@ class FakeBoard(Line):
             assert self.configuration is not None
             self._last_block += 1
             n, lead = len(counts), self.configuration.pretrigger
-            now_s = time.monotonic()
+            now_s = self.now_s()
             trigger_s = now_s - (n - lead) / RATE_HZ
+            self.struck_s = trigger_s
             trigger = int((trigger_s - self._started_s) * RATE_HZ) + 10_000
             info = BlockInfo(
                 block_id=self._last_block,
@@ -267,7 +273,7 @@ class FakeBoard(Line):
             self.state = BoardState.CONFIGURED
         elif kind is FrameType.START:
             self.state = BoardState.RUNNING
-            self._started_s = time.monotonic()
+            self._started_s = self.now_s()
         elif kind is FrameType.STOP and self.state is BoardState.RUNNING:
             self.state = BoardState.CONFIGURED
         elif kind is FrameType.STATUS:
@@ -307,6 +313,7 @@ class FakeController(Line):
         self.joints_rad = joints_rad
         self.drive_state = arm.can.drive_state.held_values[0] if arm.can.drive_state else 0
         self.silent = False
+        self.scale = 1.0
         self.refuse = b""
         self.commands: list[bytes] = []
         self._counter = 0
@@ -320,7 +327,7 @@ class FakeController(Line):
     def tick(self) -> None:
         if b"L" not in self.commands or self.silent or time.monotonic() < self._next_s:
             return
-        self._next_s = time.monotonic() + 0.008
+        self._next_s = time.monotonic() + 0.008 / self.scale
         self._counter += 1
         angles = dict(zip(self._names, self.joints_rad.tolist(), strict=True))
         frames = self._encoder.encode(angles, drive_state=self.drive_state, counter=self._counter)

@@ -104,7 +104,9 @@ def start(lab: Any) -> Iterator[Callable[..., Run]]:
 
 def strike(lab: Any, counts: np.ndarray) -> int:
     """Hit, once the block's whole time has passed since the prompt."""
-    time.sleep(len(counts) / 1652.0)  # the block must have been triggered after the prompt
+    time.sleep(
+        len(counts) / 1652.0 / lab.board.scale
+    )  # the block must have been triggered after the prompt
     return lab.board.hit(counts)
 
 
@@ -139,6 +141,17 @@ def test_the_hit_is_in_the_journal_before_the_board_may_forget_it(lab, start, fa
     run.judged()
     run.end()
     assert sizes[0] == 1
+
+
+def test_a_laboratory_whose_clock_runs_faster_is_measured_all_the_same(lab, start, fakes):
+    lab.board.scale = lab.controller.scale = 16.0
+    run = start(time_scale=16.0)
+    run.ready()
+    strike(lab, fakes["record"]())
+    hit = run.judged()
+    assert hit.verdict.accepted, hit.verdict
+    # The fake says when it was struck, in ticks of the lab's clock: microseconds.
+    assert hit.trigger_host_s == pytest.approx(lab.board.struck_s, abs=0.05)
 
 
 def test_a_double_hit_is_kept_as_a_reject_and_asked_for_again(lab, start, fakes):
