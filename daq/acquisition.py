@@ -38,7 +38,7 @@ from protocols.session.records import SessionHeader
 
 __all__ = ["run_acquisition"]
 
-TURN_WALL_S = 0.010  # a pseudo-terminal holds more than two turns of the fastest stream
+TURN_WALL_S = 0.012  # the fastest stream takes 19 ms to fill the smallest pseudo-terminal
 FAST_TURN_WALL_S = 0.002  # where the laboratory's clock runs faster than the host's
 IDLE_WALL_S = 0.02
 CAN_WALL_S = 1.0  # the bus is given at least so long at the start

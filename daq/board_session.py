@@ -173,6 +173,7 @@ class BoardSession:
     def start(self) -> None:
         """Let it run."""
         self._link.start()
+        self.status = None  # its counters begin anew
         self._status_at_s = self._clock.now_s()
 
     def turn(self, now_s: float, *, readable: bool) -> None:
@@ -192,7 +193,6 @@ class BoardSession:
             self._status_at_s = now_s
             self._link.send(FrameType.STATUS)
         self._link.check_alive()
-        self._count_losses(now_s)
 
     def captured(self, now_s: float) -> CapturedBlock | None:
         """Return the next block that is whole, or as whole as it will get."""
@@ -204,6 +204,18 @@ class BoardSession:
         self._release_tags.append(
             (self._link.send(FrameType.RELEASE, encode_release(block_id)), block_id)
         )
+
+    def count_losses(self, now_s: float) -> None:
+        """Note what has been lost since the last time."""
+        watch = self._losses.watch
+        stream = self.stream
+        watch("stream", stream.missing, "preview samples that never came", now_s, stream.last_gap)
+        watch("frame", self._link.frames_lost, "frames missing by their number", now_s)
+        watch("frame", self._link.bad_frames, "stretches that were no valid frame", now_s)
+        watch("frame", self._malformed + stream.malformed, "frames with a malformed payload", now_s)
+        if self.status is not None:
+            watch("trigger", self.status.triggers_missed, "triggers the board missed", now_s)
+            watch("stream", self.status.adc_overruns, "overruns of the converter", now_s)
 
     def stop(self) -> None:
         """Stop sampling."""
@@ -248,14 +260,3 @@ class BoardSession:
         for block_id, asked_s in tuple(self._releasing.items()):
             if now_s - asked_s > again_s:
                 self.release(block_id, now_s)
-
-    def _count_losses(self, now_s: float) -> None:
-        watch = self._losses.watch
-        stream = self.stream
-        watch("stream", stream.missing, "preview samples that never came", now_s, stream.last_gap)
-        watch("frame", self._link.frames_lost, "frames missing by their number", now_s)
-        watch("frame", self._link.bad_frames, "stretches that were no valid frame", now_s)
-        watch("frame", self._malformed + stream.malformed, "frames with a malformed payload", now_s)
-        if self.status is not None:
-            watch("trigger", self.status.triggers_missed, "triggers the board missed", now_s)
-            watch("stream", self.status.adc_overruns, "overruns of the converter", now_s)

@@ -102,6 +102,7 @@ class SessionLoop:
 
     def flush_losses(self) -> None:
         """Put what was lost so far into the journal."""
+        self._board.count_losses(self._clock.now_s())
         for loss in self._losses.take():
             self._journal.append(encode_loss(loss))
             self._outbox.put(LossNoted(loss=loss))
@@ -292,6 +293,7 @@ class SessionLoop:
         if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
             self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
+            self._board.count_losses(now_s)
             reading = self._joints.reading(now_s)
             posture, joints_rad = self._state.posture, reading.joints_rad
             off_rad = None

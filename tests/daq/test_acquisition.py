@@ -5,6 +5,7 @@ import multiprocessing
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -82,7 +83,7 @@ class Run:
         return self.prompt(PromptKind.HIT)
 
     def end(self) -> None:
-        if self.thread.is_alive():
+        with suppress(OSError):  # it may just have ended by itself
             self.ours.send(Stop())
         self.thread.join(8.0)
         self.ours.close()
