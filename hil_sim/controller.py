@@ -1,0 +1,165 @@
+"""The arm's controller: moves the arm, and tells its joint angles to an slcan adapter's line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import resources
+from typing import Generic
+
+import cantools.database.can
+import numpy as np
+import numpy.typing as npt
+
+from hil_sim.cell import BlowT, Cell
+from hil_sim.clock import LabClock
+from hil_sim.faults import Fault, FaultSet
+from hil_sim.motion import Motion
+from hil_sim.pty_port import PtyPort
+from hil_sim.slcan_adapter import SlcanAdapter
+from protocols.slcan import encode_slcan
+
+__all__ = ["Controller", "ControllerOptions", "JointMessages"]
+
+# Bytes that may wait for the adapter's line; beyond them frames are lost, as in an adapter.
+ADAPTER_BUFFER = 8192
+# Cycles made up for after a late step; older ones are lost.
+MOST_CYCLES = 64
+
+HELD, MOVING = 2, 3  # DRIVE_STATE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerOptions:
+    """Figures of the controller."""
+
+    rate_hz: float = 125.0
+    bitrate: int = 500_000
+    max_speed_rad_s: float = 1.0
+    settle_s: float = 0.5  # from the end of a motion until the arm is said to be there
+    encoder_noise_rad: float = 2e-6
+    encoder_step_rad: float = 2.0 * np.pi / 2**20
+
+
+class JointMessages:
+    """Lines of one cycle, encoded by the DBC shipped with the protocols."""
+
+    def __init__(self, database: str = "armodal_controller.dbc") -> None:
+        text = (resources.files("protocols") / "dbc" / database).read_text(encoding="utf-8")
+        can_database = cantools.database.can.Database()
+        can_database.add_dbc_string(text)
+        self._messages = [
+            (
+                message,
+                [
+                    (signal.name, int(signal.name.removeprefix("POSITION_")) - 1, signal.scale)
+                    for signal in message.signals
+                    if signal.name.startswith("POSITION_")
+                ],
+            )
+            for message in can_database.messages
+        ]
+
+    @property
+    def per_cycle(self) -> int:
+        """Frames a cycle."""
+        return len(self._messages)
+
+    def lines(self, joints_deg: npt.NDArray[np.float64], state: int, counter: int) -> bytes:
+        """Return the slcan lines of one cycle."""
+        lines = []
+        for message, positions in self._messages:
+            raw = {name: round(joints_deg[i] / scale) for name, i, scale in positions}
+            raw |= {"DRIVE_STATE": state, "COUNTER": counter}
+            data = message.encode(raw, scaling=False, strict=False)
+            lines.append(encode_slcan(message.frame_id, data, extended=message.is_extended_frame))
+        return b"".join(lines)
+
+
+class Controller(Generic[BlowT]):
+    """Moves the arm and tells of it.
+
+    Attributes
+    ----------
+    adapter
+        The adapter, with the count of frames it was asked to transmit.
+    frames_lost
+        Frames that found no room on the adapter's line.
+    """
+
+    def __init__(
+        self,
+        cell: Cell[BlowT],
+        port: PtyPort,
+        *,
+        clock: LabClock,
+        faults: FaultSet,
+        rng: np.random.Generator,
+        options: ControllerOptions | None = None,
+    ) -> None:
+        self.options = options or ControllerOptions()
+        self.port = port
+        self.adapter = SlcanAdapter(bitrate=self.options.bitrate)
+        self.frames_lost = 0
+        self._cell = cell
+        self._clock = clock
+        self._faults = faults
+        self._rng = rng
+        self._messages = JointMessages()
+        self._begin_s = clock.now_s()
+        self._cycle = 0
+        self._motion = Motion.plan(
+            cell.joints_rad, cell.joints_rad, begin_s=self._begin_s, max_speed_rad_s=1.0
+        )
+        self._moving = False
+
+    @property
+    def wants_write(self) -> bool:
+        """Whether to be woken when the line has room."""
+        return self.port.pending > 0
+
+    def move_to(self, joints_rad: npt.ArrayLike) -> float:
+        """Set the arm moving; return the lab time at which it has settled."""
+        now_s = self._clock.now_s()
+        self._motion = Motion.plan(
+            self._motion.joints_rad(now_s),
+            joints_rad,
+            begin_s=now_s,
+            max_speed_rad_s=self.options.max_speed_rad_s,
+        )
+        self._moving = True
+        self._cell.set_moving()
+        return self._motion.end_s + self.options.settle_s
+
+    def step(self) -> None:
+        """Do what is to be done now; never waits."""
+        now_s = self._clock.now_s()
+        if self._moving and not self._motion.moving(now_s):
+            self._moving = False
+            self._cell.set_posture(self._motion.goal_rad)
+        data = self.port.read()
+        if data:
+            self.port.queue(self.adapter.feed(data))
+        self._tell(now_s)
+        self.port.flush()
+
+    def _tell(self, now_s: float) -> None:
+        due = int((now_s - self._begin_s) * self.options.rate_hz)
+        first = max(self._cycle, due - MOST_CYCLES)
+        if self.adapter.forwards and Fault.CAN_SILENCE not in self._faults:
+            self.frames_lost += self._messages.per_cycle * (first - self._cycle)
+            for cycle in range(first, due):
+                if self.port.pending > ADAPTER_BUFFER:
+                    self.adapter.overrun()
+                    self.frames_lost += self._messages.per_cycle
+                else:
+                    self.port.queue(self._lines(cycle))
+        self._cycle = due
+
+    def _lines(self, cycle: int) -> bytes:
+        cycle_s = self._begin_s + cycle / self.options.rate_hz
+        true_rad = self._motion.joints_rad(cycle_s)
+        noise_rad = self.options.encoder_noise_rad * self._rng.standard_normal(true_rad.shape)
+        step_rad = self.options.encoder_step_rad
+        told_rad = step_rad * np.round((true_rad + noise_rad) / step_rad)
+        state = MOVING if self._motion.moving(cycle_s) else HELD
+        return self._messages.lines(np.degrees(told_rad), state, cycle & 0xFF)
