@@ -4,7 +4,9 @@ Prints what was sent and received, the process's share of a core, and for every 
 verdict and commit took. Targets: below 5 % of a core, nothing lost, verdict within 100 ms of the
 last sample, commit at most 5 ms in the median.
 
-    python bench/bench_acquisition.py [seconds]
+    python bench/bench_acquisition.py [seconds] [--quiet]
+
+With --quiet no core is kept busy.
 """
 
 from __future__ import annotations
@@ -56,7 +58,8 @@ def listen(ours, seconds: float) -> tuple[list, list, object]:
 
 
 def main() -> int:
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
+    arguments = [a for a in sys.argv[1:] if a != "--quiet"]
+    seconds = float(arguments[0]) if arguments else 60.0
     feeder = subprocess.Popen(
         [sys.executable, str(Path(__file__).with_name("feeder.py"))],
         stdin=subprocess.PIPE,
@@ -68,7 +71,8 @@ def main() -> int:
     arm = load_arm("rv4frl")
     plan = load_plan("rv4frl-three-postures", arm)
     load = multiprocessing.Process(target=busy, daemon=True)
-    load.start()
+    if "--quiet" not in sys.argv:
+        load.start()
     with tempfile.TemporaryDirectory() as folder:
         settings = AcquisitionSettings(
             board_port=ports["board"],
@@ -87,7 +91,8 @@ def main() -> int:
         elapsed = time.monotonic() - begun
         process.join()
     sent = json.loads(feeder.communicate("stop\n", timeout=10)[0])
-    load.kill()
+    if load.pid is not None:
+        load.kill()
     if isinstance(finished, Failed):
         print(finished.message)
         return 1

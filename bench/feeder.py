@@ -15,6 +15,7 @@ import sys
 import time
 import tty
 import zlib
+from contextlib import suppress
 
 import numpy as np
 from cobs import cobs
@@ -232,7 +233,8 @@ class Feeder:
                 counter += 1
                 angles = dict(zip(self.names, JOINTS.tolist(), strict=True))
                 frames = self.encoder.encode(angles, drive_state=2, counter=counter)
-                os.write(self.bus, b"".join(encode_slcan(f.can_id, f.data) for f in frames))
+                with suppress(BlockingIOError):  # an adapter drops what nobody fetches
+                    os.write(self.bus, b"".join(encode_slcan(f.can_id, f.data) for f in frames))
             if self.running:
                 due = int((now_s - self.started_s) * RATE_HZ)
                 while self.sample + 64 <= due:

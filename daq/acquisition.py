@@ -174,11 +174,16 @@ def _loop(
     """One turn after the other; bytes gather between turns, so that few turns move many."""
     polled = can_source.fileno() < 0
     waited_on = [board.fileno(), channel.fileno()] + ([] if polled else [can_source.fileno()])
+    turn_s = turn_wall_s / clock.wall_s(1.0)
+    begun_s = clock.now_s()
     while loop.ended is None:
-        if not board.waits_for_reply:
-            clock.sleep(turn_wall_s / clock.wall_s(1.0))
+        while board.waits_for_reply and clock.now_s() - begun_s < turn_s:
+            # A prompt reader makes round trips short; all else can wait for the turn.
+            readable = bool(select.select([board.fileno()], [], [], turn_wall_s)[0])
+            board.turn(clock.now_s(), readable=readable)
+        clock.sleep(begun_s + turn_s - clock.now_s())
         ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
-        now_s = clock.now_s()
+        begun_s = now_s = clock.now_s()
         if polled or can_source.fileno() in ready:
             joints.feed(can_source.read(), now_s)
             losses.watch("can", can_source.faults, "lines that are not slcan", now_s)

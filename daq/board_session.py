@@ -36,7 +36,7 @@ from protocols.plan_records import Plan
 __all__ = ["BoardSession", "configuration_for", "measured_mask"]
 
 FIRST_ROUND_TRIPS = 20
-STATUS_EVERY_S = 0.25  # lab seconds
+STATUS_EVERY_S = 0.5  # lab seconds
 STATUS_EVERY_WALL_S = 0.03
 RESEND_AFTER_S = 0.2  # lab seconds
 RESEND_AFTER_WALL_S = 0.05

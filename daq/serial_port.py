@@ -81,7 +81,7 @@ class SerialPort:
         room = LARGEST_READ
         while room > 0:
             try:
-                part = os.read(self._fd, room)
+                part = os.read(self._fd, TERMINAL_READ + 1)
             except BlockingIOError:
                 break
             except OSError as error:
@@ -129,7 +129,7 @@ class SerialPort:
         if not select.select([self._fd], [], [], 0)[0]:
             return b""
         try:
-            data = os.read(self._fd, LARGEST_READ)
+            data = os.read(self._fd, TERMINAL_READ + 1)
         except OSError as error:
             raise self._lost(error) from error
         if not data:

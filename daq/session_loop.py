@@ -28,7 +28,7 @@ from protocols.session.records import Hit, JointReading
 
 __all__ = ["SessionLoop"]
 
-POSTURE_EVERY_WALL_S = 0.02
+POSTURE_EVERY_WALL_S = 0.05
 PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
