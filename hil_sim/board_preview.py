@@ -1,4 +1,4 @@
-"""The board's free-running preview: samples gathered into frames, dropped where the link is busy."""
+"""The board's free-running preview: samples in frames, dropped where the link is busy."""
 
 from __future__ import annotations
 

@@ -1,0 +1,190 @@
+"""The laboratory's process: board, controller and operator in one loop that never blocks."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from types import FrameType
+from typing import Generic
+
+import numpy as np
+
+from hil_sim.board import Board
+from hil_sim.board_dictionary import board_dictionary
+from hil_sim.board_state import BoardFirmware, Converter
+from hil_sim.cell import BlowT, Cell, Source
+from hil_sim.clock import DeviceClock, LabClock
+from hil_sim.controller import Controller
+from hil_sim.faults import FaultSet
+from hil_sim.ledger import LedgerWriter
+from hil_sim.operator import Operator, Swing, Workplace
+from hil_sim.operator_socket import OperatorSocket
+from hil_sim.plant import Plant
+from hil_sim.pty_port import PtyPort
+
+__all__ = ["LEDGER_NAME", "SOCKET_NAME", "ArmInCell", "LabOptions", "LabProcess"]
+
+SOCKET_NAME = "operator.sock"
+LEDGER_NAME = "ledger.jsonl"
+
+# Longest sleep of the loop, wall seconds: short against the time the 12 to 20 KB that a
+# pseudo-terminal holds take to fill.
+TICK_S = 0.003
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LabOptions:
+    """What a laboratory is started with."""
+
+    seed: int
+    directory: Path
+    time_scale: float = 1.0
+    faults: tuple[str, ...] = ()
+    clock_error_ppm: float = 37.0
+    clock_offset_ticks: int = 12_345_678
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArmInCell(Generic[BlowT]):
+    """The arm with its sensors and the hand that hits it."""
+
+    plant: Plant
+    make_source: Callable[[Fraction], Source[BlowT]]
+    swing: Swing[BlowT]
+    mounted: Callable[[], Mapping[str, object]]
+
+
+class LabProcess(Generic[BlowT]):
+    """Everything of the laboratory; `serve` runs it.
+
+    Raises
+    ------
+    PlantError
+        If a fault is not known or the directory's path is too long.
+    """
+
+    def __init__(self, arm: ArmInCell[BlowT], options: LabOptions) -> None:
+        self._stopping = False
+        self._stdin = -1
+        with ExitStack() as keep:
+            self._build(arm, options, keep)
+            self._exit = keep.pop_all()
+
+    def _build(self, arm: ArmInCell[BlowT], options: LabOptions, keep: ExitStack) -> None:
+        plant = arm.plant
+        seeds = np.random.SeedSequence(options.seed).spawn(4)
+        board_rng, garbage_rng, can_rng, operator_rng = (np.random.default_rng(s) for s in seeds)
+        clock = LabClock(scale=options.time_scale)
+        faults = FaultSet(options.faults)
+        options.directory.chmod(0o700)
+        self._clock = clock
+        self.ledger_path = options.directory / LEDGER_NAME
+        self._ledger = keep.enter_context(
+            LedgerWriter(self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale)
+        )
+        cell = Cell(
+            arm.make_source,
+            joints_rad=np.zeros(len(plant.joints)),
+            point=next(iter(plant.points)),
+        )
+        self._cell = cell
+        board_port = keep.enter_context(PtyPort())
+        can_port = keep.enter_context(PtyPort())
+        device_clock = DeviceClock(
+            lab=clock,
+            boot_s=clock.now_s(),
+            error_ppm=options.clock_error_ppm,
+            offset_ticks=options.clock_offset_ticks,
+        )
+        firmware = BoardFirmware(
+            board_dictionary(plant.truth, tick_hz=device_clock.tick_hz),
+            session=int(board_rng.integers(1, 1 << 32)),
+            clock=device_clock,
+            converter=Converter(start=self._start, stop=cell.stop_sampling, read=cell.read),
+        )
+        self.board = Board(firmware, board_port, faults=faults, rng=garbage_rng)
+        self.controller = Controller(cell, can_port, clock=clock, faults=faults, rng=can_rng)
+        workplace = Workplace(
+            cell=cell,
+            move_to=self.controller.move_to,
+            swing=arm.swing,
+            ranges_rad=tuple(
+                (float(np.radians(low)), float(np.radians(high)))
+                for low, high in (link.range_deg for link in plant.truth.links)
+            ),
+            points=frozenset(plant.points),
+            faults=faults,
+            ledger=self._ledger,
+            mounted=arm.mounted,
+        )
+        operator = Operator(workplace, clock=clock, rng=operator_rng)
+        self.operator = OperatorSocket(options.directory / SOCKET_NAME, operator.begin, clock=clock)
+        keep.callback(self.operator.close)
+        keep.callback(self._note_end)
+
+    def ready(self) -> dict[str, object]:
+        """Where everything is, as printed when the laboratory is ready."""
+        return {
+            "ready": True,
+            "board": self.board.port.name,
+            "can": self.controller.port.name,
+            "operator": str(self.operator.path),
+            "ledger": str(self.ledger_path),
+            "time_scale": self._clock.scale,
+            "pid": os.getpid(),
+        }
+
+    def step(self) -> None:
+        """One turn of the loop."""
+        self.board.step()
+        self.controller.step()
+        self.operator.step()
+
+    def serve(self, *, watch_stdin: bool) -> None:
+        """Run until SIGTERM or SIGINT, and until stdin ends if that is watched."""
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._stop)
+        always: list[int] = [self.board.port.fileno(), self.controller.port.fileno()]
+        if watch_stdin:
+            self._stdin = sys.stdin.fileno()
+            always.append(self._stdin)
+        try:
+            while not self._stopping:
+                self._wait(always)
+                self.step()
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Close everything and remove the socket; the ledger stays."""
+        self._exit.close()
+
+    def _wait(self, always: Iterable[int]) -> None:
+        devices = (self.board, self.controller)
+        writers = [device.port.fileno() for device in devices if device.wants_write]
+        readers = [*always, *(ear.fileno() for ear in self.operator.readers())]
+        readable, _, _ = select.select(readers, writers, [], TICK_S)
+        if self._stdin in readable and not os.read(self._stdin, 4096):
+            self._stopping = True
+
+    def _stop(self, _number: int, _frame: FrameType | None) -> None:
+        self._stopping = True
+
+    def _start(self, rate_hz: Fraction) -> None:
+        self._cell.start_sampling(rate_hz)
+        self._ledger.note("sampling", self._clock.now_s(), rate_hz=float(rate_hz))
+
+    def _note_end(self) -> None:
+        self._ledger.note(
+            "end",
+            self._clock.now_s(),
+            can_transmissions=self.controller.adapter.transmissions,
+            can_frames_lost=self.controller.frames_lost,
+        )

@@ -1,0 +1,168 @@
+"""The scripted operator: moves the arm, mounts the sensor and hits, when asked to.
+
+Each action is a generator that yields the lab time until which it waits and returns the answer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from hil_sim.cell import BlowT, Cell
+from hil_sim.clock import LabClock
+from hil_sim.faults import FaultSet
+from hil_sim.ledger import LedgerWriter
+from protocols.errors import PlantError
+
+__all__ = ["Action", "Operator", "OperatorOptions", "Swing", "Workplace"]
+
+Answer = dict[str, Any]
+Action = Generator[float, None, Answer]
+
+Array = npt.NDArray[np.float64]
+BlowT_co = TypeVar("BlowT_co", covariant=True)
+
+
+class Swing(Protocol[BlowT_co]):
+    """A hand that swings the hammer."""
+
+    def __call__(self, point_id: str, direction: Array) -> tuple[BlowT_co, Mapping[str, object]]:
+        """Return a blow at a point along a unit direction (3,), base frame, and what it is."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatorOptions:
+    """How long an operator takes, lab seconds."""
+
+    mount_s: tuple[float, float] = (3.0, 6.0)
+    swing_s: tuple[float, float] = (0.4, 1.0)
+    after_hit_s: float = 0.2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Workplace(Generic[BlowT]):
+    """What the operator knows and can do."""
+
+    cell: Cell[BlowT]
+    move_to: Callable[[npt.ArrayLike], float]  # joint angles in rad -> lab time when settled
+    swing: Swing[BlowT]
+    ranges_rad: tuple[tuple[float, float], ...]
+    points: frozenset[str]
+    faults: FaultSet
+    ledger: LedgerWriter
+    mounted: Callable[[], Mapping[str, object]]  # how the sensor truly sits
+
+
+class Operator(Generic[BlowT]):
+    """Turns requests into actions."""
+
+    def __init__(
+        self,
+        workplace: Workplace[BlowT],
+        *,
+        clock: LabClock,
+        rng: np.random.Generator,
+        options: OperatorOptions | None = None,
+    ) -> None:
+        self._at = workplace
+        self._clock = clock
+        self._rng = rng
+        self._options = options or OperatorOptions()
+
+    def begin(self, request: object) -> Action:
+        """Begin what a request asks for.
+
+        Raises
+        ------
+        PlantError
+            If the request cannot be understood or carried out.
+        """
+        if not isinstance(request, dict):
+            raise PlantError(f'wanted an object such as {{"do": "mount", ...}}, got {request!r}')
+        match request.get("do"):
+            case "posture":
+                joints_rad = self._posture_of(request.get("joints_deg"))
+                return self._go(str(request.get("name", "")), joints_rad)
+            case "mount":
+                return self._mount(self._point_of(request))
+            case "hit":
+                return self._hit(self._point_of(request), _direction_of(request.get("direction")))
+            case "fault":
+                return self._fault(request.get("name"), request.get("active", True))
+            case other:
+                raise PlantError(f'wanted "do": posture, mount, hit or fault, got {other!r}')
+
+    def _go(self, name: str, joints_rad: Array) -> Action:
+        yield self._at.move_to(joints_rad)
+        self._at.ledger.note(
+            "posture", self._clock.now_s(), name=name, joints_rad=self._at.cell.joints_rad
+        )
+        return {"done": True, "do": "posture", "name": name}
+
+    def _mount(self, point: str) -> Action:
+        yield self._clock.now_s() + self._rng.uniform(*self._options.mount_s)
+        self._at.cell.mount(point)
+        self._at.ledger.note("mount", self._clock.now_s(), point=point, **self._at.mounted())
+        return {"done": True, "do": "mount", "point": point}
+
+    def _hit(self, point: str, direction: Array) -> Action:
+        yield self._clock.now_s() + self._rng.uniform(*self._options.swing_s)
+        blow, facts = self._at.swing(point, direction)
+        at_sample = self._at.cell.strike(self._rng.uniform(1.0, 2.0), blow)
+        self._at.ledger.note(
+            "hit",
+            self._clock.now_s(),
+            point=point,
+            wanted_direction=direction,
+            at_sample=at_sample,
+            sensor_point=self._at.cell.point,
+            joints_rad=self._at.cell.joints_rad,
+            **facts,
+        )
+        yield self._clock.now_s() + self._options.after_hit_s
+        return {"done": True, "do": "hit", "point": point}
+
+    def _fault(self, name: object, active: object) -> Action:
+        self._at.faults.switch(str(name), active=bool(active))
+        self._at.ledger.note("fault", self._clock.now_s(), name=name, active=bool(active))
+        yield self._clock.now_s()
+        return {"done": True, "do": "fault", "name": name}
+
+    def _point_of(self, request: dict[str, Any]) -> str:
+        point = request.get("point")
+        if point not in self._at.points:
+            known = ", ".join(sorted(self._at.points))
+            raise PlantError(f"wanted a test point of the arm ({known}), got {point!r}")
+        return str(point)
+
+    def _posture_of(self, joints_deg: object) -> Array:
+        n = len(self._at.ranges_rad)
+        joints = _numbers(joints_deg, n, "joints_deg")
+        joints_rad = np.radians(joints)
+        for i, (low, high) in enumerate(self._at.ranges_rad):
+            if not low <= joints_rad[i] <= high:
+                raise PlantError(
+                    f"joint {i + 1}: wanted {math.degrees(low):g}...{math.degrees(high):g} "
+                    f"degrees, got {joints[i]:g}"
+                )
+        return joints_rad
+
+
+def _direction_of(value: object) -> Array:
+    direction = _numbers(value, 3, "direction")
+    length = float(np.linalg.norm(direction))
+    if length == 0.0:
+        raise PlantError("direction: wanted three numbers not all zero")
+    return direction / length
+
+
+def _numbers(value: object, n: int, what: str) -> Array:
+    is_list = isinstance(value, list) and len(value) == n
+    if is_list and all(isinstance(x, int | float) and abs(x) < 1e6 for x in value):  # type: ignore[attr-defined]
+        return np.array(value, dtype=np.float64)
+    raise PlantError(f"{what}: wanted a list of {n} numbers, got {value!r}")
