@@ -124,6 +124,7 @@ def _run(
         settings=settings,
         clock=clock,
         board=board,
+        bus=can_source,
         joints=joints,
         losses=losses,
         journal=writer,
@@ -145,7 +146,7 @@ def _run(
     gc.collect()
     gc.freeze()
     cpu_before_s = time.process_time()
-    _loop(loop, board, can_source, joints, channel, clock, _turn_wall_s(settings), losses)
+    _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
     loop.flush_losses()
     reason = loop.ended or ""
     writer.append(encode_end(End(reason=reason, host_s=clock.now_s())))
@@ -165,11 +166,9 @@ def _loop(
     loop: SessionLoop,
     board: BoardSession,
     can_source: CanSource,
-    joints: JointState,
     channel: Connection[Any, Any],
     clock: Clock,
     turn_wall_s: float,
-    losses: LossTally,
 ) -> None:
     """One turn after the other; bytes gather between turns, so that few turns move many."""
     polled = can_source.fileno() < 0
@@ -185,8 +184,7 @@ def _loop(
         ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
         begun_s = now_s = clock.now_s()
         if polled or can_source.fileno() in ready:
-            joints.feed(can_source.read(), now_s)
-            losses.watch("can", can_source.faults, "lines that are not slcan", now_s)
+            can_source.collect(now_s)
         board.turn(now_s, readable=board.fileno() in ready)
         loop.turn(now_s, _commands(channel) if channel.fileno() in ready else ())
 
@@ -227,9 +225,10 @@ def _hear_every_joint(
             clock.sleep(min(left_s, IDLE_WALL_S / clock.wall_s(1.0)))
         else:
             select.select([source.fileno()], [], [], clock.wall_s(left_s))
-        frames = source.read()
-        n_frames += len(frames)
-        joints.feed(frames, clock.now_s())
+        source.collect(clock.now_s())
+        for at_s, frames in source.take():
+            n_frames += len(frames)
+            joints.feed(frames, at_s)
 
 
 def _silence(source: CanSource, joints: JointState, mapping: CanMapping, n_frames: int) -> str:

@@ -42,8 +42,11 @@ class CanSource(Protocol):
     def fileno(self) -> int:
         """Return the descriptor to wait on, or -1 where the source must be asked."""
 
-    def read(self) -> list[CanFrame]:
-        """Return the frames that have come; never waits."""
+    def collect(self, now_s: float) -> None:
+        """Fetch what has come by `now_s`; never waits, and leaves the work to `take`."""
+
+    def take(self) -> list[tuple[float, list[CanFrame]]]:
+        """Return the frames collected since the last time, with the times they were fetched."""
 
     def close(self) -> None:
         """Let go of the bus; never raises."""
@@ -96,6 +99,7 @@ class SlcanListener:
         self.name = port.name
         self._port = port
         self._parser = SlcanParser()
+        self._fetched: list[tuple[float, bytes]] = []
         for command in listen_only_commands(bitrate):
             self._command(command)
 
@@ -108,9 +112,17 @@ class SlcanListener:
         """Return the descriptor to wait on."""
         return self._port.fileno()
 
-    def read(self) -> list[CanFrame]:
-        """Return the frames that have come."""
-        return [item for item in self._parser.feed(self._port.read()) if isinstance(item, CanFrame)]
+    def collect(self, now_s: float) -> None:
+        """Fetch the bytes that have come."""
+        self._fetched.append((now_s, self._port.read()))
+
+    def take(self) -> list[tuple[float, list[CanFrame]]]:
+        """Return the frames in the bytes fetched."""
+        fetched, self._fetched = self._fetched, []
+        return [
+            (at_s, [item for item in self._parser.feed(data) if isinstance(item, CanFrame)])
+            for at_s, data in fetched
+        ]
 
     def close(self) -> None:
         """Close the line; the adapter is left listening, which disturbs nobody."""
@@ -158,6 +170,7 @@ class PythonCanListener:
                 f"cannot open CAN channel {self.name}: {error}; does the interface exist, and is "
                 "it up?"
             ) from error
+        self._fetched: list[tuple[float, list[CanFrame]]] = []
         self._receive = bus.recv
         self._shutdown = bus.shutdown
         try:
@@ -169,8 +182,23 @@ class PythonCanListener:
         """Return the descriptor to wait on, or -1 where the interface must be asked."""
         return self._fd
 
-    def read(self) -> list[CanFrame]:
-        """Return the classic frames that have come."""
+    def collect(self, now_s: float) -> None:
+        """Fetch the classic frames that have come."""
+        self._fetched.append((now_s, self._read()))
+
+    def take(self) -> list[tuple[float, list[CanFrame]]]:
+        """Return the frames fetched."""
+        fetched, self._fetched = self._fetched, []
+        return fetched
+
+    def close(self) -> None:
+        """Let go of the bus."""
+        try:
+            self._shutdown()
+        except (can.CanError, OSError):
+            return
+
+    def _read(self) -> list[CanFrame]:
         frames: list[CanFrame] = []
         try:
             for _ in range(FRAMES_AT_ONCE):
@@ -192,10 +220,3 @@ class PythonCanListener:
                 f"the CAN channel {self.name} is gone ({error}); check it, then resume"
             ) from error
         return frames
-
-    def close(self) -> None:
-        """Let go of the bus."""
-        try:
-            self._shutdown()
-        except (can.CanError, OSError):
-            return

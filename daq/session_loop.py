@@ -11,6 +11,7 @@ import numpy as np
 from daq import session_machine as machine
 from daq.blocks import CapturedBlock
 from daq.board_session import BoardSession
+from daq.can_listener import CanSource
 from daq.clock import Clock
 from daq.commands import Command, Ready, Retake, Skip, Stop
 from daq.events import HitJudged, JointsSeen, LossNoted, Noted, Prompted
@@ -56,6 +57,7 @@ class SessionLoop:
         settings: AcquisitionSettings,
         clock: Clock,
         board: BoardSession,
+        bus: CanSource,
         joints: JointState,
         losses: LossTally,
         journal: JournalWriter,
@@ -67,6 +69,7 @@ class SessionLoop:
         self._settings = settings
         self._clock = clock
         self._board = board
+        self._bus = bus
         self._joints = joints
         self._losses = losses
         self._journal = journal
@@ -94,6 +97,7 @@ class SessionLoop:
         for command in commands:
             self._obey(command, now_s)
         if self._is_due("posture", POSTURE_EVERY_WALL_S, now_s):
+            self._hear()
             self._follow_posture(self._joints.reading(now_s), now_s)
         self._judge_blocks(now_s)
         self._report(now_s)
@@ -112,6 +116,11 @@ class SessionLoop:
         here = self._state.here
         self._mark(MarkKind.NOTE, now_s, text, point=here.point if here else None)
         self._outbox.put(Noted(text=text, host_s=now_s))
+
+    def _hear(self) -> None:
+        """Decode what the bus has said; many frames at a time cost less than a few often."""
+        for at_s, frames in self._bus.take():
+            self._joints.feed(frames, at_s)
 
     def _obey(self, command: Command, now_s: float) -> None:
         state = self._state
@@ -172,6 +181,8 @@ class SessionLoop:
     def _judge_blocks(self, now_s: float) -> None:
         while (block := self._board.captured(now_s)) is not None:
             self._waiting.append(block)
+        if self._waiting:
+            self._hear()
         while self._waiting:
             block = self._waiting[0]
             fit = self._board.clock_fit
@@ -291,6 +302,7 @@ class SessionLoop:
             if preview is not None:
                 self._outbox.put(preview)
         if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
+            self._losses.watch("can", self._bus.faults, "lines that are not slcan", now_s)
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
             self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
             self._board.count_losses(now_s)

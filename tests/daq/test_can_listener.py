@@ -21,7 +21,10 @@ def test_the_adapter_is_told_to_listen_only_before_anything_is_heard(controller)
         assert controller.commands == [b"C", b"S6", b"L"]
         frames = []
         while len(frames) < 3:
-            frames += source.read()
+            source.collect(1.5)
+            for at_s, some in source.take():
+                assert at_s == 1.5
+                frames += some
         assert len({frame.can_id for frame in frames}) == 3
     finally:
         source.close()
@@ -55,7 +58,9 @@ def test_python_can_frames_arrive_and_errors_and_fd_frames_do_not():
             other.send(can.Message(arbitration_id=0x18FF0001, data=b"", is_extended_id=True))
             other.send(can.Message(arbitration_id=0x202, is_fd=True, data=bytes(12)))
             other.send(can.Message(is_error_frame=True))
-            frames = source.read()
+            source.collect(1.5)
+            ((at_s, frames),) = source.take()
+            assert at_s == 1.5
             assert [(f.can_id, f.extended, f.data) for f in frames] == [
                 (0x201, False, b"\x01\x02"),
                 (0x18FF0001, True, b""),
