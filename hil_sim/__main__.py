@@ -49,6 +49,7 @@ def options_of(given: argparse.Namespace) -> LabOptions:
 
 def run(laboratory: LabProcess[BlowT], *, watch_stdin: bool) -> None:
     """Print the ready line and serve."""
+    laboratory.obey_signals()
     sys.stdout.write(json.dumps(laboratory.ready()) + "\n")
     sys.stdout.flush()
     laboratory.serve(watch_stdin=watch_stdin)

@@ -147,10 +147,13 @@ class LabProcess(Generic[BlowT]):
         self.controller.step()
         self.operator.step()
 
-    def serve(self, *, watch_stdin: bool) -> None:
-        """Run until SIGTERM or SIGINT, and until stdin ends if that is watched."""
+    def obey_signals(self) -> None:
+        """Let SIGTERM and SIGINT end `serve`; to be called before anyone knows of the process."""
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._stop)
+
+    def serve(self, *, watch_stdin: bool) -> None:
+        """Run until `obey_signals` hears one, and until stdin ends if that is watched."""
         always: list[int] = [self.board.port.fileno(), self.controller.port.fileno()]
         if watch_stdin:
             self._stdin = sys.stdin.fileno()

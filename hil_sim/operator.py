@@ -135,10 +135,10 @@ class Operator(Generic[BlowT]):
 
     def _point_of(self, request: dict[str, Any]) -> str:
         point = request.get("point")
-        if point not in self._at.points:
+        if not isinstance(point, str) or point not in self._at.points:
             known = ", ".join(sorted(self._at.points))
             raise PlantError(f"wanted a test point of the arm ({known}), got {point!r}")
-        return str(point)
+        return point
 
     def _posture_of(self, joints_deg: object) -> Array:
         n = len(self._at.ranges_rad)

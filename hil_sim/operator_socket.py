@@ -130,9 +130,14 @@ class OperatorSocket:
 
     def _start(self, line: bytes) -> None:
         try:
-            self._action = self._begin(json.loads(line))
+            request = json.loads(line)
         except (ValueError, RecursionError) as error:
-            self._answer({"error": f"{error}"})
+            self._answer({"error": f"wanted one line of JSON, got something else: {error}"})
+            return
+        try:
+            self._action = self._begin(request)
+        except PlantError as error:
+            self._answer({"error": str(error)})
             return
         self._until_s = self._clock.now_s()
         self._abandoned = False

@@ -1,0 +1,117 @@
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+# The helpers beside this file serve tests and a process that is started by its path.
+sys.path.insert(0, str(Path(__file__).parent))
+
+from host_side import BoardLine, Line, OperatorLine
+from synthetic_laboratory import KnownSource, truth
+
+from hil_sim.board import Board
+from hil_sim.board_dictionary import board_dictionary
+from hil_sim.board_state import BoardFirmware, Converter
+from hil_sim.cell import Cell
+from hil_sim.clock import DeviceClock, LabClock
+from hil_sim.controller import Controller
+from hil_sim.faults import FaultSet
+from hil_sim.lab import launch
+from hil_sim.pty_port import PtyPort
+
+collect_ignore = ["synthetic_laboratory.py", "host_side.py"]
+
+
+class Time:
+    """A monotonic clock that moves only when told."""
+
+    def __init__(self):
+        self.now_s = 100.0
+
+    def __call__(self):
+        return self.now_s
+
+
+class Bench:
+    """Board and controller in this process, on a clock in the test's hand."""
+
+    def __init__(self, faults=()):
+        self.time = Time()
+        self.clock = LabClock(monotonic=self.time)
+        self.faults = FaultSet(faults)
+        self.source = None
+        self.cell = Cell(self._make, joints_rad=np.zeros(6), point="1")
+        self.device_clock = DeviceClock(
+            lab=self.clock, boot_s=self.time(), error_ppm=50.0, offset_ticks=1000
+        )
+        self.firmware = BoardFirmware(
+            board_dictionary(truth()),
+            session=0xABCD,
+            clock=self.device_clock,
+            converter=Converter(
+                start=self.cell.start_sampling, stop=self.cell.stop_sampling, read=self.cell.read
+            ),
+        )
+        self.board_port, self.can_port = PtyPort(), PtyPort()
+        rng = np.random.default_rng(1)
+        self.board = Board(self.firmware, self.board_port, faults=self.faults, rng=rng)
+        self.controller = Controller(
+            self.cell, self.can_port, clock=self.clock, faults=self.faults, rng=rng
+        )
+        self.host = BoardLine(self.board_port.name, self.board.step)
+        self.listener = Line(self.can_port.name, self.controller.step)
+
+    def _make(self, rate_hz):
+        self.source = KnownSource()
+        return self.source
+
+    def close(self):
+        for end in (self.host, self.listener, self.board_port, self.can_port):
+            end.close()
+
+
+@pytest.fixture
+def bench():
+    made = Bench()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def start_known_laboratory(tmp_path):
+    """Start the laboratory with the known source as a process."""
+    started, lines = [], []
+
+    class Running:
+        def __init__(self, laboratory):
+            self.laboratory = laboratory
+
+        def open(self, kind, path):
+            lines.append(kind(path))
+            return lines[-1]
+
+        def board(self):
+            return self.open(BoardLine, self.laboratory.board)
+
+        def can(self):
+            return self.open(Line, self.laboratory.can)
+
+        def operator(self):
+            return self.open(OperatorLine, self.laboratory.operator)
+
+    def start(*, time_scale=16.0, faults=()):
+        script = Path(__file__).parent / "synthetic_laboratory.py"
+        command = [sys.executable, str(script), "--time-scale", str(time_scale), "--seed", "3"]
+        command += ["--directory", str(tmp_path / "lab"), "--watch-stdin"]
+        for fault in faults:
+            command += ["--fault", fault]
+        running = Running(launch(command))
+        started.append(running.laboratory)
+        return running
+
+    yield start
+    for line in lines:
+        line.close()
+    for laboratory in started:
+        laboratory.close()

@@ -1,0 +1,162 @@
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from host_side import DEADLINE_S
+from synthetic_laboratory import PEAK_COUNTS, ramp
+
+from hil_sim.lab import launch, start_laboratory
+from hil_sim.ledger import read_ledger
+from protocols.board.messages import (
+    decode_block_info,
+    decode_reply,
+    decode_samples,
+    decode_status,
+    encode_configuration,
+    encode_release,
+)
+from protocols.board.records import Configuration, FrameType, ReplyCode, Slope
+from protocols.errors import DeviceLostError, PlantError
+from protocols.slcan import CanFrame, SlcanParser, listen_only_commands
+
+CONFIGURATION = Configuration(
+    rate_hz=Fraction(51_200, 31),
+    channel_mask=0b1111,
+    trigger_channel=0,
+    trigger_level_counts=PEAK_COUNTS // 10,
+    slope=Slope.RISING,
+    pretrigger=100,
+    block_length=2048,
+    stream=True,
+)
+
+
+def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(start_known_laboratory):
+    running = start_known_laboratory()
+    board, operator = running.board(), running.operator()
+    board.ask(FrameType.HELLO)
+    for kind, payload in (
+        (FrameType.CONFIGURE, encode_configuration(CONFIGURATION)),
+        (FrameType.START, b""),
+    ):
+        assert decode_reply(board.ask(kind, payload).payload)[0] is ReplyCode.OK
+    assert operator.ask(do="posture", name="p", joints_deg=[20, 0, 0, 0, 0, 0])["done"]
+    assert operator.ask(do="mount", point="3")["done"]
+    assert operator.ask(do="hit", point="1", direction=[0, 0, -1])["done"]
+    board.until(lambda: board.of(FrameType.BLOCK_READY))
+    info = decode_block_info(board.of(FrameType.BLOCK_READY)[0].payload)
+    # 2048 samples are 32 frames.
+    board.until(lambda: len(board.of(FrameType.BLOCK_DATA)) == 32)
+    counts = np.concatenate([decode_samples(f).counts for f in board.of(FrameType.BLOCK_DATA)])
+    np.testing.assert_array_equal(counts[:, 1:], ramp(info.first_sample, 2048))
+    assert decode_reply(board.ask(FrameType.RELEASE, encode_release(1)).payload)[0] is ReplyCode.OK
+    running.laboratory.close()
+    record = read_ledger(running.laboratory.ledger)
+    (hit,) = record.of("hit")
+    # The trigger is the first sample beyond a tenth of the half sine of 20 samples.
+    assert info.trigger_sample == int(np.ceil(hit["at_sample"] + 20 * np.arcsin(0.1) / np.pi))
+    assert hit["sensor_point"] == "3"
+    (end,) = record.of("end")
+    assert end["can_transmissions"] == 0
+
+
+def test_device_clock_and_lab_clock_differ_by_the_ppm(start_known_laboratory):
+    running = start_known_laboratory(time_scale=4.0)
+    board = running.board()
+    board.ask(FrameType.HELLO)
+    pairs = []
+    for _ in range(40):
+        before = time.monotonic()
+        reply = board.ask(FrameType.STATUS)
+        after = time.monotonic()
+        decode_status(reply.payload)
+        pairs.append((before, reply.header.ticks, after))
+    # Ticks lie within each round trip, at 1 MHz lab time from a common offset; 37 ppm and 1 tick
+    # allowed for.
+    low = max(t / 1e6 - 4.0 * after for _, t, after in pairs)
+    high = min(t / 1e6 - 4.0 * before for before, t, _ in pairs)
+    span_s = 4.0 * (pairs[-1][2] - pairs[0][0])
+    assert high - low > -(37e-6 * span_s + 1e-6)
+
+
+def test_the_bus_runs_at_lab_time(start_known_laboratory):
+    running = start_known_laboratory(time_scale=8.0)
+    can = running.can()
+    for command in listen_only_commands(500_000):
+        can.write(command)
+        assert can.read_until(lambda got: got.startswith(b"\r"))
+    parser, frames = SlcanParser(), []
+    begin = time.monotonic()
+    while len(frames) < 1500:
+        assert time.monotonic() < begin + DEADLINE_S
+        frames += [f for f in parser.feed(can.read()) if isinstance(f, CanFrame)]
+    # 500 cycles of 3 frames take 4 lab seconds; a machine that is late can only make it longer,
+    # and the frames of one turn of the loop come together.
+    assert time.monotonic() - begin > 0.9 * 4.0 / 8.0
+    assert parser.faults == 0
+
+
+def test_directory_and_socket_are_private_and_the_socket_goes(start_known_laboratory):
+    laboratory = start_known_laboratory().laboratory
+    assert stat.S_IMODE(laboratory.operator.parent.stat().st_mode) == 0o700
+    assert stat.S_IMODE(laboratory.operator.stat().st_mode) == 0o600
+    laboratory.close()
+    assert not laboratory.operator.exists()
+    assert not laboratory.alive
+    laboratory.close()
+
+
+def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
+    script = Path(__file__).parent / "synthetic_laboratory.py"
+    parent = (
+        "import os, sys; from hil_sim.lab import launch\n"
+        "lab = launch([sys.executable, *sys.argv[1:]])\n"
+        "print(lab.pid, flush=True); os._exit(1)"
+    )
+    command = [sys.executable, "-c", parent, str(script), "--directory", str(tmp_path / "lab")]
+    done = subprocess.run([*command, "--watch-stdin"], capture_output=True, check=False)
+    pid = int(done.stdout)
+    end = time.monotonic() + DEADLINE_S
+    while _runs(pid):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    assert not (tmp_path / "lab" / "operator.sock").exists()
+
+
+def _runs(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    # Where nobody reaps it, a process that has ended stays as a zombie.
+    status = Path(f"/proc/{pid}/stat")
+    return not status.exists() or status.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+
+
+def test_sigterm_ends_the_laboratory_cleanly(start_known_laboratory):
+    laboratory = start_known_laboratory().laboratory
+    os.kill(laboratory.pid, signal.SIGTERM)
+    assert laboratory.wait() == 0
+    assert len(read_ledger(laboratory.ledger).of("end")) == 1
+
+
+def test_an_unknown_fault_is_refused_by_its_own_message(start_known_laboratory):
+    with pytest.raises(PlantError, match="wanted a fault the laboratory knows"):
+        start_known_laboratory(faults=["flood"])
+
+
+def test_a_process_that_is_no_laboratory_is_told():
+    with pytest.raises(DeviceLostError, match="before it was ready"):
+        launch([sys.executable, "-c", "raise SystemExit(3)"])
+
+
+def test_a_plant_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(PlantError, match="cannot be read"):
+        start_laboratory(tmp_path / "none.toml", directory=tmp_path / "lab")
