@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 from typing import Generic
@@ -64,7 +65,7 @@ class JointMessages:
         """Frames a cycle."""
         return len(self._messages)
 
-    def lines(self, joints_deg: npt.NDArray[np.float64], state: int, counter: int) -> bytes:
+    def lines(self, joints_deg: Sequence[float], state: int, counter: int) -> bytes:
         """Return the slcan lines of one cycle."""
         lines = []
         for message, positions in self._messages:
@@ -147,19 +148,29 @@ class Controller(Generic[BlowT]):
         first = max(self._cycle, due - MOST_CYCLES)
         if self.adapter.forwards and Fault.CAN_SILENCE not in self._faults:
             self.frames_lost += self._messages.per_cycle * (first - self._cycle)
-            for cycle in range(first, due):
+            told_deg = self._told_deg(first, due)
+            for cycle, joints_deg in zip(range(first, due), told_deg, strict=True):
                 if self.port.pending > ADAPTER_BUFFER:
                     self.adapter.overrun()
                     self.frames_lost += self._messages.per_cycle
                 else:
-                    self.port.queue(self._lines(cycle))
+                    state = MOVING if self._motion.moving(self._cycle_s(cycle)) else HELD
+                    self.port.queue(self._messages.lines(joints_deg, state, cycle & 0xFF))
         self._cycle = due
 
-    def _lines(self, cycle: int) -> bytes:
-        cycle_s = self._begin_s + cycle / self.options.rate_hz
-        true_rad = self._motion.joints_rad(cycle_s)
+    def _cycle_s(self, cycle: int) -> float:
+        """Lab time of a cycle."""
+        return self._begin_s + cycle / self.options.rate_hz
+
+    def _told_deg(self, first: int, due: int) -> list[list[float]]:
+        """Angles of the cycles `first` to `due` - 1 as the encoders read them."""
+        if first == due:
+            return []
+        true_rad = np.array(
+            [self._motion.joints_rad(self._cycle_s(cycle)) for cycle in range(first, due)]
+        )
         noise_rad = self.options.encoder_noise_rad * self._rng.standard_normal(true_rad.shape)
         step_rad = self.options.encoder_step_rad
-        told_rad = step_rad * np.round((true_rad + noise_rad) / step_rad)
-        state = MOVING if self._motion.moving(cycle_s) else HELD
-        return self._messages.lines(np.degrees(told_rad), state, cycle & 0xFF)
+        read_rad = step_rad * np.round((true_rad + noise_rad) / step_rad)
+        told_deg: list[list[float]] = np.degrees(read_rad).tolist()
+        return told_deg
