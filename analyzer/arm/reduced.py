@@ -1,0 +1,107 @@
+"""From the superset to the few degrees of freedom a structure frees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+
+from analyzer.arm.structure import Structure
+from analyzer.arm.superset import PostureDynamics, Superset
+from protocols.errors import EstimateError
+
+__all__ = ["ModelModes", "ReducedModel", "model_modes", "reduce_model", "selection"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReducedModel:
+    """M q'' + C q' + K q = Jᵀ f of one posture; n freedoms of a structure.
+
+    Equation: file 002, Eq. (2), gravity's stiffness included in K.
+    """
+
+    mass: Array  # (n, n)
+    damping: Array  # (n, n), diagonal
+    stiffness: Array  # (n, n), springs on the diagonal plus gravity
+    point_jacobian: Array  # (n_points, 6, n), base frame, linear first
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelModes:
+    """Complex modes of a reduced model, lowest frequency first."""
+
+    pole_rad_s: npt.NDArray[np.complex128]  # (n,), positive imaginary part
+    f_hz: Array  # (n,), |pole| / 2 pi
+    damping_ratio: Array  # (n,)
+    shape: npt.NDArray[np.complex128]  # (n, n), columns, in the structure's freedoms
+
+
+def selection(superset: Superset, structure: Structure) -> Array:
+    """Return T (superset.n, n): the superset's motion for each freedom of the structure."""
+    T = np.zeros((superset.n, structure.n))
+    for column, joint in enumerate(structure.joints):
+        T[superset.joint_column(joint), column] = 1.0
+    for column, axis in enumerate(structure.axes, start=len(structure.joints)):
+        T[superset.interface_columns(axis.link), column] = axis.twist()
+    return T
+
+
+def reduce_model(
+    superset: Superset,
+    dynamics: PostureDynamics,
+    structure: Structure,
+    *,
+    added_mass_kg: Array | None = None,
+) -> ReducedModel:
+    """Reduce a posture of the superset to the structure's freedoms.
+
+    Parameters
+    ----------
+    added_mass_kg
+        (n_points,) masses that ride on the test points (an accelerometer, or its mean over
+        several mountings); none when omitted.
+    """
+    T = selection(superset, structure)
+    jacobian = dynamics.point_jacobian @ T
+    mass = T.T @ dynamics.mass @ T
+    if added_mass_kg is not None:
+        linear = jacobian[:, :3]
+        mass = mass + np.einsum("p,pij,pik->jk", added_mass_kg, linear, linear)
+    return ReducedModel(
+        mass=mass,
+        damping=np.diag(structure.all_damping()),
+        stiffness=T.T @ dynamics.gravity_stiffness @ T + np.diag(structure.all_stiffness()),
+        point_jacobian=jacobian,
+    )
+
+
+def model_modes(model: ReducedModel) -> ModelModes:
+    """Complex modes of a reduced model from its state matrix.
+
+    Raises
+    ------
+    EstimateError
+        If a mode does not oscillate (damping at or above critical, or an unstable posture).
+    """
+    n = model.mass.shape[0]
+    lower = np.linalg.solve(model.mass, np.hstack([-model.stiffness, -model.damping]))
+    state = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower])
+    poles, vectors = scipy.linalg.eig(state)
+    oscillating = np.flatnonzero(poles.imag > 0)
+    if oscillating.size != n:
+        raise EstimateError(
+            f"wanted {n} oscillating modes, the model has {oscillating.size}; "
+            "check that every stiffness is positive and no damping is above critical"
+        )
+    order = oscillating[np.argsort(np.abs(poles[oscillating]))]
+    pole = poles[order]
+    return ModelModes(
+        pole_rad_s=pole,
+        f_hz=np.abs(pole) / (2 * np.pi),
+        damping_ratio=-pole.real / np.abs(pole),
+        shape=vectors[:n, order],
+    )

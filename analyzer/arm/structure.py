@@ -1,0 +1,71 @@
+"""What of the superset is free, and how stiff: the structure a model assumes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from protocols.arm.records import Arm
+
+__all__ = ["Axis", "Structure", "believed_structure"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """A compliance axis at the root of a link: a revolute joint nobody drives.
+
+    The axis is a line of the link's frame; `point_m` is its point nearest the frame's origin.
+    """
+
+    link: int  # 0-based index of the joint that moves the link
+    direction: npt.NDArray[np.float64]  # (3,) unit
+    point_m: npt.NDArray[np.float64]  # (3,), orthogonal to direction
+    stiffness_n_m_per_rad: float
+    damping_n_m_s_per_rad: float
+
+    def twist(self) -> npt.NDArray[np.float64]:
+        """Return the (6,) twist, linear first, of a unit rotation about the axis."""
+        return np.concatenate([np.cross(self.point_m, self.direction), self.direction])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Structure:
+    """The elastic freedoms of a model: some joints, then some axes, in this order."""
+
+    joints: tuple[int, ...]  # 0-based
+    stiffness_n_m_per_rad: npt.NDArray[np.float64]  # (n_joints_elastic,)
+    damping_n_m_s_per_rad: npt.NDArray[np.float64]  # (n_joints_elastic,)
+    axes: tuple[Axis, ...] = ()
+
+    @property
+    def n(self) -> int:
+        """Number of degrees of freedom."""
+        return len(self.joints) + len(self.axes)
+
+    def all_stiffness(self) -> npt.NDArray[np.float64]:
+        """Return (n,) stiffness of joints, then axes."""
+        return np.append(
+            self.stiffness_n_m_per_rad, [axis.stiffness_n_m_per_rad for axis in self.axes]
+        )
+
+    def all_damping(self) -> npt.NDArray[np.float64]:
+        """Return (n,) damping of joints, then axes."""
+        return np.append(
+            self.damping_n_m_s_per_rad, [axis.damping_n_m_s_per_rad for axis in self.axes]
+        )
+
+
+def believed_structure(arm: Arm) -> Structure:
+    """Return the structure the arm file believes in: its elastic joints and no axis."""
+    elastic = [
+        (i, joint.stiffness.value, joint.damping.value if joint.damping else 0.0)
+        for i, joint in enumerate(arm.joints)
+        if joint.stiffness is not None
+    ]
+    return Structure(
+        joints=tuple(i for i, _, _ in elastic),
+        stiffness_n_m_per_rad=np.array([k for _, k, _ in elastic]),
+        damping_n_m_s_per_rad=np.array([c for _, _, c in elastic]),
+    )

@@ -1,0 +1,161 @@
+"""The superset model: every joint, and six more freedoms at the root of every link.
+
+One pinocchio model per arm holds, for each link, the drive joint followed by a free interface of
+six degrees of freedom, all locked unless somebody asks. Locking is deleting rows and columns, and
+a compliance axis inside a link is one combination of the link's six interface columns, so a
+posture is evaluated once and every hypothesis about the structure is a small matrix product.
+
+An interface sits between a joint and all the mass of its link: what moves about an axis released
+in link i is link i and everything beyond it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from protocols.arm.records import Arm, InertialLink
+from protocols.arrays import frozen_array
+from protocols.errors import ArmError
+
+__all__ = ["PostureDynamics", "Superset"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureDynamics:
+    """The superset in one posture, linearised about rest.
+
+    `n` counts the superset's degrees of freedom: per link one joint column, then six interface
+    columns (linear first, in the link's frame).
+    """
+
+    joints_rad: Array  # (n_joints,)
+    mass: Array  # (n, n)
+    gravity_stiffness: Array  # (n, n), dg/dq, symmetric
+    point_jacobian: Array  # (n_points, 6, n), base frame, linear first, at the test points
+    point_rotation: Array  # (n_points, 3, 3), columns are the sensor's axes in base
+    point_position: Array  # (n_points, 3), base frame
+    T_base_link: Array  # (n_links, 4, 4)
+    gravity_m_s2: Array  # (3,)
+
+
+class Superset:
+    """Superset model of an arm of revolute joints.
+
+    Parameters
+    ----------
+    arm
+        The arm as described; its inertias are taken as they are.
+    """
+
+    def __init__(self, arm: Arm) -> None:
+        self.arm = arm
+        self.n_joints = len(arm.joints)
+        model = pin.Model()
+        model.gravity = pin.Motion(np.asarray(arm.gravity_m_s2, dtype=float), np.zeros(3))
+        parent = 0
+        self._links: list[int] = []
+        for joint in arm.joints:
+            placement = pin.SE3(joint.T_parent_joint[:3, :3], joint.T_parent_joint[:3, 3])
+            drive = model.addJoint(
+                parent, pin.JointModelRevoluteUnaligned(joint.axis), placement, joint.name
+            )
+            parent = model.addJoint(
+                drive, pin.JointModelFreeFlyer(), pin.SE3.Identity(), f"{joint.link.name} root"
+            )
+            model.appendBodyToJoint(parent, _inertia(joint.link), pin.SE3.Identity())
+            self._links.append(parent)
+        self._model = model
+        self._neutral = pin.neutral(model)
+        self._joint_q = [int(model.joints[i - 1].idx_q) for i in self._links]
+        self.n = int(model.nv)
+        link_index = {joint.link.name: i for i, joint in enumerate(arm.joints)}
+        self.point_index = {point.id: i for i, point in enumerate(arm.points)}
+        # The link each test point rides on; -1 is the base.
+        self.point_link = tuple(
+            -1 if point.link == "base" else link_index[point.link] for point in arm.points
+        )
+
+    @staticmethod
+    def joint_column(joint: int) -> int:
+        """Return the superset column of joint number `joint` (0-based)."""
+        return 7 * joint
+
+    @staticmethod
+    def interface_columns(link: int) -> slice:
+        """Return the six columns, linear first, of the interface at the root of link `link`."""
+        return slice(7 * link + 1, 7 * link + 7)
+
+    def posture(self, joints_rad: npt.ArrayLike) -> PostureDynamics:
+        """Evaluate mass, gravity stiffness and point Jacobians in a posture.
+
+        Parameters
+        ----------
+        joints_rad
+            (n_joints,) joint angles in radians.
+
+        Raises
+        ------
+        ArmError
+            If the number of angles is not the arm's or one is not finite.
+
+        References
+        ----------
+        Mass matrix: file 002, Eqs. (4) and (5). Gravity stiffness: part of K in 002, Eq. (2).
+        """
+        angles = np.asarray(joints_rad, dtype=np.float64)
+        if angles.shape != (self.n_joints,) or not np.isfinite(angles).all():
+            raise ArmError(
+                f"wanted {self.n_joints} finite joint angles for arm '{self.arm.name}', "
+                f"got an array of shape {angles.shape}: {angles}; give one angle per joint"
+            )
+        model = self._model
+        data = model.createData()
+        q = self._neutral.copy()
+        q[self._joint_q] = angles
+        mass = np.array(pin.crba(model, data, q))
+        mass = np.triu(mass) + np.triu(mass, 1).T
+        gravity = np.array(pin.computeGeneralizedGravityDerivatives(model, data, q))
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        T_base_link = np.stack([data.oMi[i].homogeneous for i in self._links])
+        jacobian, rotation, position = self._points(data, T_base_link)
+        return PostureDynamics(
+            joints_rad=frozen_array(angles, np.float64),
+            mass=frozen_array(mass, np.float64),
+            gravity_stiffness=frozen_array((gravity + gravity.T) / 2, np.float64),
+            point_jacobian=frozen_array(jacobian, np.float64),
+            point_rotation=frozen_array(rotation, np.float64),
+            point_position=frozen_array(position, np.float64),
+            T_base_link=frozen_array(T_base_link, np.float64),
+            gravity_m_s2=frozen_array(self.arm.gravity_m_s2, np.float64),
+        )
+
+    def _points(self, data: pin.Data, T_base_link: Array) -> tuple[Array, Array, Array]:
+        n_points = len(self.arm.points)
+        jacobian = np.zeros((n_points, 6, self.n))
+        rotation = np.empty((n_points, 3, 3))
+        position = np.empty((n_points, 3))
+        # Twist of each link taken at the base origin, then moved to the point: v + w x p.
+        link_jacobian = [
+            np.array(pin.getJointJacobian(self._model, data, i, pin.ReferenceFrame.WORLD))
+            for i in self._links
+        ]
+        for i, (point, link) in enumerate(zip(self.arm.points, self.point_link, strict=True)):
+            T = np.eye(4) if link < 0 else T_base_link[link]
+            position[i] = T[:3, :3] @ point.position_m + T[:3, 3]
+            rotation[i] = T[:3, :3] @ point.R_link_sensor
+            if link >= 0:
+                J = link_jacobian[link]
+                jacobian[i, 3:] = J[3:]
+                jacobian[i, :3] = J[:3] + np.cross(J[3:].T, position[i]).T
+        return jacobian, rotation, position
+
+
+def _inertia(link: InertialLink) -> pin.Inertia:
+    return pin.Inertia(link.mass_kg, np.asarray(link.center_m), np.asarray(link.inertia_kg_m2))

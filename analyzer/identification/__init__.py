@@ -1,0 +1,1 @@
+"""Identification: joint stiffness and damping, compliance axes, from modes and FRFs."""

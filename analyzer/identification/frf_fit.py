@@ -1,0 +1,202 @@
+"""Fit of the arm model to all FRFs of all postures: weighted, damped Gauss-Newton.
+
+Weights are the measured variance plus an allowance for what no single hit repeats: a
+mounting's tilt and the hit's aim bend one axis into another by about a per cent of the motion at
+the point. The covariance does not trust these weights. It is the clustered sandwich
+
+    Cov = H⁻¹ (Σ_c g_c g_cᵀ + P) H⁻¹,   H = Jᵀ W J + P
+
+with one cluster per mounting (posture, sensor point, hit point): hits on different mountings
+share nothing, while lines and axes of one mounting share everything. Each g_c is the delete-one
+score of its cluster (the jackknife form, CR3), P the priors' precision.
+
+References
+----------
+C. B. Bell, D. F. McCaffrey, Survey Methodology 28 (2002) 169 (bias-reduced clustered variance);
+K. Levenberg, Q. Appl. Math. 2 (1944) 164.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.frf_model import PostureData, predict
+from analyzer.identification.parameters import (
+    FitState,
+    ParameterNames,
+    parameter_vector,
+    step_state,
+)
+from protocols.errors import EstimateError
+
+__all__ = ["FrfFit", "fit_frfs", "line_weights", "normal_equations"]
+
+Array = npt.NDArray[np.float64]
+
+MOUNTING_ALLOWANCE = 0.01  # of the motion at a point: 0.5 degrees of tilt or aim
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrfFit:
+    """A converged fit of the model to FRFs."""
+
+    state: FitState
+    parameters: ParameterNames
+    covariance: Array  # (n, n) of the parameters, from measurement scatter and priors
+    degrees_of_freedom: int  # of the scatter, for Student's t
+    cost: float  # half the weighted sum of squares, priors included
+    n_data: int  # real numbers fitted
+    relative_residual: Array  # (n_postures,) rms residual over rms FRF
+    iterations: int
+
+
+def line_weights(data: PostureData, allowance: float = MOUNTING_ALLOWANCE) -> Array:
+    """Return 1/variance of every FRF value, (n_mountings, n_refs, 3, n_lines)."""
+    motion = (np.abs(data.values) ** 2).sum(axis=2, keepdims=True)
+    variance = data.variance + allowance**2 * motion
+    # A point that does not move (the base) still has its noise; nothing has none at all.
+    floor = 1e-12 * float(motion.max())
+    return np.asarray(1.0 / np.maximum(variance, floor))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Normal:
+    H: Array  # (n, n) without priors
+    gradient: Array  # (n,)
+    cost: float
+    cluster_hessian: Array  # (n_clusters, n, n)
+    cluster_g: Array  # (n_clusters, n)
+    relative_residual: Array  # (n_postures,)
+
+
+def normal_equations(
+    superset: Superset,
+    postures: tuple[PostureData, ...],
+    weights: tuple[Array, ...],
+    state: FitState,
+) -> _Normal:
+    """Accumulate Jᵀ W J and Jᵀ W r by cluster over all postures at a state."""
+    blocks, scores, cost, relative = [], [], 0.0, []
+    for i, (data, weight) in enumerate(zip(postures, weights, strict=True)):
+        y, dy = predict(superset, data, state, i, derivatives=True)
+        assert dy is not None  # noqa: S101 - derivatives were asked for
+        rest = data.values - y
+        root = np.sqrt(weight)
+        n_clusters = y.shape[0] * y.shape[1]
+        J = np.moveaxis((dy * root).reshape(len(dy), n_clusters, -1), 0, 2)
+        r = (rest * root).reshape(n_clusters, -1)
+        J = np.concatenate([J.real, J.imag], axis=1)
+        r = np.concatenate([r.real, r.imag], axis=1)
+        blocks.append(np.matmul(J.transpose(0, 2, 1), J))
+        scores.append(np.matmul(J.transpose(0, 2, 1), r[..., None])[..., 0])
+        cost += 0.5 * float((r**2).sum())
+        relative.append(float(np.linalg.norm(rest) / np.linalg.norm(data.values)))
+    cluster_hessian, cluster_g = np.concatenate(blocks), np.concatenate(scores)
+    return _Normal(
+        H=cluster_hessian.sum(axis=0),
+        gradient=cluster_g.sum(axis=0),
+        cost=cost,
+        cluster_hessian=cluster_hessian,
+        cluster_g=cluster_g,
+        relative_residual=np.array(relative),
+    )
+
+
+def _cost(
+    superset: Superset,
+    postures: tuple[PostureData, ...],
+    weights: tuple[Array, ...],
+    state: FitState,
+    precision: Array,
+) -> float:
+    total = 0.5 * float(precision @ parameter_vector(state) ** 2)
+    for i, (data, weight) in enumerate(zip(postures, weights, strict=True)):
+        y, _ = predict(superset, data, state, i, derivatives=False)
+        total += 0.5 * float((weight * np.abs(data.values - y) ** 2).sum())
+    return total
+
+
+def fit_frfs(
+    superset: Superset,
+    postures: tuple[PostureData, ...],
+    start: FitState,
+    *,
+    max_iterations: int = 60,
+    progress: Callable[[int, float], None] | None = None,
+) -> FrfFit:
+    """Fit the model's parameters to the FRFs of several postures.
+
+    Raises
+    ------
+    EstimateError
+        If the iteration does not converge; the last fit is in `partial`.
+    """
+    names = ParameterNames.of(superset.arm, start.structure, tuple(data.name for data in postures))
+    precision = 1.0 / names.prior_std**2
+    weights = tuple(line_weights(data) for data in postures)
+    state, damping, converged = start, 1e-3, False
+    normal = normal_equations(superset, postures, weights, state)
+    cost = normal.cost + 0.5 * float(precision @ parameter_vector(state) ** 2)
+    iteration = 0
+    while not converged and iteration < max_iterations:
+        iteration += 1
+        if progress:
+            progress(iteration, cost)
+        H = normal.H + np.diag(precision)
+        gradient = normal.gradient - precision * parameter_vector(state)
+        step = np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
+        step *= min(1.0, 1.0 / float(np.abs(step).max()))  # no log or angle moves by more than 1
+        trial = step_state(state, np.asarray(step, dtype=np.float64))
+        trial_cost = _cost(superset, postures, weights, trial, precision)
+        if np.isfinite(trial_cost) and trial_cost < cost:
+            # Converged: the decrease still promised is far below the scatter of chi squared.
+            converged = cost - trial_cost < 1e-9 * cost + 1e-6 and damping <= 1e-3
+            state, cost, damping = trial, trial_cost, max(damping / 10, 1e-9)
+            normal = normal_equations(superset, postures, weights, state)
+        else:
+            converged = float(gradient @ step) < 1e-7 * cost
+            damping *= 10
+            if damping > 1e12:
+                break
+    fit = _finish(names, normal, state, cost, postures, iteration)
+    if not converged:
+        raise EstimateError(
+            f"the model fit did not converge in {iteration} iterations "
+            f"(relative residual {fit.relative_residual.round(3).tolist()}); "
+            "the model may lack an effect, or the starting stiffness is too far off",
+            partial=fit,
+        )
+    return fit
+
+
+def _finish(
+    names: ParameterNames,
+    normal: _Normal,
+    state: FitState,
+    cost: float,
+    postures: tuple[PostureData, ...],
+    iterations: int,
+) -> FrfFit:
+    P = np.diag(1.0 / names.prior_std**2)
+    H = normal.H + P
+    H_inverse = np.linalg.inv(H)
+    n_clusters, n = normal.cluster_g.shape
+    # Delete-one scores: (I - H_c H⁻¹)⁻¹ g_c makes the sandwich the jackknife (CR3).
+    leverage = np.eye(n) - normal.cluster_hessian @ H_inverse
+    score = np.linalg.solve(leverage, normal.cluster_g[..., None])[..., 0]
+    meat = (n_clusters - 1) / n_clusters * score.T @ score + P
+    return FrfFit(
+        state=state,
+        parameters=names,
+        covariance=H_inverse @ meat @ H_inverse,
+        degrees_of_freedom=max(n_clusters - 1, 1),
+        cost=cost,
+        n_data=int(sum(2 * data.values.size for data in postures)),
+        relative_residual=normal.relative_residual,
+        iterations=iterations,
+    )

@@ -1,0 +1,244 @@
+"""FRFs of the arm model on Laplace lines, and their derivatives by the model's parameters.
+
+With Z(s) = s² M + s C + K, b the generalised force of a unit hit and o the output rows of an
+accelerometer, the accelerance is y = o Z⁻¹ b, and for any parameter
+
+    dy = do Z⁻¹ b - (o Z⁻¹) dZ (Z⁻¹ b) + (o Z⁻¹) db .
+
+The mass of the roving accelerometer rides at its own point, so M differs from mounting to
+mounting; o holds the accelerometer's sense of gravity (a - g in turning axes) beside s² J.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.reduced import selection
+from analyzer.arm.superset import PostureDynamics, Superset
+from analyzer.identification.parameters import FitState, axis_frame
+from protocols.errors import EstimateError
+from protocols.frf_records import FrequencyResponse, FrfForm
+
+__all__ = ["PostureData", "posture_data", "predict"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureData:
+    """One posture's FRFs brought into the form the model predicts.
+
+    A mounting is one sensor point; its three rows are the sensor's axes.
+    """
+
+    name: str
+    dynamics: PostureDynamics
+    s_rad_s: ComplexArray  # (n_lines,)
+    sensor_point: npt.NDArray[np.int64]  # (n_mountings,) index into the arm's points
+    hit_point: npt.NDArray[np.int64]  # (n_refs,)
+    hit_direction: Array  # (n_refs, 3) base frame
+    values: ComplexArray  # (n_mountings, n_refs, 3, n_lines) accelerance
+    variance: Array  # same shape: E|error|²
+    sensor_mass_kg: float
+    one_direction: bool  # all hits of the posture share one planned direction
+
+
+def posture_data(
+    superset: Superset, frf: FrequencyResponse, *, sensor_mass_kg: float, stride: int = 1
+) -> PostureData:
+    """Arrange a posture's FRFs by mounting and reference for the model fit.
+
+    Raises
+    ------
+    EstimateError
+        If the posture's joint angles are unknown, the form is not accelerance, or a response is
+        not one of a sensor's axes x, y, z.
+    """
+    if frf.joints_rad is None:
+        raise EstimateError(
+            f"posture '{frf.posture}' has no measured joint angles, so no model can be set "
+            "beside it; measure it with the controller's angles on the bus"
+        )
+    if frf.form is not FrfForm.ACCELERANCE:
+        raise EstimateError(f"wanted accelerance for the model fit, got {frf.form}; convert it")
+    points = list(dict.fromkeys(dof.point for dof in frf.responses))
+    rows = {(dof.point, dof.label): i for i, dof in enumerate(frf.responses)}
+    try:
+        order = np.array([[rows[point, label] for label in "xyz"] for point in points])
+    except KeyError as missing:
+        raise EstimateError(
+            f"posture '{frf.posture}' lacks the response {missing.args[0]}; "
+            "a triaxial sensor gives x, y and z at each point"
+        ) from missing
+    lines = slice(None, None, stride)
+    values = np.moveaxis(frf.values[order][..., lines], 1, 2)
+    variance = np.moveaxis(frf.variance[order][..., lines], 1, 2)
+    return PostureData(
+        name=frf.posture,
+        dynamics=superset.posture(frf.joints_rad),
+        s_rad_s=frf.decay_rad_s + 2j * np.pi * frf.freq_hz[lines],
+        sensor_point=np.array([superset.point_index[point] for point in points]),
+        hit_point=np.array([superset.point_index[dof.point] for dof in frf.references]),
+        hit_direction=np.array([dof.direction for dof in frf.references]),
+        values=values,
+        variance=variance,
+        sensor_mass_kg=sensor_mass_kg,
+        one_direction=len(frf.references) == 1,
+    )
+
+
+def predict(
+    superset: Superset, data: PostureData, state: FitState, posture: int, *, derivatives: bool
+) -> tuple[ComplexArray, ComplexArray | None]:
+    """Model FRFs of a posture, and their derivatives by every parameter.
+
+    Returns
+    -------
+    y : (n_mountings, n_refs, 3, n_lines) complex128
+        Accelerance in m/(N s²), gains included.
+    dy : (n_parameters, n_mountings, n_refs, 3, n_lines) complex128, or None
+    """
+    parts = _assemble(superset, data, state, posture)
+    # X: motion under the hit; Y: motion under unit loads at the sensor's axes (Z is symmetric).
+    rhs = np.concatenate(
+        [np.broadcast_to(parts.b, (*parts.Z.shape[:2], *parts.b.shape)), parts.o], axis=-1
+    )
+    solved = np.linalg.solve(parts.Z, rhs)  # (mountings, lines, n, refs + 3)
+    n_refs = parts.b.shape[1]
+    X: ComplexArray = solved[..., :n_refs]
+    Y: ComplexArray = solved[..., n_refs:]
+    gain = np.exp(state.log_gain)
+    y = np.einsum("mlni,mlnr->mril", parts.o, X) * gain[:, None]
+    if not derivatives:
+        return y, None
+    Y = np.asarray(Y * gain)
+    dy = _derivatives(data, state, parts, X, Y)
+    n_free = len(dy)
+    out = np.zeros((n_free + 3 + state.hit_tilt_rad.size, *y.shape), dtype=np.complex128)
+    for row, value in enumerate(dy):
+        out[row] = value
+    for axis in range(3):
+        out[n_free + axis, :, :, axis] = y[:, :, axis]
+    if data.one_direction:
+        at = n_free + 3 + 2 * posture
+        for side in range(2):
+            tilted = parts.hit_linear[0].T @ axis_frame(data.hit_direction[0])[:, side]
+            out[at + side, :, 0] = np.einsum("mlni,n->mil", Y, tilted)
+    return y, out
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Parts:
+    T: Array  # (n_super, n)
+    Z: ComplexArray  # (mountings, lines, n, n)
+    b: Array  # (n, refs)
+    o: ComplexArray  # (mountings, lines, n, 3): output rows, transposed
+    hit_linear: Array  # (refs, 3, n)
+    force: Array  # (refs, 3)
+    M_super: Array  # (mountings, n_super, n_super)
+
+
+def _assemble(superset: Superset, data: PostureData, state: FitState, posture: int) -> _Parts:
+    structure, dynamics, s = state.structure, data.dynamics, data.s_rad_s
+    T = selection(superset, structure)
+    J_sensor = dynamics.point_jacobian[data.sensor_point]  # (mountings, 6, n_super)
+    linear = J_sensor[:, :3]
+    M_super = dynamics.mass + data.sensor_mass_kg * np.einsum("mia,mib->mab", linear, linear)
+    M = T.T @ M_super @ T
+    K = T.T @ dynamics.gravity_stiffness @ T + np.diag(structure.all_stiffness())
+    C = np.diag(structure.all_damping())
+    Z = (s**2)[:, None, None] * M[:, None] + s[:, None, None] * C + K
+    hit_linear = dynamics.point_jacobian[data.hit_point][:, :3] @ T
+    force = data.hit_direction
+    if data.one_direction:
+        force = force + axis_frame(force[0]) @ state.hit_tilt_rad[posture]
+    b = np.einsum("rin,ri->nr", hit_linear, force)
+    return _Parts(
+        T=T,
+        Z=Z,
+        b=b,
+        o=_output(data, J_sensor @ T),
+        hit_linear=hit_linear,
+        force=force,
+        M_super=M_super,
+    )
+
+
+def _output(data: PostureData, J: Array) -> ComplexArray:
+    """Output rows (mountings, lines, n, 3): Rᵀ (s² J_v + θ x g), see the module's head."""
+    R = data.dynamics.point_rotation[data.sensor_point]
+    moved = np.einsum("mji,mjn->mni", R, J[:, :3])
+    # a - g seen in axes turned by θ changes by θ x g.
+    tilt = np.cross(J[:, 3:], data.dynamics.gravity_m_s2[:, None], axisa=1, axisb=0, axisc=1)
+    weighed = np.einsum("mji,mjn->mni", R, tilt)
+    s2 = (data.s_rad_s**2)[None, :, None, None]
+    return np.asarray(s2 * moved[:, None] + weighed[:, None])
+
+
+def _derivatives(
+    data: PostureData,
+    state: FitState,
+    parts: _Parts,
+    X: ComplexArray,
+    Y: ComplexArray,
+) -> list[ComplexArray]:
+    structure, s = state.structure, data.s_rad_s
+    n_joints = len(structure.joints)
+    k, c = structure.all_stiffness(), structure.all_damping()
+
+    def spring(i: int) -> ComplexArray:
+        return np.asarray(-k[i] * np.einsum("mli,mlr->mril", Y[:, :, i], X[:, :, i]))
+
+    def damper(i: int) -> ComplexArray:
+        return np.asarray(-c[i] * np.einsum("l,mli,mlr->mril", s, Y[:, :, i], X[:, :, i]))
+
+    dy = [spring(i) for i in range(n_joints)] + [damper(i) for i in range(n_joints)]
+    gain = np.exp(state.log_gain)
+    for i, axis in enumerate(structure.axes, start=n_joints):
+        frame = axis_frame(axis.direction)
+        for side in range(2):
+            u = frame[:, side]
+            # A tilted axis keeps its nearest point: dp = -u_axis (p . du) keeps p ⟂ u.
+            dp = -axis.direction * (axis.point_m @ u)
+            twist = np.concatenate([np.cross(axis.point_m, u) + np.cross(dp, axis.direction), u])
+            dy.append(_moved_axis(data, parts, X, Y, gain, i, axis.link, twist))
+        for side in range(2):
+            twist = np.concatenate([np.cross(frame[:, side], axis.direction), np.zeros(3)])
+            dy.append(_moved_axis(data, parts, X, Y, gain, i, axis.link, twist))
+        dy += [spring(i), damper(i)]
+    return dy
+
+
+def _moved_axis(
+    data: PostureData,
+    parts: _Parts,
+    X: ComplexArray,
+    Y: ComplexArray,
+    gain: Array,
+    column: int,
+    link: int,
+    twist: Array,
+) -> ComplexArray:
+    """Derivative of y when the superset motion of one column changes by `twist` at a link."""
+    T, dynamics, s = parts.T, data.dynamics, data.s_rad_s
+    dt = np.zeros(T.shape[0])
+    dt[Superset.interface_columns(link)] = twist
+    # dZ is symmetric with only one row and column changed: dZ = e zᵀ + z eᵀ.
+    z = (s**2)[None, :, None] * (parts.M_super @ dt @ T)[:, None] + T.T @ (
+        dynamics.gravity_stiffness @ dt
+    )
+    zX = np.einsum("mln,mlnr->mlr", z, X)
+    zY = np.einsum("mln,mlni->mli", z, Y)
+    dy = -np.einsum("mli,mlr->mril", Y[:, :, column], zX)
+    dy -= np.einsum("mli,mlr->mril", zY, X[:, :, column])
+    J = dynamics.point_jacobian
+    db = np.einsum("ri,ri->r", J[data.hit_point][:, :3] @ dt, parts.force)
+    dy += np.einsum("mli,r->mril", Y[:, :, column], db)
+    do = _output(data, (J[data.sensor_point] @ dt)[..., None])[:, :, 0] * gain
+    dy += np.einsum("mli,mlr->mril", do, X[:, :, column])
+    return np.asarray(dy)
