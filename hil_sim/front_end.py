@@ -1,0 +1,75 @@
+"""From physical signals at a fine rate to the board's counts: high pass, anti-alias, converter."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+from scipy import signal
+
+from hil_sim.plant_file import PlantFile
+
+__all__ = ["FULL_SCALE_COUNTS", "FrontEnd"]
+
+Array = npt.NDArray[np.float64]
+
+FULL_SCALE_COUNTS = 2**23 - 1
+
+
+class FrontEnd:
+    """Hammer and accelerometer through their conditioning and the converter's filter.
+
+    The filter is linear in phase and the same for all four channels; a sample comes out
+    `filter_delay_samples` after the instant it stands for.
+    """
+
+    def __init__(self, truth: PlantFile, rate_hz: Fraction) -> None:
+        self.oversampling = truth.board.oversampling
+        self.fine_hz = float(rate_hz) * self.oversampling
+        self.delay_samples = truth.board.filter_delay_samples
+        taps = 2 * self.delay_samples * self.oversampling + 1
+        # Kaiser 8.6: -90 dB; the transition ends at the board's Nyquist frequency.
+        width = 3.6 / (2 * self.delay_samples)
+        self._taps = signal.firwin(
+            taps, (0.5 - width / 2) * 2 / self.oversampling, window=("kaiser", 8.6)
+        )
+        hammer, accelerometer, volts = truth.hammer, truth.accelerometer, truth.board.range_v
+        self._corners_hz = (hammer.highpass_hz, *(accelerometer.highpass_hz,) * 3)
+        force_gain = hammer.sensitivity_v_per_n * (1.0 + hammer.gain_error)
+        self.counts_per_unit = (
+            FULL_SCALE_COUNTS
+            / volts
+            * np.array([hammer.sensitivity_v_per_n, *(accelerometer.sensitivity_v_per_m_s2,) * 3])
+        )
+        # True counts per unit of true force and of true specific force (x, y, z).
+        self._mixing = np.zeros((4, 4))
+        self._mixing[0, 0] = FULL_SCALE_COUNTS / volts * force_gain
+        self._mixing[1:, 1:] = (
+            FULL_SCALE_COUNTS
+            / volts
+            * accelerometer.sensitivity_v_per_m_s2
+            * np.array(accelerometer.response)
+        )
+
+    def sample(self, fine: Array) -> Array:
+        """Counts, not yet rounded, of a fine-rate signal.
+
+        Parameters
+        ----------
+        fine
+            (n_fine, 4) force in N and specific force in m/s² at `fine_hz`, the first row at a
+            sample instant.
+
+        Returns
+        -------
+        (n, 4) float64
+            One row a sample, the filter's delay included.
+        """
+        passed = np.empty_like(fine)
+        for channel, corner_hz in enumerate(self._corners_hz):
+            b, a = signal.butter(1, corner_hz, "highpass", fs=self.fine_hz)
+            passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
+        counts = passed @ self._mixing.T
+        sampled: Array = signal.upfirdn(self._taps, counts, down=self.oversampling, axis=0)
+        return sampled
