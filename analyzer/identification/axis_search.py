@@ -1,0 +1,111 @@
+"""Where a compliance axis may sit: starts from measured modes, judged by the FRFs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.structure import Axis, Structure
+from analyzer.arm.superset import Superset
+from analyzer.identification.frf_fit import FrfFit, fit_frfs
+from analyzer.identification.frf_model import PostureData
+from analyzer.identification.mode_fit import MeasuredModes, fit_to_frequencies
+from analyzer.identification.parameters import FitState
+from analyzer.identification.structural import moment_about, mozzi_of_shape, to_link
+from protocols.errors import EstimateError
+
+__all__ = ["axis_starts", "best_axis_fit", "start_state"]
+
+START_DAMPING_RATIO = 0.03
+
+
+def start_state(structure: Structure, n_postures: int) -> FitState:
+    """Return a structure with every nuisance at its prior's mean."""
+    return FitState(
+        structure=structure, log_gain=np.zeros(3), hit_tilt_rad=np.zeros((n_postures, 2))
+    )
+
+
+def axis_starts(
+    superset: Superset, measured: MeasuredModes, mode: int, link: int
+) -> tuple[Axis, ...]:
+    """Axes to start from: the mode's Mozzi axis, and the link's own directions at its middle."""
+    omega = 2 * np.pi * measured.modes[mode].f_hz
+    lines: list[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]] = []
+    mozzi = mozzi_of_shape(superset, measured, measured.modes[mode].shape, link)
+    if mozzi is not None:
+        lines.append(to_link(measured.dynamics, link, mozzi))
+    center = superset.arm.joints[link].link.center_m
+    for direction in np.eye(3):
+        # A joint's own axis cannot be told from the joint.
+        if abs(direction @ superset.arm.joints[link].axis) < 0.9:
+            lines.append((direction, center - direction * (direction @ center)))
+    starts = []
+    for direction, point in lines:
+        axis = Axis(
+            link=link,
+            direction=direction,
+            point_m=point,
+            stiffness_n_m_per_rad=1.0,
+            damping_n_m_s_per_rad=1.0,
+        )
+        k = omega**2 * moment_about(superset, measured.dynamics, axis)
+        c = 2 * START_DAMPING_RATIO * k / omega
+        starts.append(replace(axis, stiffness_n_m_per_rad=k, damping_n_m_s_per_rad=c))
+    return tuple(starts)
+
+
+def best_axis_fit(
+    superset: Superset,
+    baseline: Structure,
+    postures: tuple[PostureData, ...],
+    measured: Sequence[MeasuredModes],
+    flagged: tuple[int, int],
+    progress: Callable[[str], None],
+) -> tuple[FrfFit, tuple[tuple[str, float], ...]]:
+    """Release one axis, in each link in turn, and keep the fit with the smallest cost.
+
+    Parameters
+    ----------
+    flagged
+        (posture, mode) of the structural mode to start from.
+
+    Returns
+    -------
+    fit, rivals
+        The best fit, and (link, cost) of the best fit in every link tried.
+
+    Raises
+    ------
+    EstimateError
+        If no start converges.
+    """
+    at, mode = flagged
+    best: FrfFit | None = None
+    rivals: list[tuple[str, float]] = []
+    for link in sorted({joint for joint in baseline.joints}):
+        name = superset.arm.joints[link].link.name
+        costs = []
+        for axis in axis_starts(superset, measured[at], mode, link):
+            structure = fit_to_frequencies(
+                superset, replace(baseline, axes=(axis,)), tuple(measured)
+            )
+            try:
+                fit = fit_frfs(superset, postures, start_state(structure, len(postures)))
+            except (EstimateError, np.linalg.LinAlgError):
+                continue
+            costs.append(fit.cost)
+            progress(f"axis in {name}: cost {fit.cost:.4g}")
+            if best is None or fit.cost < best.cost:
+                best = fit
+        if costs:
+            rivals.append((name, min(costs)))
+    if best is None:
+        raise EstimateError(
+            "no compliance axis could be fitted to the FRFs; measure the structural mode in more "
+            "postures, or with a hit that excites it more"
+        )
+    return best, tuple(rivals)

@@ -1,0 +1,113 @@
+"""First stiffnesses from frequencies alone: the penalty method, modes paired by shape.
+
+References
+----------
+File 002, Eq. (13). The derivative of a frequency by a stiffness is the spring's share of the
+mode's strain energy: d ln f² / d ln k_j = k_j φ_j² / (φᵀ K φ).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+import scipy.optimize
+
+from analyzer.arm.reduced import ReducedModel, reduce_model
+from analyzer.arm.structure import Structure
+from analyzer.arm.superset import PostureDynamics, Superset
+from analyzer.modal import Mode
+from protocols.frf_records import Dof
+
+__all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape", "shape_at"]
+
+Array = npt.NDArray[np.float64]
+
+
+class MeasuredModes:
+    """Modes of a posture with the rows of the model that belong to their shapes."""
+
+    def __init__(
+        self,
+        superset: Superset,
+        dynamics: PostureDynamics,
+        modes: tuple[Mode, ...],
+        dofs: tuple[Dof, ...],
+    ) -> None:
+        self.dynamics = dynamics
+        self.modes = modes
+        self.index = np.array([superset.point_index[dof.point] for dof in dofs])
+        self.directions = np.array([dof.direction for dof in dofs])
+
+    def rows(self, jacobian: Array) -> Array:
+        """Return (n_resp, n) motion along the measured directions for each freedom."""
+        return np.asarray(np.einsum("ri,rin->rn", self.directions, jacobian[self.index][:, :3]))
+
+    def shapes(self) -> npt.NDArray[np.complex128]:
+        """Return (n_resp, n_modes) measured shapes."""
+        return np.stack([mode.shape for mode in self.modes], axis=1)
+
+
+def pair_by_shape(measured: npt.ArrayLike, model: npt.ArrayLike) -> list[tuple[int, int, float]]:
+    """Pair shapes one to one by the largest sum of MAC: (measured, model, MAC) triples."""
+    a, b = np.asarray(measured), np.asarray(model)
+    a = a / np.linalg.norm(a, axis=0)
+    b = b / np.linalg.norm(b, axis=0)
+    mac = np.abs(a.conj().T @ b) ** 2
+    rows, columns = scipy.optimize.linear_sum_assignment(-mac)
+    return [(int(i), int(j), float(mac[i, j])) for i, j in zip(rows, columns, strict=True)]
+
+
+def shape_at(measured: MeasuredModes, model: ReducedModel, vectors: Array) -> Array:
+    """Shapes (n_resp, n_modes) of a model at the measured directions."""
+    return measured.rows(model.point_jacobian) @ vectors
+
+
+def fit_to_frequencies(
+    superset: Superset,
+    structure: Structure,
+    postures: tuple[MeasuredModes, ...],
+    *,
+    iterations: int = 30,
+    prior_std: float = 0.4,
+) -> Structure:
+    """Fit ln k of all springs of a structure to measured frequencies (file 002, Eq. 13).
+
+    A pair weighs with its MAC squared, so a mode the structure cannot make has no say; a prior
+    of `prior_std` on ln k keeps a spring that no mode strains where it was.
+    """
+    first = np.log(structure.all_stiffness())
+    log_k = first.copy()
+    n_joints = len(structure.joints)
+    for _ in range(iterations):
+        rows, rest = [np.eye(len(log_k)) / prior_std], [(first - log_k) / prior_std]
+        for posture in postures:
+            model = reduce_model(superset, posture.dynamics, _with_stiffness(structure, log_k))
+            squares, vectors = scipy.linalg.eigh(model.stiffness, model.mass)
+            share = np.exp(log_k)[:, None] * vectors**2 / squares
+            for i, j, mac in pair_by_shape(posture.shapes(), shape_at(posture, model, vectors)):
+                weight = mac**2 / 0.02  # a pair of equal shape: one per cent of f
+                target = np.log((2 * np.pi * posture.modes[i].f_hz) ** 2 / squares[j])
+                rows.append(weight * share[None, :, j])
+                rest.append(np.array([weight * target]))
+        step = np.linalg.lstsq(np.concatenate(rows), np.concatenate(rest), rcond=None)[0]
+        log_k = log_k + np.clip(step, -0.3, 0.3)
+        if float(np.abs(step).max()) < 1e-6:
+            break
+    if n_joints == 0:
+        return structure
+    return _with_stiffness(structure, log_k)
+
+
+def _with_stiffness(structure: Structure, log_k: Array) -> Structure:
+    n = len(structure.joints)
+    return replace(
+        structure,
+        stiffness_n_m_per_rad=np.exp(log_k[:n]),
+        axes=tuple(
+            replace(axis, stiffness_n_m_per_rad=float(np.exp(value)))
+            for axis, value in zip(structure.axes, log_k[n:], strict=True)
+        ),
+    )

@@ -1,0 +1,81 @@
+"""What the tolerance of the inertias and encoders does to the fitted parameters.
+
+The fit cannot see that a link is heavier than believed: k is proportional to inertia. Each
+uncertain quantity is moved by one standard deviation, and the fit answers by one Gauss-Newton
+step, dθ = -H⁻¹ Jᵀ W dy; the steps of independent quantities add as variances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.frf_fit import FrfFit, line_weights
+from analyzer.identification.frf_model import PostureData, predict
+from protocols.arm.records import Arm, InertialLink
+
+__all__ = ["model_error_std"]
+
+Array = npt.NDArray[np.float64]
+
+
+def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: FrfFit) -> Array:
+    """Standard deviation (n_parameters,) of the fitted parameters from the model's tolerances."""
+    base, weighted_J = [], []
+    H = np.diag(1.0 / fit.parameters.prior_std**2)
+    for i, data in enumerate(postures):
+        y, dy = predict(superset, data, fit.state, i, derivatives=True)
+        J = np.asarray(dy).reshape(len(H), -1)
+        weighted = J.conj() * line_weights(data).ravel()
+        H = H + (weighted @ J.T).real
+        base.append(y.ravel())
+        weighted_J.append(weighted)
+    variance = np.zeros(len(H))
+    for perturbed, angles in _perturbations(superset.arm):
+        other = Superset(perturbed)
+        gradient = np.zeros(len(H))
+        for i, data in enumerate(postures):
+            moved = replace(data, dynamics=other.posture(data.dynamics.joints_rad + angles))
+            y, _ = predict(other, moved, fit.state, i, derivatives=False)
+            gradient -= (weighted_J[i] @ (y.ravel() - base[i])).real
+        variance += np.linalg.solve(H, gradient) ** 2
+    return np.sqrt(variance)
+
+
+def _perturbations(arm: Arm) -> Iterator[tuple[Arm, Array]]:
+    tolerances = arm.tolerances
+    still = np.zeros(len(arm.joints))
+    for i, joint in enumerate(arm.joints):
+        link = joint.link
+        heavier = 1.0 + tolerances.mass
+        changes = [
+            replace(
+                link,
+                mass_kg=link.mass_kg * heavier,
+                inertia_kg_m2=link.inertia_kg_m2 * heavier,
+            )
+        ]
+        changes += [
+            replace(link, center_m=link.center_m + tolerances.center_m * side) for side in np.eye(3)
+        ]
+        changes += list(_principal(link, tolerances.inertia))
+        for changed in changes:
+            joints = list(arm.joints)
+            joints[i] = replace(joint, link=changed)
+            yield replace(arm, joints=tuple(joints)), still
+    for i in range(len(arm.joints)):
+        angles = still.copy()
+        angles[i] = tolerances.encoder_offset_rad
+        yield arm, angles
+
+
+def _principal(link: InertialLink, tolerance: float) -> Iterator[InertialLink]:
+    moments, axes = np.linalg.eigh(link.inertia_kg_m2)
+    for i in range(3):
+        changed = moments.copy()
+        changed[i] *= 1.0 + tolerance
+        yield replace(link, inertia_kg_m2=axes @ np.diag(changed) @ axes.T)

@@ -1,0 +1,123 @@
+"""What an identification says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.identification.frf_fit import FrfFit
+from analyzer.modal import ModalModel
+from protocols.frf_records import FrequencyResponse
+
+__all__ = [
+    "AxisResult",
+    "Identification",
+    "JointResult",
+    "ModeResult",
+    "MozziOfMode",
+    "ValidationResult",
+]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointResult:
+    """One joint: from the fit of the whole model, and from one mode alone."""
+
+    joint: str
+    k_n_m_per_rad: float
+    k_std: float  # from measurement scatter
+    k_std_model: float  # from the tolerance of the inertias, to which k is proportional
+    c_n_m_s_per_rad: float
+    c_std: float
+    believed_k_n_m_per_rad: float
+    k_one_joint_n_m_per_rad: float | None  # None where no mode is this joint's own
+    c_one_joint_n_m_s_per_rad: float | None
+    one_joint_posture: str | None
+    one_joint_f_hz: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MozziOfMode:
+    """The Mozzi axis of a structural mode, and k of file 000, Eq. (1), with their bias.
+
+    The bias is what the fitted model predicts for the same computation on its own mode.
+    """
+
+    posture: str
+    f_hz: float
+    direction_base: Array  # (3,)
+    point_base_m: Array  # (3,)
+    pitch_m_per_rad: float
+    inertia_kg_m2: float
+    k_eq1_n_m_per_rad: float
+    predicted_bias_deg: float
+    predicted_bias_mm: float
+    predicted_bias_k: float  # relative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisResult:
+    """A structural compliance axis, from the model with the axis released."""
+
+    link: str
+    direction_link: Array  # (3,) unit, link frame
+    point_link_m: Array  # (3,), nearest the link frame's origin
+    direction_std_deg: float
+    point_std_m: float
+    f_hz: float  # of the fitted mode that strains the axis most
+    posture: str  # where that is
+    k_n_m_per_rad: float
+    k_std: float
+    k_std_model: float
+    c_n_m_s_per_rad: float
+    c_std: float
+    mozzi: tuple[MozziOfMode, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeResult:
+    """One measured mode and what moves in it."""
+
+    posture: str
+    f_hz: float
+    f_std_hz: float
+    damping_ratio: float
+    damping_std: float
+    mpc: float
+    joint_share: float  # of the squared motion, explained by joint rotations
+    structural: bool
+    model_f_hz: float | None  # of the fitted model, paired by shape
+    mac: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidationResult:
+    """A mode predicted for a posture the fit has not seen, and what was then measured."""
+
+    posture: str
+    mode: int
+    predicted_hz: float
+    predicted_std_hz: float
+    predicted_damping: float
+    measured_hz: float | None  # None where no measured mode has this shape
+    measured_std_hz: float | None
+    mac: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Identification:
+    """Everything the identification found."""
+
+    joints: tuple[JointResult, ...]
+    axes: tuple[AxisResult, ...]
+    modes: tuple[ModeResult, ...]
+    validation: tuple[ValidationResult, ...]
+    rivals: tuple[tuple[str, float], ...]  # where an axis was tried, and the fit's cost
+    fit: FrfFit
+    modal_models: tuple[ModalModel, ...]
+    frfs: tuple[FrequencyResponse, ...]
+    notes: tuple[str, ...]

@@ -1,0 +1,78 @@
+"""Sessions made in process: the simulated arm without ports, for tests of the analyzer."""
+
+from datetime import UTC, datetime
+
+import numpy as np
+
+from hil_sim.board_dictionary import board_dictionary
+from hil_sim.hand import blow
+from hil_sim.plant import load_plant
+from hil_sim.source import SensorSource
+from protocols.arm.files import load_arm
+from protocols.board.messages import encode_dictionary
+from protocols.plan import load_plan
+from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
+
+SETTLE = 200  # samples before the block, so that filters and noise are running
+
+
+def simulate_session(seed, *, plan="rv4frl-three-postures", plant=None, hits_per_point=None):
+    """Every planned point measured with good hits; encoders as good as a millidegree."""
+    arm = load_arm("rv4frl")
+    plan = load_plan(plan, arm)
+    plant = plant or load_plant("rv4frl")
+    streams = np.random.default_rng(seed).spawn(3)
+    source = SensorSource(plant, plan.sampling.rate_hz, streams[0])
+    good = plant.truth.hand.model_copy(
+        update={"double_probability": 0.0, "soft_probability": 0.0, "overload_probability": 0.0}
+    )
+    hits = []
+    for posture in plan.postures:
+        source.set_posture(posture.joints_rad)
+        for point in posture.points:
+            source.mount(point)
+            for _ in range(hits_per_point or plan.hits_per_point):
+                hits.append(one_hit(source, plan, posture, point, good, streams, len(hits) + 1))
+    dictionary = board_dictionary(plant.truth, tick_hz=1_000_000)
+    header = SessionHeader(
+        session_id="0" * 32,
+        created=datetime(2026, 1, 1, tzinfo=UTC).isoformat(),
+        software="armodal test",
+        arm=arm,
+        plan=plan,
+        dictionary=dictionary,
+        dictionary_bytes=encode_dictionary(dictionary),
+        channel_mask=0b1111,
+        time_scale=1.0,
+    )
+    return Session(header=header, hits=tuple(hits), losses=(), complete=True)
+
+
+def one_hit(source, plan, posture, point, hand, streams, number):
+    _, swings, encoders = streams
+    delay = 20
+    at = SETTLE + plan.sampling.pretrigger - delay + swings.uniform()
+    begin = source._next
+    source.strike(begin + at, blow(hand, swings, plan.fixed_point, posture.hit_direction))
+    source.read(SETTLE)
+    counts = source.read(plan.sampling.samples)
+    source.read(9000)  # rung out
+    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(6)
+    reading = JointReading(
+        joints_rad=angles, drive_state=2, held=True, age_s=0.004, host_s=float(number)
+    )
+    peak = float(counts[:, 0].max())
+    return Hit(
+        number=number,
+        posture=posture.name,
+        sensor_point=point,
+        hit_point=plan.fixed_point,
+        hit_direction=posture.hit_direction,
+        first_sample=begin + SETTLE,
+        trigger_sample=begin + SETTLE + plan.sampling.pretrigger,
+        trigger_host_s=float(number),
+        counts=counts,
+        before=reading,
+        after=reading,
+        verdict=Verdict(accepted=True, reasons=(), notes=(), peak_n=peak, width_s=0.003),
+    )
