@@ -39,10 +39,12 @@ def axis_starts(
     if mozzi is not None:
         lines.append(to_link(measured.dynamics, link, mozzi))
     center = superset.arm.joints[link].link.center_m
-    for direction in np.eye(3):
+    lines += [
+        (direction, center - direction * (direction @ center))
+        for direction in np.eye(3)
         # A joint's own axis cannot be told from the joint.
-        if abs(direction @ superset.arm.joints[link].axis) < 0.9:
-            lines.append((direction, center - direction * (direction @ center)))
+        if abs(direction @ superset.arm.joints[link].axis) < 0.9
+    ]
     starts = []
     for direction, point in lines:
         axis = Axis(
@@ -86,7 +88,7 @@ def best_axis_fit(
     at, mode = flagged
     best: FrfFit | None = None
     rivals: list[tuple[str, float]] = []
-    for link in sorted({joint for joint in baseline.joints}):
+    for link in sorted(set(baseline.joints)):
         name = superset.arm.joints[link].link.name
         costs = []
         for axis in axis_starts(superset, measured[at], mode, link):

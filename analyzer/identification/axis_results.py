@@ -1,0 +1,143 @@
+"""The structural axes of a fit, beside the Mozzi axes of the modes they make."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.structure import Axis
+from analyzer.arm.superset import Superset
+from analyzer.identification.frf_fit import FrfFit
+from analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
+from analyzer.identification.prediction import PredictedModes
+from analyzer.identification.records import AxisResult, MozziOfMode
+from analyzer.identification.structural import (
+    STRUCTURAL_SHARE,
+    moment_about,
+    mozzi_of_shape,
+    to_link,
+)
+from analyzer.screws import line_angle_rad, line_distance_m
+from protocols.frf_records import FrequencyResponse
+
+__all__ = ["axis_results"]
+
+Array = npt.NDArray[np.float64]
+
+
+def axis_results(
+    superset: Superset,
+    fit: FrfFit,
+    model_std: Array,
+    frfs: tuple[FrequencyResponse, ...],
+    measured: list[MeasuredModes],
+    shares: list[list[float]],
+    predictions: list[PredictedModes],
+) -> tuple[AxisResult, ...]:
+    """Report every axis of the fitted structure."""
+    structure = fit.state.structure
+    std = np.sqrt(np.diag(fit.covariance))
+    results = []
+    for number, axis in enumerate(structure.axes):
+        at = 2 * len(structure.joints) + 6 * number
+        freedom = len(structure.joints) + number
+        posture, f_hz = _strained_mode(freedom, frfs, shares, measured, predictions)
+        results.append(
+            AxisResult(
+                link=superset.arm.joints[axis.link].link.name,
+                direction_link=axis.direction,
+                point_link_m=axis.point_m,
+                direction_std_deg=float(np.rad2deg(np.hypot(std[at], std[at + 1]))),
+                point_std_m=float(np.hypot(std[at + 2], std[at + 3])),
+                f_hz=f_hz,
+                posture=posture,
+                k_n_m_per_rad=axis.stiffness_n_m_per_rad,
+                k_std=float(axis.stiffness_n_m_per_rad * std[at + 4]),
+                k_std_model=float(axis.stiffness_n_m_per_rad * model_std[at + 4]),
+                c_n_m_s_per_rad=axis.damping_n_m_s_per_rad,
+                c_std=float(axis.damping_n_m_s_per_rad * std[at + 5]),
+                mozzi=_mozzi(superset, axis, frfs, measured, shares, predictions),
+            )
+        )
+    return tuple(results)
+
+
+def _strained_mode(
+    freedom: int,
+    frfs: tuple[FrequencyResponse, ...],
+    shares: list[list[float]],
+    measured: list[MeasuredModes],
+    predictions: list[PredictedModes],
+) -> tuple[str, float]:
+    """Posture and fitted frequency of the mode that strains the axis most.
+
+    Looked for in the first posture whose measured modes showed the structure.
+    """
+    at = next(
+        (i for i, share in enumerate(shares) if min(share, default=1.0) < STRUCTURAL_SHARE), 0
+    )
+    modes, model = predictions[at].modes, predictions[at].model
+    energy = np.diag(model.stiffness)[:, None] * np.abs(modes.shape) ** 2
+    strained = int(np.argmax(energy[freedom] / energy.sum(axis=0)))
+    return frfs[at].posture, float(modes.f_hz[strained])
+
+
+def _mozzi(
+    superset: Superset,
+    axis: Axis,
+    frfs: tuple[FrequencyResponse, ...],
+    measured: list[MeasuredModes],
+    shares: list[list[float]],
+    predictions: list[PredictedModes],
+) -> tuple[MozziOfMode, ...]:
+    results = []
+    for frf, posture, share, predicted in zip(frfs, measured, shares, predictions, strict=True):
+        shapes = posture.rows(predicted.model.point_jacobian) @ predicted.modes.shape
+        if not posture.modes:
+            continue
+        pairs = {i: j for i, j, _ in pair_by_shape(posture.shapes(), shapes)}
+        for i, mode in enumerate(posture.modes):
+            if share[i] >= STRUCTURAL_SHARE or i not in pairs:
+                continue
+            found = mozzi_of_shape(superset, posture, mode.shape, axis.link)
+            expected = mozzi_of_shape(superset, posture, shapes[:, pairs[i]], axis.link)
+            if found is None or expected is None:
+                continue
+            k, inertia = _equation_one(
+                superset, posture, axis, to_link(posture.dynamics, axis.link, found), mode.f_hz
+            )
+            line = to_link(posture.dynamics, axis.link, expected)
+            expected_f_hz = float(predicted.modes.f_hz[pairs[i]])
+            expected_k, _ = _equation_one(superset, posture, axis, line, expected_f_hz)
+            results.append(
+                MozziOfMode(
+                    posture=frf.posture,
+                    f_hz=mode.f_hz,
+                    direction_base=found.direction,
+                    point_base_m=found.point_m,
+                    pitch_m_per_rad=found.pitch_m_per_rad,
+                    inertia_kg_m2=inertia,
+                    k_eq1_n_m_per_rad=k,
+                    predicted_bias_deg=float(np.rad2deg(line_angle_rad(line[0], axis.direction))),
+                    predicted_bias_mm=1e3 * line_distance_m(axis.point_m, line[1], line[0]),
+                    predicted_bias_k=expected_k / axis.stiffness_n_m_per_rad - 1.0,
+                )
+            )
+    return tuple(results)
+
+
+def _equation_one(
+    superset: Superset,
+    posture: MeasuredModes,
+    axis: Axis,
+    line: tuple[Array, Array],
+    f_hz: float,
+) -> tuple[float, float]:
+    """K = (2 pi f)² I about a line of the link, and I (file 000, Eq. 1)."""
+    direction, point = line
+    inertia = moment_about(
+        superset, posture.dynamics, replace(axis, direction=direction, point_m=point)
+    )
+    return (2 * np.pi * f_hz) ** 2 * inertia, inertia
