@@ -167,6 +167,8 @@ class SensorSource:
 
     def _flicker_of(self, n: int) -> Array:
         """Slow noise (n, 4) of unit deviation: white noise through a low pass at 1 Hz."""
+        if n == 0:  # lfilter leaves the state undefined
+            return np.zeros((0, 4))
         keep = float(np.exp(-2.0 * np.pi / float(self._rate_hz)))
         drive = np.sqrt(1.0 - keep**2) * self._flicker.standard_normal((n, 4))
         slow, state = signal.lfilter([1.0], [1.0, -keep], drive, axis=0, zi=self._flicker_state)
