@@ -1,8 +1,8 @@
 """Small motion of the arm about a held posture: M q'' + C q' + (K + dg/dq) q = J^T f.
 
-The mass matrix is frozen at the posture. `docs/simulated-plant.md` shows what that costs beside
-the full equations of `large_motion`. The servos hold the gravity torque, so the springs' rest is
-the posture itself and gravity leaves only its stiffness.
+The mass matrix is frozen at the posture; `docs/simulated-plant.md` gives what that costs beside the
+full equations. The servos hold the gravity torque, so the springs' rest is the posture itself and
+gravity leaves only its stiffness.
 """
 
 from __future__ import annotations
