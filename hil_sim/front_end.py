@@ -13,6 +13,7 @@ from hil_sim.plant_file import PlantFile
 __all__ = ["FULL_SCALE_COUNTS", "FrontEnd"]
 
 Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
 
 FULL_SCALE_COUNTS = 2**23 - 1
 
@@ -52,14 +53,28 @@ class FrontEnd:
             * np.array(accelerometer.response)
         )
 
-    def sample(self, fine: Array) -> Array:
-        """Counts, not yet rounded, of a fine-rate signal.
+    @property
+    def span(self) -> int:
+        """Fine samples the filter looks at behind the newest one."""
+        return len(self._taps) - 1
+
+    def sample(self, fine: Array, free: ComplexArray, ratio: ComplexArray, n: int) -> Array:
+        """Counts, not yet rounded, of a fine-rate signal that goes on as free decay.
+
+        Free decay needs no fine grid: each exponential passes the high pass and the filter as
+        itself times a complex gain, and the high pass adds one decay of its own.
 
         Parameters
         ----------
         fine
             (n_fine, 4) force in N and specific force in m/s² at `fine_hz`, the first row at a
-            sample instant.
+            sample instant; its last `span` rows are free decay already.
+        free
+            (n_modes, 4) amplitudes at the last fine row: the signal is the real part of their sum.
+        ratio
+            (n_modes,) factor of each from one fine row to the next.
+        n
+            Samples wanted in all.
 
         Returns
         -------
@@ -67,9 +82,21 @@ class FrontEnd:
             One row a sample, the filter's delay included.
         """
         passed = np.empty_like(fine)
+        tail = np.zeros((len(ratio) + 1, 4), dtype=np.complex128)
+        head_n = (len(fine) - 1) // self.oversampling + 1
+        fine_after = np.arange(head_n, n) * self.oversampling - (len(fine) - 1)
+        after = np.zeros((max(n - head_n, 0), 4))
         for channel, corner_hz in enumerate(self._corners_hz):
             b, a = signal.butter(1, corner_hz, "highpass", fs=self.fine_hz)
             passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
-        counts = passed @ self._mixing.T
-        sampled: Array = signal.upfirdn(self._taps, counts, down=self.oversampling, axis=0)
+            gain = (b[0] + b[1] / ratio) / (1.0 + a[1] / ratio)
+            tail[:-1, channel] = gain * free[:, channel]
+            tail[-1, channel] = passed[-1, channel] - tail[:-1, channel].sum().real
+            ratios = np.append(ratio, -a[1])
+            delays = np.arange(len(self._taps))
+            filtered = (self._taps * ratios[:, None] ** -delays).sum(axis=1) * tail[:, channel]
+            powers = np.exp(np.outer(fine_after, np.log(ratios.astype(np.complex128))))
+            after[:, channel] = (powers @ filtered).real
+        head = signal.upfirdn(self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0)
+        sampled: Array = np.concatenate([head[:head_n], after @ self._mixing.T])
         return sampled

@@ -19,8 +19,9 @@ from hil_sim.small_motion import Mounting, SmallMotion, force_torque, linearise
 __all__ = ["SensorSource", "draw_mounting", "force_history", "modal_response"]
 
 Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
 
-RING_DOWN = 1e-7  # a response is followed until it has decayed to this part
+RING_DOWN = 1e-6  # a response is followed until it has decayed to this part
 
 
 def draw_mounting(plant: Plant, point_id: str, rng: np.random.Generator) -> Mounting:
@@ -44,23 +45,41 @@ def force_history(blow: Blow, begin_s: float, fine_hz: float, n: int) -> Array:
     return force
 
 
-def modal_response(motion: SmallMotion, torque: Array, force: Array, fine_hz: float) -> Array:
-    """Specific force (n, 3) at the sensor from a force history, mode by mode, from rest.
+def modal_states(motion: SmallMotion, force: Array, fine_hz: float) -> ComplexArray:
+    """States (n_modes, n) of the modes above the real axis under a unit drive, from rest.
 
     Each first-order mode x' = p x + f is advanced exactly for a force that is linear between
     grid points.
     """
+    poles = motion.poles[motion.poles.imag >= 0.0]
+    T = 1.0 / fine_hz
+    a = poles * T
+    ramp, step = (np.exp(a) - 1.0 - a) / a**2, (np.exp(a) - 1.0) / a
+    states: ComplexArray = np.stack(
+        [
+            signal.lfilter([T * r, T * (s - r)], [1.0, -np.exp(z)], force)
+            for r, s, z in zip(ramp, step, a, strict=True)
+        ]
+    )
+    return states
+
+
+def modal_amplitudes(motion: SmallMotion, torque: Array) -> tuple[ComplexArray, Array]:
+    """Residues (n_modes, 3) of the modes above the real axis, conjugates counted in; direct part.
+
+    The specific force is the real part of the states times these, plus force times the direct.
+    """
     residues, direct = motion.residues(torque)
-    response = np.outer(force, direct)
-    for k in np.flatnonzero(motion.poles.imag >= 0.0):
-        p = motion.poles[k]
-        T = 1.0 / fine_hz
-        a = p * T
-        ramp = (np.exp(a) - 1.0 - a) / a**2
-        step = (np.exp(a) - 1.0) / a
-        x = signal.lfilter([T * ramp, T * (step - ramp)], [1.0, -np.exp(a)], force)
-        twice = 2.0 if p.imag > 0.0 else 1.0
-        response += twice * (x[:, None] * residues[:, k]).real
+    upper = motion.poles.imag >= 0.0
+    twice = np.where(motion.poles[upper].imag > 0.0, 2.0, 1.0)
+    return residues[:, upper].T * twice[:, None], direct
+
+
+def modal_response(motion: SmallMotion, torque: Array, force: Array, fine_hz: float) -> Array:
+    """Specific force (n, 3) at the sensor from a force history, mode by mode, from rest."""
+    amplitudes, direct = modal_amplitudes(motion, torque)
+    states = modal_states(motion, force, fine_hz)
+    response: Array = np.outer(force, direct) + (states.T @ amplitudes).real
     return response
 
 
@@ -140,11 +159,18 @@ class SensorSource:
         first = int(np.floor(at_sample))
         slowest = float(np.min(-motion.poles.real))
         last_pulse = max(pulse.delay_s + pulse.width_s for pulse in blow.pulses)
-        n = int((np.log(1.0 / RING_DOWN) / slowest + last_pulse) * fine_hz)
         begin_s = (at_sample - first) / float(self._rate_hz)
-        force = force_history(blow, begin_s, fine_hz, n)
-        felt = modal_response(motion, torque, force, fine_hz)
-        counts = self._front.sample(np.column_stack([force, felt]))
+        # Fine samples while the hammer touches, and one filter length more; then free decay.
+        n_fine = int((begin_s + last_pulse) * fine_hz) + self._front.span + 2
+        force = force_history(blow, begin_s, fine_hz, n_fine)
+        amplitudes, direct = modal_amplitudes(motion, torque)
+        states = modal_states(motion, force, fine_hz)
+        felt = np.outer(force, direct) + (states.T @ amplitudes).real
+        free = np.zeros((len(amplitudes), 4), dtype=np.complex128)
+        free[:, 1:] = states[:, -1:] * amplitudes
+        ratio = np.exp(motion.poles[motion.poles.imag >= 0.0] / fine_hz)
+        n = int((np.log(1.0 / RING_DOWN) / slowest + last_pulse) * float(self._rate_hz))
+        counts = self._front.sample(np.column_stack([force, felt]), free, ratio, n)
         if first < self._next:
             counts, first = counts[self._next - first :], self._next
         self._ringing.append(_Ringing(first=first, counts=counts))

@@ -1,0 +1,158 @@
+"""Run an acquisition process and act on its prompts: a person at the keyboard, or a script."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import socket
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from daq.acquisition import run_acquisition
+from daq.commands import Command, Ready, Stop
+from daq.events import Event, Failed, Finished, HitJudged, Prompted
+from daq.session_machine import Prompt, PromptKind
+from daq.settings import AcquisitionSettings
+from protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
+from protocols.plan_records import Plan
+
+__all__ = ["AcquisitionFailedError", "Operator", "PersonAtTerminal", "ScriptedOperator", "acquire"]
+
+Show = Callable[[Event], None]
+
+
+class AcquisitionFailedError(ArmodalError, RuntimeError):
+    """The acquisition ended with a message; what it had accepted is in the journal."""
+
+
+class Operator(Protocol):
+    """Whoever brings the arm to a posture, mounts the sensor and hits."""
+
+    def act(self, prompt: Prompt) -> Command | None:
+        """Do what a prompt asks; return a command for the acquisition process, if any."""
+
+
+class PersonAtTerminal:
+    """A person: reads the prompt, presses Enter when the sensor is mounted."""
+
+    def __init__(self, ask: Callable[[str], str]) -> None:
+        self._ask = ask
+
+    def act(self, prompt: Prompt) -> Command | None:
+        """Wait for Enter where something has to be mounted; the rest is seen by the devices."""
+        if prompt.kind is not PromptKind.POINT:
+            return None
+        answer = self._ask(
+            f"Mount the sensor at point {prompt.sensor_point}, hammer at {prompt.hit_point}; "
+            "Enter when ready, q to stop: "
+        )
+        return Stop() if answer.strip().lower() == "q" else Ready()
+
+
+class ScriptedOperator:
+    """The simulated laboratory's operator, asked over its private socket."""
+
+    def __init__(self, path: Path, plan: Plan, *, timeout_s: float = 120.0) -> None:
+        self._plan = plan
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self._socket.settimeout(timeout_s)
+        try:
+            self._socket.connect(str(path))
+        except OSError as error:
+            self._socket.close()
+            raise DeviceLostError(
+                f"no operator listens at {path} ({error.strerror}); start one with armodal sim"
+            ) from error
+        self._lines = self._socket.makefile("r", encoding="utf-8")
+
+    def act(self, prompt: Prompt) -> Command | None:
+        """Have the scripted operator do it, and wait until it is done."""
+        if prompt.posture is None:
+            return None
+        if prompt.kind is PromptKind.POSTURE:
+            degrees = [float(x) for x in prompt.posture.joints_rad * 57.29577951308232]
+            self._do({"do": "posture", "name": prompt.posture.name, "joints_deg": degrees})
+            return None
+        if prompt.kind is PromptKind.POINT:
+            self._do({"do": "mount", "point": prompt.sensor_point})
+            return Ready()
+        if prompt.kind is PromptKind.HIT and prompt.posture.hit_direction is not None:
+            direction = [float(x) for x in prompt.posture.hit_direction]
+            self._do({"do": "hit", "point": prompt.hit_point, "direction": direction})
+        return None
+
+    def close(self) -> None:
+        """Hang up."""
+        self._lines.close()
+        self._socket.close()
+
+    def _do(self, request: dict[str, object]) -> None:
+        try:
+            self._socket.sendall(json.dumps(request).encode() + b"\n")
+            line = self._lines.readline()
+        except TimeoutError as error:
+            raise DeviceTimeoutError(
+                f"the scripted operator did not finish '{request['do']}' in time"
+            ) from error
+        except OSError as error:
+            raise DeviceLostError(f"the scripted operator is gone: {error}") from error
+        if not line:
+            raise DeviceLostError("the scripted operator hung up; is armodal sim still running?")
+        answer = json.loads(line)
+        if "error" in answer:
+            raise DeviceLostError(f"the scripted operator refused: {answer['error']}")
+
+
+def acquire(settings: AcquisitionSettings, operator: Operator, show: Show) -> Finished:
+    """Run a session to its end in a process of its own.
+
+    Raises
+    ------
+    AcquisitionFailedError
+        If the session could not go on; the message is the acquisition's own.
+    """
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=run_acquisition, args=(settings, theirs), name="armodal daq")
+    process.start()
+    theirs.close()
+    try:
+        while True:
+            try:
+                event: Event = ours.recv()
+            except EOFError as error:
+                raise AcquisitionFailedError(
+                    "the acquisition process ended without a word; accepted hits are in "
+                    f"{settings.journal}: armodal recover brings them back"
+                ) from error
+            show(event)
+            if isinstance(event, Failed):
+                raise AcquisitionFailedError(event.message)
+            if isinstance(event, Finished):
+                return event
+            if isinstance(event, Prompted):
+                command = operator.act(event.prompt)
+                if command is not None:
+                    ours.send(command)
+    finally:
+        ours.close()
+        process.join(10.0)
+        if process.is_alive():
+            process.terminate()
+            process.join()
+
+
+def describe(event: Event) -> str | None:
+    """Return one line about an event worth a line, else None."""
+    if isinstance(event, HitJudged):
+        hit = event.hit
+        word = "accepted" if hit.verdict.accepted else "rejected: " + ", ".join(hit.verdict.reasons)
+        return (
+            f"hit {hit.number}: {hit.posture}, point {hit.sensor_point}, "
+            f"{hit.verdict.peak_n:.0f} N, {word}"
+        )
+    if isinstance(event, Prompted) and event.prompt.kind is PromptKind.POSTURE:
+        posture = event.prompt.posture
+        return None if posture is None else f"bring the arm to posture '{posture.name}'"
+    return None

@@ -1,0 +1,126 @@
+"""The demo: a whole test in the simulated laboratory, and the truth beside what was found."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from analyzer.report import write_report
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.identify import estimate_frfs, identify
+from analyzer.identification.records import AxisResult, Identification
+from analyzer.screws import line_angle_rad, line_distance_m
+from daq.events import Event
+from daq.settings import AcquisitionSettings
+from hil_sim.lab import start_laboratory
+from hil_sim.ledger import AxisTruth, LedgerTruth, read_ledger
+from protocols.arm.files import load_arm
+from protocols.arm.records import Arm
+from protocols.plan import load_plan
+from protocols.session.recovery import rebuild
+from tui.acquire import ScriptedOperator, acquire
+from tui.results import identification_json
+
+__all__ = ["run_demo"]
+
+DEMO_TIME_SCALE = 16.0  # lab seconds a second
+
+
+def run_demo(
+    directory: Path,
+    *,
+    seed: int,
+    software: str,
+    show: Callable[[Event], None],
+    say: Callable[[str], None],
+    time_scale: float = DEMO_TIME_SCALE,
+    plan_name: str = "rv4frl-three-postures",
+) -> tuple[dict[str, Any], Identification]:
+    """Capture, fit, identify and report; then open the ledger and set the truth beside.
+
+    Returns
+    -------
+    object, identification
+        The object `armodal demo --json` prints, and the identification behind it.
+    """
+    began = time.monotonic()
+    directory.mkdir(parents=True, exist_ok=True)
+    arm = load_arm("rv4frl")
+    plan = load_plan(plan_name, arm)
+    journal, session_path = directory / "demo.journal", directory / "demo.h5"
+    report_path, lab_directory = directory / "report.html", directory / "lab"
+    journal.unlink(missing_ok=True)
+    with start_laboratory(
+        "rv4frl", seed=seed, time_scale=time_scale, directory=lab_directory
+    ) as laboratory:
+        operator = ScriptedOperator(laboratory.operator, plan)
+        settings = AcquisitionSettings(
+            board_port=laboratory.board,
+            can_channel=laboratory.can,
+            arm=arm,
+            plan=plan,
+            journal=journal,
+            time_scale=time_scale,
+            software=software,
+        )
+        say("capture")
+        finished = acquire(settings, operator, show)
+        operator.close()
+    captured_s = time.monotonic() - began
+    superset = Superset(arm)
+    recovered = rebuild(
+        journal,
+        session_path,
+        software=software,
+        estimate_frfs=lambda session: estimate_frfs(session, superset),
+    )
+    result = identify(recovered.session, say)
+    say("report")
+    write_report(recovered.session, result, report_path)
+    found = identification_json(recovered.session, result)
+    # Only now, with everything written down, is the laboratory's own book opened.
+    truth = read_ledger(lab_directory / "ledger.jsonl").truth
+    _set_truth_beside(found, result, arm, truth)
+    found |= {
+        "complete": finished.complete,
+        "capture_s": captured_s,
+        "wall_s": time.monotonic() - began,
+        "session": str(session_path),
+        "report": str(report_path),
+    }
+    return found, result
+
+
+def _set_truth_beside(
+    found: dict[str, Any], result: Identification, arm: Arm, truth: LedgerTruth
+) -> None:
+    for joint in found["joints"]:
+        true = truth.joint(joint["joint"])
+        joint["truth_k_n_m_per_rad"] = true.k_n_m_per_rad
+        joint["truth_c_n_m_s_per_rad"] = true.c_n_m_s_per_rad
+    for row, axis in zip(found["structural"], result.axes, strict=True):
+        if truth.axis is None or truth.axis.link != axis.link:
+            continue
+        angle_deg, distance_mm = axis_errors(arm, axis, truth.axis)
+        row["truth_k_n_m_per_rad"] = truth.axis.k_n_m_per_rad
+        row["truth_c_n_m_s_per_rad"] = truth.axis.c_n_m_s_per_rad
+        row["axis_angle_error_deg"] = angle_deg
+        row["axis_distance_error_mm"] = distance_mm
+
+
+def axis_errors(arm: Arm, axis: AxisResult, truth: AxisTruth) -> tuple[float, float]:
+    """Angle in degrees and perpendicular distance in mm of an axis from the true one.
+
+    The distance is taken from the point of the true axis nearest the crossing of joints 1 and 2,
+    which is the origin of joint 2 in link 1's frame.
+    """
+    crossing = arm.joints[1].T_parent_joint[:3, 3]
+    direction = truth.direction_link
+    nearest = truth.point_link_m + direction * (direction @ (crossing - truth.point_link_m))
+    angle = np.rad2deg(line_angle_rad(axis.direction_link, direction))
+    distance = line_distance_m(nearest, axis.point_link_m, axis.direction_link)
+    return float(angle), 1e3 * distance

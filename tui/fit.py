@@ -1,0 +1,64 @@
+"""Modes of every posture of a session, for `armodal fit`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.table import Table
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.identify import estimate_frfs
+from analyzer.identification.mode_fit import MeasuredModes
+from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from analyzer.modal import fit_modes
+from protocols.session.records import Session
+
+__all__ = ["fit_session"]
+
+
+def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
+    """Fit the modes of every posture; return them as plain values and as a table."""
+    superset = Superset(session.header.arm)
+    table = Table(title="Modes")
+    for column in ("posture", "f Hz", "±", "damping %", "±", "MPC", "joint share", ""):
+        table.add_column(column, justify="right")
+    modes: list[dict[str, Any]] = []
+    errors: dict[str, float] = {}
+    stabilisation: dict[str, Any] = {}
+    for frf in estimate_frfs(session, superset):
+        model = fit_modes(frf)
+        errors[frf.posture] = model.synthesis_error
+        stabilisation[frf.posture] = {"band_hz": list(model.band_hz)}
+        if frf.joints_rad is None:
+            continue
+        measured = MeasuredModes(
+            superset, superset.posture(frf.joints_rad), model.modes, frf.responses
+        )
+        for mode in model.modes:
+            share = joint_share(superset, measured, mode.shape)
+            structural = share < STRUCTURAL_SHARE
+            modes.append(
+                {
+                    "posture": frf.posture,
+                    "f_hz": mode.f_hz,
+                    "f_std_hz": mode.f_std_hz,
+                    "damping_ratio": mode.damping_ratio,
+                    "damping_std": mode.damping_std,
+                    "mpc": mode.mpc,
+                    "mpd_deg": mode.mpd_deg,
+                    "structural": structural,
+                    "joint_share": share,
+                }
+            )
+            table.add_row(
+                frf.posture,
+                f"{mode.f_hz:.3f}",
+                f"{mode.f_std_hz:.3f}",
+                f"{100 * mode.damping_ratio:.2f}",
+                f"{100 * mode.damping_std:.2f}",
+                f"{mode.mpc:.3f}",
+                f"{share:.2f}",
+                "structural" if structural else "",
+            )
+    value = {"modes": modes, "synthesis_error": errors, "stabilisation": stabilisation}
+    return value, table

@@ -1,0 +1,157 @@
+"""Results as JSON for machines and as tables for people."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.table import Table
+
+from analyzer.identification.records import Identification
+from protocols.session.records import Session
+
+__all__ = ["identification_json", "identification_tables", "mode_json"]
+
+
+def mode_json(result: Identification) -> list[dict[str, Any]]:
+    """Return the measured modes of the fitted postures."""
+    return [
+        {
+            "posture": mode.posture,
+            "f_hz": mode.f_hz,
+            "f_std_hz": mode.f_std_hz,
+            "damping_ratio": mode.damping_ratio,
+            "damping_std": mode.damping_std,
+            "mpc": mode.mpc,
+            "joint_share": mode.joint_share,
+            "structural": mode.structural,
+            "model_f_hz": mode.model_f_hz,
+            "mac": mode.mac,
+        }
+        for mode in result.modes
+    ]
+
+
+def identification_json(session: Session, result: Identification) -> dict[str, Any]:
+    """Return joints, structural axes, validation, modes and hits as plain values."""
+    accepted = len(session.accepted())
+    return {
+        "joints": [
+            {
+                "joint": joint.joint,
+                "k_n_m_per_rad": joint.k_n_m_per_rad,
+                "k_std": joint.k_std,
+                "k_std_model": joint.k_std_model,
+                "k_one_joint_n_m_per_rad": joint.k_one_joint_n_m_per_rad,
+                "c_n_m_s_per_rad": joint.c_n_m_s_per_rad,
+                "c_std": joint.c_std,
+            }
+            for joint in result.joints
+        ],
+        "structural": [
+            {
+                "link": axis.link,
+                "f_hz": axis.f_hz,
+                "k_n_m_per_rad": axis.k_n_m_per_rad,
+                "k_std": axis.k_std,
+                "k_std_model": axis.k_std_model,
+                "c_n_m_s_per_rad": axis.c_n_m_s_per_rad,
+                "c_std": axis.c_std,
+                "direction_link": axis.direction_link.tolist(),
+                "point_link_m": axis.point_link_m.tolist(),
+                "mozzi_axes_of_modes": [
+                    {
+                        "posture": mozzi.posture,
+                        "f_hz": mozzi.f_hz,
+                        "direction_base": mozzi.direction_base.tolist(),
+                        "point_base_m": mozzi.point_base_m.tolist(),
+                        "k_eq1_n_m_per_rad": mozzi.k_eq1_n_m_per_rad,
+                        "predicted_bias_deg": mozzi.predicted_bias_deg,
+                        "predicted_bias_mm": mozzi.predicted_bias_mm,
+                        "predicted_bias_k": mozzi.predicted_bias_k,
+                    }
+                    for mozzi in axis.mozzi
+                ],
+            }
+            for axis in result.axes
+        ],
+        "validation": [
+            {
+                "posture": row.posture,
+                "mode": row.mode,
+                "predicted_hz": row.predicted_hz,
+                "predicted_std_hz": row.predicted_std_hz,
+                "measured_hz": row.measured_hz,
+                "measured_std_hz": row.measured_std_hz,
+            }
+            for row in result.validation
+        ],
+        "modes": mode_json(result),
+        "hits": {"accepted": accepted, "rejected": len(session.hits) - accepted},
+        "notes": list(result.notes),
+        "warnings": list(session.warnings),
+    }
+
+
+def identification_tables(result: Identification) -> list[Table]:
+    """Return tables of joints, axes, modes and validation."""
+    joints = Table(title="Joints (k in N m/rad; ± from scatter, ± from the inertias' tolerance)")
+    for column in ("joint", "k", "± scatter", "± model", "k one-joint", "c N m s/rad", "±"):
+        joints.add_column(column, justify="right")
+    for joint in result.joints:
+        one = joint.k_one_joint_n_m_per_rad
+        joints.add_row(
+            joint.joint,
+            f"{joint.k_n_m_per_rad:.0f}",
+            f"{joint.k_std:.0f}",
+            f"{joint.k_std_model:.0f}",
+            "no own mode" if one is None else f"{one:.0f}",
+            f"{joint.c_n_m_s_per_rad:.2f}",
+            f"{joint.c_std:.2f}",
+        )
+    axes = Table(title="Structural compliance axes (link frame)")
+    for column in ("link", "mode Hz", "k", "± scatter", "± model", "direction", "point mm"):
+        axes.add_column(column, justify="right")
+    for axis in result.axes:
+        axes.add_row(
+            axis.link,
+            f"{axis.f_hz:.2f}",
+            f"{axis.k_n_m_per_rad:.0f}",
+            f"{axis.k_std:.0f}",
+            f"{axis.k_std_model:.0f}",
+            " ".join(f"{x:.3f}" for x in axis.direction_link),
+            " ".join(f"{1e3 * x:.1f}" for x in axis.point_link_m),
+        )
+    modes = Table(title="Measured modes")
+    for column in ("posture", "f Hz", "±", "damping %", "±", "joint share", "", "model Hz", "MAC"):
+        modes.add_column(column, justify="right")
+    for mode in result.modes:
+        modes.add_row(
+            mode.posture,
+            f"{mode.f_hz:.3f}",
+            f"{mode.f_std_hz:.3f}",
+            f"{100 * mode.damping_ratio:.2f}",
+            f"{100 * mode.damping_std:.2f}",
+            f"{mode.joint_share:.2f}",
+            "structural" if mode.structural else "",
+            "-" if mode.model_f_hz is None else f"{mode.model_f_hz:.3f}",
+            "-" if mode.mac is None else f"{mode.mac:.3f}",
+        )
+    tables = [joints, axes, modes]
+    if result.validation:
+        checked = Table(title="Validation postures: predicted, then measured")
+        for column in ("posture", "mode", "predicted Hz", "±", "measured Hz", "error %"):
+            checked.add_column(column, justify="right")
+        for row in result.validation:
+            known = row.measured_hz is not None
+            checked.add_row(
+                row.posture,
+                str(row.mode),
+                f"{row.predicted_hz:.3f}",
+                f"{row.predicted_std_hz:.3f}",
+                f"{row.measured_hz:.3f}" if known else "not found",
+                f"{100 * (row.predicted_hz / row.measured_hz - 1):+.2f}"
+                if row.measured_hz
+                else "-",
+            )
+        tables.append(checked)
+    return tables
