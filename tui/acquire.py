@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import socket
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
@@ -27,7 +28,13 @@ class AcquisitionFailedError(ArmodalError, RuntimeError):
 
 
 class Operator(Protocol):
-    """Whoever brings the arm to a posture, mounts the sensor and hits."""
+    """Whoever brings the arm to a posture, mounts the sensor and hits.
+
+    `patience_s` is how long, in wall seconds, a hit may stay without an answer before it is tried
+    again: a hit below the trigger level leaves no trace. None waits for ever.
+    """
+
+    patience_s: float | None
 
     def act(self, prompt: Prompt) -> Command | None:
         """Do what a prompt asks; return a command for the acquisition process, if any."""
@@ -35,6 +42,8 @@ class Operator(Protocol):
 
 class PersonAtTerminal:
     """A person: reads the prompt, presses Enter when the sensor is mounted."""
+
+    patience_s: float | None = None
 
     def __init__(self, ask: Callable[[str], str]) -> None:
         self._ask = ask
@@ -53,8 +62,11 @@ class PersonAtTerminal:
 class ScriptedOperator:
     """The simulated laboratory's operator, asked over its private socket."""
 
-    def __init__(self, path: Path, plan: Plan, *, timeout_s: float = 120.0) -> None:
-        self._plan = plan
+    def __init__(
+        self, path: Path, plan: Plan, *, time_scale: float, timeout_s: float = 120.0
+    ) -> None:
+        block_s = plan.sampling.samples / float(plan.sampling.rate_hz)
+        self.patience_s: float | None = 1.0 + 2.0 * block_s / time_scale
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._socket.settimeout(timeout_s)
         try:
@@ -118,7 +130,15 @@ def acquire(settings: AcquisitionSettings, operator: Operator, show: Show) -> Fi
     process.start()
     theirs.close()
     try:
+        pending: Prompt | None = None
+        asked_s = 0.0
         while True:
+            if pending is not None and operator.patience_s is not None:
+                if time.monotonic() - asked_s > operator.patience_s:
+                    operator.act(pending)
+                    asked_s = time.monotonic()
+                if not ours.poll(operator.patience_s):
+                    continue
             try:
                 event: Event = ours.recv()
             except EOFError as error:
@@ -135,6 +155,8 @@ def acquire(settings: AcquisitionSettings, operator: Operator, show: Show) -> Fi
                 command = operator.act(event.prompt)
                 if command is not None:
                     ours.send(command)
+                is_hit = event.prompt.kind is PromptKind.HIT
+                pending, asked_s = (event.prompt if is_hit else None), time.monotonic()
     finally:
         ours.close()
         process.join(10.0)

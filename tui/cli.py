@@ -170,7 +170,9 @@ def acquire_command(
     the_arm = load_arm(arm)
     the_plan = load_plan(plan, the_arm)
     person: Operator = (
-        PersonAtTerminal(err.input) if operator is None else ScriptedOperator(operator, the_plan)
+        PersonAtTerminal(err.input)
+        if operator is None
+        else ScriptedOperator(operator, the_plan, time_scale=time_scale)
     )
     settings = AcquisitionSettings(
         board_port=board,

@@ -1,0 +1,140 @@
+"""Figures of the report, as plotly figures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.records import AxisResult
+from analyzer.modal import ModalModel, cmif, group_sums
+from protocols.frf_records import FrequencyResponse
+
+__all__ = ["arm_figure", "frf_figure", "indicator_figure"]
+
+SHAPE_LENGTH_M = 0.15  # the largest motion of a mode is drawn this long
+AXIS_LENGTH_M = 0.5
+
+
+def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
+    """Magnitude, phase and coherence of all FRFs of a posture."""
+    keep = frf.freq_hz <= top_hz
+    figure = make_subplots(rows=3, cols=1, shared_xaxes=True, row_heights=[0.5, 0.25, 0.25])
+    for i, dof in enumerate(frf.responses):
+        for j, _ in enumerate(frf.references):
+            values = frf.values[i, j, keep]
+            name = f"point {dof.point} {dof.label}"
+            line = {"width": 1}
+            rows = (np.abs(values), np.degrees(np.angle(values)), frf.coherence[i, j, keep])
+            for row, y in enumerate(rows, start=1):
+                figure.add_trace(
+                    go.Scattergl(
+                        x=frf.freq_hz[keep].round(3),
+                        y=y.astype(np.float32),
+                        name=name,
+                        line=line,
+                        showlegend=False,
+                    ),
+                    row=row,
+                    col=1,
+                )
+    figure.update_yaxes(type="log", title="m/(s² N)", row=1, col=1)
+    figure.update_yaxes(title="phase, deg", row=2, col=1)
+    figure.update_yaxes(title="coherence", range=[0, 1.02], row=3, col=1)
+    figure.update_xaxes(title="Hz", row=3, col=1)
+    figure.update_layout(height=640, title=f"{frf.posture}: FRFs", margin={"t": 50})
+    return figure
+
+
+def indicator_figure(
+    frf: FrequencyResponse, model: ModalModel, groups: dict[str, tuple[str, ...]], top_hz: float
+) -> Any:
+    """Sums of FRF magnitudes by group of points (file 000, Fig. 3b), and the CMIF."""
+    keep = frf.freq_hz <= top_hz
+    figure = go.Figure()
+    freq = frf.freq_hz[keep]
+    for name, values in group_sums(frf, groups).items():
+        figure.add_scatter(x=freq, y=np.asarray(values)[keep], name=f"sum of {name}")
+    figure.add_scatter(x=freq, y=cmif(frf)[keep, 0], name="CMIF", line={"dash": "dot"})
+    for mode in model.modes:
+        figure.add_vline(x=mode.f_hz, line={"width": 1, "color": "#999"})
+    figure.update_yaxes(type="log", title="m/(s² N)")
+    figure.update_xaxes(title="Hz; grey lines are fitted modes")
+    figure.update_layout(height=380, title=f"{frf.posture}: sums by group, CMIF")
+    return figure
+
+
+def arm_figure(
+    superset: Superset, frf: FrequencyResponse, model: ModalModel, axes: tuple[AxisResult, ...]
+) -> Any:
+    """The arm in a posture with its points, one mode shape at a time, and structural axes."""
+    if frf.joints_rad is None:
+        raise ValueError(f"posture '{frf.posture}' has no joint angles to draw the arm with")
+    posture = superset.posture(frf.joints_rad)
+    origins = np.vstack([np.zeros(3), posture.T_base_link[:, :3, 3]])
+    figure = go.Figure()
+    figure.add_scatter3d(
+        **_xyz(origins), mode="lines", line={"width": 10, "color": "#8aa"}, name="arm"
+    )
+    figure.add_scatter3d(
+        **_xyz(posture.point_position),
+        mode="markers+text",
+        text=[point.id for point in superset.arm.points],
+        marker={"size": 3, "color": "#333"},
+        name="points",
+    )
+    names = [joint.link.name for joint in superset.arm.joints]
+    for axis in axes:
+        T = posture.T_base_link[names.index(axis.link)]
+        middle = T[:3, :3] @ axis.point_link_m + T[:3, 3]
+        along = T[:3, :3] @ axis.direction_link * AXIS_LENGTH_M
+        figure.add_scatter3d(
+            **_xyz(np.array([middle - along, middle + along])),
+            mode="lines",
+            line={"width": 6, "color": "#c00"},
+            name=f"axis in {axis.link}",
+        )
+    fixed = len(figure.data)
+    for number, mode in enumerate(model.modes):
+        moved = _shape(superset, frf, mode.shape)
+        lines = np.full((3 * len(moved), 3), np.nan)
+        lines[0::3] = posture.point_position
+        lines[1::3] = posture.point_position + moved
+        figure.add_scatter3d(
+            **_xyz(lines),
+            mode="lines",
+            line={"width": 5, "color": "#06c"},
+            name=f"{mode.f_hz:.2f} Hz",
+            visible=number == 0,
+        )
+    buttons = [
+        {
+            "label": f"{mode.f_hz:.2f} Hz",
+            "method": "update",
+            "args": [{"visible": [True] * fixed + [k == i for k in range(len(model.modes))]}],
+        }
+        for i, mode in enumerate(model.modes)
+    ]
+    figure.update_layout(
+        height=560,
+        title=f"{frf.posture}: arm, points, mode shape",
+        scene={"aspectmode": "data"},
+        updatemenus=[{"buttons": buttons, "x": 0.0, "y": 1.0}] if buttons else [],
+    )
+    return figure
+
+
+def _shape(superset: Superset, frf: FrequencyResponse, shape: Any) -> Any:
+    """Motion (n_points, 3) in base, real part at the phase of largest motion."""
+    phase = np.exp(-0.5j * np.angle(np.sum(shape**2)))
+    moved = np.zeros((len(superset.arm.points), 3))
+    for dof, value in zip(frf.responses, (shape * phase).real, strict=True):
+        moved[superset.point_index[dof.point]] += value * dof.direction
+    return moved * SHAPE_LENGTH_M / max(float(np.linalg.norm(moved, axis=1).max()), 1e-30)
+
+
+def _xyz(points: Any) -> dict[str, Any]:
+    return {"x": points[:, 0], "y": points[:, 1], "z": points[:, 2]}

@@ -1,0 +1,67 @@
+"""The page itself: tables, figures and where every number comes from."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.records import Identification
+from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
+from protocols.session.records import Session
+
+__all__ = ["write_report"]
+
+TOP_OVER_HIGHEST_MODE = 1.5
+
+
+def write_report(session: Session, identification: Identification, path: Path) -> None:
+    """Write one self-contained HTML page; an older one is replaced only when it is complete.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("analyzer.report", "."), autoescape=True
+    )
+    html = environment.get_template("report.html").render(**_content(session, identification))
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(html)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def _content(session: Session, identification: Identification) -> dict[str, Any]:
+    superset = Superset(session.header.arm)
+    highest = max((m.f_hz for m in identification.modes), default=100.0)
+    top_hz = TOP_OVER_HIGHEST_MODE * highest
+    figures: list[str] = []
+    for frf, model in zip(identification.frfs, identification.modal_models, strict=True):
+        for figure in (
+            arm_figure(superset, frf, model, identification.axes),
+            frf_figure(frf, top_hz),
+            indicator_figure(frf, model, dict(session.header.arm.groups), top_hz),
+        ):
+            figures.append(figure.to_html(full_html=False, include_plotlyjs=not figures))
+    rejected = Counter(
+        reason for hit in session.hits for reason in hit.verdict.reasons if not hit.verdict.accepted
+    )
+    return {
+        "session": session,
+        "result": identification,
+        "figures": figures,
+        "n_accepted": len(session.accepted()),
+        "n_rejected": len(session.hits) - len(session.accepted()),
+        "rejected": dict(rejected),
+    }
