@@ -43,7 +43,7 @@ def axis_results(
     for number, axis in enumerate(structure.axes):
         at = 2 * len(structure.joints) + 6 * number
         freedom = len(structure.joints) + number
-        posture, f_hz = _strained_mode(freedom, frfs, shares, measured, predictions)
+        posture, f_hz = _strained_mode(freedom, frfs, shares, predictions)
         results.append(
             AxisResult(
                 link=superset.arm.joints[axis.link].link.name,
@@ -68,7 +68,6 @@ def _strained_mode(
     freedom: int,
     frfs: tuple[FrequencyResponse, ...],
     shares: list[list[float]],
-    measured: list[MeasuredModes],
     predictions: list[PredictedModes],
 ) -> tuple[str, float]:
     """Posture and fitted frequency of the mode that strains the axis most.

@@ -1,0 +1,136 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from protocols.arm.files import load_arm
+from protocols.plan import load_plan
+from protocols.session.hdf5 import read_session
+
+SMALL_PLAN = """
+format = "armodal-plan-1"
+name = "two-points"
+arm = "rv4frl"
+mode = "roving-response"
+fixed_point = "1"
+hits_per_point = 2
+max_attempts = 20
+[sampling]
+rate_hz = "51200/31"
+samples = 2048
+pretrigger = 100
+[trigger]
+level_n = 8.0
+slope = "rising"
+[windows]
+exponential_end = 0.03
+[sensor]
+mass_kg = 0.0093
+[[postures]]
+name = "test 1"
+joints_deg = [-25.0, 90.0, 0.0, 0.0, 90.0, 0.0]
+tolerance_deg = 0.5
+points = ["1", "5"]
+hit_direction = [-0.383, -0.821, 0.423]
+"""
+
+
+def armodal(*arguments, timeout=120):
+    return subprocess.run(
+        [sys.executable, "-m", "tui.cli", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    "command", ["demo", "sim", "acquire", "fit", "identify", "report", "recover"]
+)
+def test_every_command_has_help_with_an_example(command):
+    said = armodal(command, "--help")
+    assert said.returncode == 0
+    assert "Example" in said.stdout
+
+
+@pytest.mark.parametrize("command", ["fit", "identify", "report", "recover"])
+def test_a_file_that_is_not_a_session_is_one_message_and_exit_code_2(command, tmp_path):
+    path = tmp_path / "not-a-session.h5"
+    path.write_bytes(b"hello")
+    said = armodal(command, path)
+    assert said.returncode == 2
+    assert "Traceback" not in said.stderr
+    assert "armodal:" in said.stderr
+    assert list(tmp_path.iterdir()) == [path]  # nothing half written
+
+
+def test_a_wrong_port_is_one_message_and_exit_code_2(tmp_path):
+    said = armodal(
+        "acquire",
+        "rv4frl-three-postures",
+        "--board",
+        tmp_path / "no-port",
+        "--can",
+        tmp_path / "no-can",
+        "--journal",
+        tmp_path / "s.journal",
+        "--operator",
+        tmp_path / "none",
+    )
+    assert said.returncode == 2
+    assert "Traceback" not in said.stderr
+
+
+def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
+    plan = tmp_path / "small.toml"
+    plan.write_text(SMALL_PLAN)
+    # At 8 lab seconds a second the session takes a few seconds.
+    lab = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "tui.cli",
+            "sim",
+            "--json",
+            "--time-scale",
+            "8",
+            "--out",
+            str(tmp_path / "lab"),
+        ],
+        stdout=subprocess.PIPE,
+        stdin=subprocess.DEVNULL,
+        text=True,
+    )
+    try:
+        ports = json.loads(lab.stdout.readline())
+        said = armodal(
+            "acquire",
+            plan,
+            "--board",
+            ports["board"],
+            "--can",
+            ports["can"],
+            "--operator",
+            ports["operator"],
+            "--time-scale",
+            "8",
+            "--journal",
+            tmp_path / "s.journal",
+            "--json",
+        )
+    finally:
+        lab.terminate()
+        lab.wait(20)
+        lab.stdout.close()
+    assert said.returncode == 0, said.stderr
+    summary = json.loads(said.stdout)
+    assert summary["complete"]
+    session = read_session(Path(summary["session"]))
+    arm = load_arm("rv4frl")
+    points = load_plan(plan, arm).postures[0].points
+    for point in points:
+        good = [hit for hit in session.accepted() if hit.sensor_point == point]
+        assert len(good) == 2
