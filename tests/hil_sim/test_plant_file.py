@@ -87,7 +87,7 @@ def test_the_hidden_axis_rules_a_mode_between_75_and_83_hz(plant):
         ("axis = [0.0, 0.0, 1.0]", "axis = [0.0, 0.0, 2.0]", "links.0"),
         ("[0.067532, ", "[0.67532, ", "links.0"),
         ("range_v = 5.0", "range_v = 0.0", "board.range_v"),
-        ("direction = [1.0, 0.0, -0.29]", "direction = [0.0, 0.0, 0.0]", "hidden_axis"),
+        ("direction = [1.0, 0.0, 0.29]", "direction = [0.0, 0.0, 0.0]", "hidden_axis"),
         ('link = "base"', 'link = "table"', "points"),
         ('id = "2"', 'id = "1"', "points"),
         ("double_probability = 0.04", "double_probability = 0.99", "hand"),
