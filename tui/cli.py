@@ -14,12 +14,12 @@ for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 import typer  # noqa: E402
-from analyzer.report import write_report  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
 from analyzer.arm.superset import Superset  # noqa: E402
 from analyzer.identification.identify import estimate_frfs, identify  # noqa: E402
+from analyzer.report import write_report  # noqa: E402
 from daq.events import Event  # noqa: E402
 from daq.settings import AcquisitionSettings  # noqa: E402
 from hil_sim.lab import start_laboratory  # noqa: E402

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from analyzer.report import write_report
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.identify import estimate_frfs, identify
 from analyzer.identification.records import AxisResult, Identification
+from analyzer.report import write_report
 from analyzer.screws import line_angle_rad, line_distance_m
 from daq.events import Event
 from daq.settings import AcquisitionSettings
