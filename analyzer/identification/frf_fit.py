@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
-from analyzer.identification.frf_model import PostureData, predict
+from analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
 from analyzer.identification.parameters import (
     FitState,
     ParameterNames,
@@ -83,8 +83,7 @@ def normal_equations(
     """Accumulate Jᵀ W J and Jᵀ W r by cluster over all postures at a state."""
     blocks, scores, cost, relative = [], [], 0.0, []
     for i, (data, weight) in enumerate(zip(postures, weights, strict=True)):
-        y, dy = predict(superset, data, state, i, derivatives=True)
-        assert dy is not None  # noqa: S101 - derivatives were asked for
+        y, dy = predict_with_derivatives(superset, data, state, i)
         rest = data.values - y
         root = np.sqrt(weight)
         n_clusters = y.shape[0] * y.shape[1]
@@ -116,7 +115,7 @@ def _cost(
 ) -> float:
     total = 0.5 * float(precision @ parameter_vector(state) ** 2)
     for i, (data, weight) in enumerate(zip(postures, weights, strict=True)):
-        y, _ = predict(superset, data, state, i, derivatives=False)
+        y = predict(superset, data, state, i)
         total += 0.5 * float((weight * np.abs(data.values - y) ** 2).sum())
     return total
 
