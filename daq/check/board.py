@@ -1,4 +1,4 @@
-"""Does a board keep to `docs/board-protocol.md`? Step by step, over its own line."""
+"""Check of a board against `docs/board-protocol.md`, step by step, over its own line."""
 
 from __future__ import annotations
 

@@ -41,12 +41,11 @@ def _garbage(bench: BoardBench) -> list[tuple[str, bytes]]:
     rng = np.random.default_rng(bench.options.seed)
     session = bench.probe.session
     stop = encode_raw(FrameType.STOP, session=session, sequence=0, tag=0xFFFF)
-    flipped = bytearray(stop)
-    flipped[-3] ^= 0x55 if flipped[-3] != 0x55 else 0x2A
+    torn = encode_raw(FrameType.STOP, session=session, sequence=0, tag=0xFFFF, crc_error=1)
     return [
         ("300 random bytes", rng.bytes(300)),
         ("a stretch longer than any frame", b"\x01" * (2 * LONGEST_STRETCH)),
-        ("a STOP with a wrong CRC", b"\x00" + bytes(flipped)),
+        ("a STOP with a wrong CRC", torn),
         ("a STOP cut in half", stop[: len(stop) // 2]),
         ("a frame of 7 bytes", b"\x00\x08abcdefg\x00"),
         ("a hundred delimiters", bytes(100)),

@@ -1,4 +1,4 @@
-"""When blocks are not released, or nobody reads, does the board own up to every loss?"""
+"""Steps: blocks are not released, or nobody reads; the board owns up to every loss."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Did the long run bring every sample once, in whole frames, at the rate and time it says?"""
+"""Steps: a long run brings every sample once, in whole frames, at the rate and time stated."""
 
 from __future__ import annotations
 
@@ -112,7 +112,10 @@ def check_samples(bench: BoardBench) -> Finding:
         elif dropped != int(gaps.sum()):
             problems.append(f"{text}; STATUS owns up to {dropped}")
         else:
-            problems.append(f"{text}; dropped by the board, as it says: the link is too slow")
+            problems.append(
+                f"{text}; the board dropped them, as it says, in each of two runs: link or host "
+                "are too slow"
+            )
     problems += _count_problems(bench, recording)
     if problems:
         return failed(problems)
@@ -136,7 +139,7 @@ def _count_problems(bench: BoardBench, recording: Recording) -> list[str]:
     if worst:
         return [
             (
-                f"STATUS said next_sample {at}, which is {worst:.3f} s from what its ticks and rate "
+                f"STATUS said next_sample {at}, which is {worst:.3f} s from what ticks and rate "
                 "make due"
             )
         ]

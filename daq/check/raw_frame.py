@@ -63,10 +63,14 @@ def encode_raw(
     sequence: int,
     tag: int,
     version: int = PROTOCOL_VERSION,
+    crc_error: int = 0,
 ) -> bytes:
-    """Compose a command of any type and version, with both delimiters."""
+    """Compose a command of any type and version, with both delimiters.
+
+    The CRC-32 is altered by the bits of `crc_error`.
+    """
     body = _HEADER.pack(version, kind, 0, session, sequence, 0, tag, 0, 0) + payload
-    encoded: bytes = cobs.encode(body + struct.pack("<I", zlib.crc32(body)))
+    encoded: bytes = cobs.encode(body + struct.pack("<I", zlib.crc32(body) ^ crc_error))
     return b"\x00" + encoded + b"\x00"
 
 
