@@ -173,6 +173,7 @@ def acquire_command(
     resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     as_json: Json = False,
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
@@ -188,6 +189,7 @@ def acquire_command(
     )
     settings = AcquisitionSettings(
         board_port=board,
+        board_baud=baud,
         can_channel=can,
         arm=the_arm,
         plan=the_plan,
