@@ -3,8 +3,9 @@
 OPENBLAS_NUM_THREADS=1 .venv/bin/python bench/bench_device_library.py [seconds]
 
 Exit code 1 where encoder or decoder is below 200 MB/s of wire bytes, or the board at 4 x 51.2 kS/s
-takes 15 % of a core or more; all by processor time. The library is compiled as the simulated board uses it (-O3, fast
-CRC tables); with the small table of a microcontroller the codec is slower, which is told as well.
+takes 15 % of a core or more, all by processor time. The library is compiled as the simulated board
+uses it (-O3, fast CRC tables); with the small table of a microcontroller the codec is slower, which
+is told as well.
 
 The share is that of a process in which nothing but the board's loop runs: pseudo-terminal,
 commands, capture, preview, framing, and the loop's own waiting, as in `hil_sim.lab_process`. The
