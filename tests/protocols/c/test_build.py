@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from device import FFI, C
+from c_device import FFI, C
 
 from protocols.c import build
 from protocols.c.build import INCLUDE, SOURCES, STRICT, CompilerError, compile_with, compilers

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from device import C, Device, dictionary_of
+from c_device import C, Device, dictionary_of
 from hypothesis import given
 from hypothesis import strategies as st
 

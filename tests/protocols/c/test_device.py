@@ -4,7 +4,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from device import SESSION, C, Device, dictionary_of, sealed
+from c_device import SESSION, C, Device, dictionary_of, sealed
 from hypothesis import given
 from hypothesis import strategies as st
 

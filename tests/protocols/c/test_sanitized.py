@@ -4,7 +4,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from device import VECTORS
+from c_device import VECTORS
 
 from protocols.board import FrameType
 from protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
@@ -12,6 +12,18 @@ from protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
 HERE = Path(__file__).parent
 SANITIZE = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 RESULTS = {"cobs": 1, "short": 2, "long": 3, "crc": 4, "version": 5, "type": 6}
+PROBE = """
+#include <stdlib.h>
+int main(int argc, char **argv)
+{
+    volatile char *bytes = calloc(4, 1);
+    int found = bytes[argc == 1 ? 3 : 4];
+
+    (void)argv;
+    free((void *)bytes);
+    return found != 0;
+}
+"""
 LIVES = 150
 SEEDS = (1, 2)
 
@@ -23,13 +35,13 @@ def run(command, text=""):
 
 @pytest.fixture(scope="module")
 def sanitizing_compiler(tmp_path_factory):
-    """A compiler whose sanitized programs run here."""
+    """A compiler whose sanitized programs run here and are stopped where they read too far."""
     folder = tmp_path_factory.mktemp("probe")
     source, program = folder / "probe.c", folder / "probe"
-    source.write_text("int main(void) { return 0; }\n", encoding="utf-8")
+    source.write_text(PROBE, encoding="utf-8")
     for compiler in compilers():
         said = compile_with(compiler, [*SANITIZE, str(source)], program)
-        if not said and run([str(program)])[0] == 0:
+        if not said and run([str(program)])[0] == 0 and run([str(program), "far"])[0] != 0:
             return compiler
     pytest.skip("no C compiler here makes programs with -fsanitize=address,undefined")
 
