@@ -275,15 +275,6 @@ def test_the_board_answers_after_any_garbage(shared_bench, garbage):
     connect(shared_bench)
 
 
-@pytest.fixture(scope="module")
-def shared_bench():
-    from conftest import Bench  # noqa: PLC0415
-
-    made = Bench()
-    yield made
-    made.close()
-
-
 def test_sequence_numbers_have_no_gap(bench):
     run(bench)
     bench.cell.strike(PULSE_DELAY, float(PEAK_COUNTS))
