@@ -30,6 +30,7 @@ from protocols.session.hdf5 import read_session  # noqa: E402
 from protocols.session.recovery import rebuild  # noqa: E402
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe  # noqa: E402
 from tui.demo import DEMO_TIME_SCALE, run_demo  # noqa: E402
+from tui.exchange import add_exchange_commands  # noqa: E402
 from tui.fit import fit_session  # noqa: E402
 from tui.results import identification_json, identification_tables  # noqa: E402
 
@@ -219,8 +220,10 @@ def fit(session: SessionPath, as_json: Json = False) -> None:
     value, table = fit_session(read_session(session))
     if as_json:
         _print_json(value)
-    else:
-        out.print(table)
+        return
+    out.print(table)
+    for note in value["warnings"]:
+        out.print(f"note: {note}", markup=False)
 
 
 @app.command("identify")
@@ -290,6 +293,9 @@ def recover(
         return
     for name, value in summary.items():
         out.print(f"{name:<16}{value}", markup=False)
+
+
+add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
 
 
 def main() -> None:

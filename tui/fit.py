@@ -35,8 +35,9 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
             superset, superset.posture(frf.joints_rad), model.modes, frf.responses
         )
         for mode in model.modes:
-            share = joint_share(superset, measured, mode.shape)
-            structural = share < STRUCTURAL_SHARE
+            # Without an arm there are no joints to share a mode with.
+            share = joint_share(superset, measured, mode.shape) if superset.n_joints else None
+            structural = share is not None and share < STRUCTURAL_SHARE
             modes.append(
                 {
                     "posture": frf.posture,
@@ -57,8 +58,13 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
                 f"{100 * mode.damping_ratio:.2f}",
                 f"{100 * mode.damping_std:.2f}",
                 f"{mode.mpc:.3f}",
-                f"{share:.2f}",
+                "-" if share is None else f"{share:.2f}",
                 "structural" if structural else "",
             )
-    value = {"modes": modes, "synthesis_error": errors, "stabilisation": stabilisation}
+    value = {
+        "modes": modes,
+        "synthesis_error": errors,
+        "stabilisation": stabilisation,
+        "warnings": list(session.warnings),
+    }
     return value, table

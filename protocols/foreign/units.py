@@ -12,7 +12,9 @@ from protocols.errors import ForeignFileError
 from protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
 from protocols.frf_records import FrfForm
 
-__all__ = ["Scale", "frf_form", "frf_scale", "length_scale", "signal_scale", "unit"]
+__all__ = ["SI", "Scale", "frf_form", "frf_scale", "length_scale", "signal_scale", "unit"]
+
+SI = "SI"  # the unit that SI has for whatever quantity it is
 
 _G = 9.80665
 _INCH, _FOOT = 0.0254, 0.3048
@@ -130,6 +132,8 @@ def signal_scale(kind: int, label: str, units: UffUnits | None, origin: str) -> 
         If the units contradict one another.
     """
     wanted = _QUANTITIES.get(DataKind(kind))
+    if label == SI:
+        return Scale(1.0, assumed=False)
     told = unit(label) if label else None
     if label and told is None:
         raise ForeignFileError(
