@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.modal.noise import hit_scatter_variance, independent_line_share
+from analyzer.modal.noise import hit_scatter_variance, independent_line_share, smooth_lines
 from protocols.arrays import frozen_array
 from protocols.frf_records import FrequencyResponse
 from protocols.session.records import Session
@@ -27,6 +27,7 @@ __all__ = ["with_variance", "with_variances"]
 
 _LEAST_COHERENCE = 1e-6
 _FLOOR = 1e-10  # of |H|^2: five digits are as good as any analyser's calibration
+_HALF_WIDTH = 4  # lines, as the scatter of hits is smoothed
 _FEWEST = 2  # averages that a coherence below one needs
 
 
@@ -46,8 +47,9 @@ def with_variance(frf: FrequencyResponse) -> FrequencyResponse:
     Returns
     -------
     FrequencyResponse
-        Variance as for two averages (an upper bound) where their number is not told, and 0 (not
-        told) where there is no coherence or a single average.
+        Variance as for two averages (an upper bound) where their number is not told; of FRFs
+        without a coherence the relative one of those that have it, smoothed over lines; 0 (not
+        told) where none has one, or there was a single average.
     """
     told = np.isfinite(frf.coherence).all(axis=-1) & (frf.n_hits != 1)
     if not told.any():
@@ -60,5 +62,7 @@ def with_variance(frf: FrequencyResponse) -> FrequencyResponse:
     scatter = magnitude * (1.0 - coherence) / (coherence * several)
     share = independent_line_share(frf.decay_rad_s, float(np.min(np.diff(frf.freq_hz))))
     variance = hit_scatter_variance(scatter, _FLOOR * magnitude, magnitude, n_hits, share)
-    variance = np.where(told[..., None], variance, 0.0)
+    relative = np.median(variance[told].sum(axis=-1) / magnitude[told].sum(axis=-1))
+    like_the_others = relative * smooth_lines(magnitude, _HALF_WIDTH)
+    variance = np.where(told[..., None], variance, like_the_others)
     return replace(frf, variance=frozen_array(variance, np.float64))

@@ -172,9 +172,13 @@ def _one(contents: Sequence[Content], name: str, told: float | None, what: str) 
 def _say_uncertainty(
     coherence: npt.NDArray[np.float64], n_hits: int, what: str, said: list[str]
 ) -> None:
-    if np.isnan(coherence).all():
+    untold = int(np.count_nonzero(np.isnan(coherence).any(axis=-1)))
+    if untold == coherence[..., 0].size:
         said.append(f"{what}: no coherence: uncertainties come from the misfit alone")
-    elif n_hits == 0:
+        return
+    if untold:
+        said.append(f"{what}: {untold} FRFs have no coherence: they weigh like the others")
+    if n_hits == 0:
         said.append(
             f"{what}: the number of averages is not told: the scatter is bounded as for two; say "
             "`averages` in the manifest"

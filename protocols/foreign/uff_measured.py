@@ -97,7 +97,9 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
     others = {f.kind for f in file.functions} - {1, 4, 6}
     if others:
         said.add(f"{origin}: functions of type {sorted(others)} are not used")
-    measured, averages, decays = [], set(), set()
+    measured: list[ForeignFrf] = []
+    averages: set[int | None] = set()
+    decays: set[float | None] = set()
     for index, function in enumerate(frfs):
         where = f"{origin}: FRF {index + 1} ({_dof_words(function)})"
         if max(abs(function.response_direction), abs(function.reference_direction)) > 3:
@@ -105,13 +107,14 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
             continue
         measured.append(_frf(function, coherences, file.units, hints, where, said))
         words = _ESTIMATE.fullmatch(function.identification[1])
-        averages.add(int(words[1]) if words else None)
+        averages.add(int(words[1]) if words and words[1].strip("0") else None)
         decays.add(_number(words[2], where) if words else None)
-    if len(averages) > 1 or len(decays) > 1:
+    if len(decays) > 1:
         raise ForeignFileError(
-            f"{origin}: wanted FRFs of one number of averages and one window, got several; "
-            "export them to separate files"
+            f"{origin}: wanted FRFs of one window, got several; export them to separate files"
         )
+    if len(averages) > 1:
+        said.add(f"{origin}: FRFs differ in their number of averages; the smallest holds for all")
     nodes = file.nodes
     if nodes is not None:
         factor = length_scale(file.units, origin)
@@ -125,10 +128,15 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
         hits=tuple(_hits(times, file.units, hints, origin, said)),
         nodes=nodes,
         trace_lines=file.trace_lines,
-        averages=averages.pop() if averages else None,
+        averages=_fewest(averages),
         decay_rad_s=decays.pop() if decays else None,
         said=tuple(said.sentences),
     )
+
+
+def _fewest(averages: set[int | None]) -> int | None:
+    told = [number for number in averages if number is not None]
+    return min(told) if told and len(told) == len(averages) else None
 
 
 def _frf(
