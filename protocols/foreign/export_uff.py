@@ -38,6 +38,7 @@ _ALIGNED = 1e-9
 _ORTHOGONAL = 1e-6
 _EVEN = 1e-6  # of a line's spacing
 _LONGEST_TRACE = 250
+_LEAST_COHERENCE = 1e-12
 _NUMERATORS = {
     FrfForm.RECEPTANCE: (DataKind.DISPLACEMENT, "m"),
     FrfForm.MOBILITY: (DataKind.VELOCITY, "m/s"),
@@ -102,7 +103,7 @@ def posture_uff(
     if any(len(row.index) > 1 for row in rows):
         said.append(
             "responses were turned from the sensors' axes into the base frame; the coherence of "
-            "a turned axis is not known and not written"
+            "a turned axis takes the noise of the three as independent"
         )
     if frf.decay_rad_s > 0.0:
         said.append(
@@ -212,21 +213,41 @@ def _coherences(
     functions = []
     for j, reference in enumerate(frf.references):
         for row in rows:
-            if len(row.index) > 1 or not np.isfinite(frf.coherence[row.index[0], j]).all():
+            index = list(row.index)
+            if not np.isfinite(frf.coherence[index, j]).all():
                 continue
+            n_hits = int(frf.n_hits[index, j].min())
             functions.append(
                 UffFunction(
                     kind=FunctionKind.COHERENCE,
-                    values=frf.coherence[row.index[0], j],
+                    values=frozen_array(_coherence(frf, row, j), np.float64),
                     numerator=DataKind.UNKNOWN,
                     denominator=DataKind.UNKNOWN,
-                    identification=_identification(
-                        frf, row, reference, int(frf.n_hits[row.index[0], j])
-                    ),
+                    identification=_identification(frf, row, reference, n_hits),
                     **_place(frf, row, reference, numbers),
                 )
             )
     return functions
+
+
+def _coherence(frf: FrequencyResponse, row: _Row, j: int) -> npt.NDArray[np.float64]:
+    """Coherence of a row, (n_freq,); of a turned one from the noise of its parts.
+
+    Noise over force is |H|^2 (1 - g)/g for coherence g; independent parts add with their factors
+    squared.
+    """
+    index = list(row.index)
+    coherence = frf.coherence[index, j]
+    if len(index) == 1:
+        alone: npt.NDArray[np.float64] = frf.coherence[index[0], j]
+        return alone
+    factor = np.array(row.factor)
+    values = factor @ frf.values[index, j]
+    parts = np.abs(frf.values[index, j]) ** 2 / np.maximum(coherence, _LEAST_COHERENCE)
+    noise = factor**2 @ (parts * (1.0 - coherence))
+    size = np.abs(values) ** 2
+    turned: npt.NDArray[np.float64] = size / np.maximum(size + noise, np.finfo(float).tiny)
+    return turned
 
 
 def _place(frf: FrequencyResponse, row: _Row, reference: Dof, numbers: Mapping[str, int]) -> _Place:
