@@ -212,12 +212,18 @@ def acquire_command(
 
 
 @app.command()
-def fit(session: SessionPath, as_json: Json = False) -> None:
+def fit(
+    session: SessionPath,
+    band: Annotated[
+        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Fit modes in every posture of a session.
 
-    Example: armodal fit session.h5 --json
+    Example: armodal fit session.h5 --band 3 400 --json
     """
-    value, table = fit_session(read_session(session))
+    value, table = fit_session(read_session(session), band_hz=band)
     if as_json:
         _print_json(value)
         return

@@ -16,7 +16,9 @@ from protocols.session.records import Session
 __all__ = ["fit_session"]
 
 
-def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
+def fit_session(
+    session: Session, *, band_hz: tuple[float, float] | None = None
+) -> tuple[dict[str, Any], Table]:
     """Fit the modes of every posture; return them as plain values and as a table."""
     superset = Superset(session.header.arm)
     table = Table(title="Modes")
@@ -26,7 +28,7 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
     errors: dict[str, float] = {}
     stabilisation: dict[str, Any] = {}
     for frf in estimate_frfs(session, superset):
-        model = fit_modes(frf)
+        model = fit_modes(frf, band_hz=band_hz)
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = {"band_hz": list(model.band_hz)}
         if frf.joints_rad is None:

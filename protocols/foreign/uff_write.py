@@ -1,9 +1,10 @@
 """Universal files written by pyuff, and put right where its output loses or misstates a number.
 
 pyuff turns NaN into 0 without a word, writes the first abscissa and its step with six digits
-(off by 0.4 mHz at 800 Hz for a step of 51200/31/2048 Hz), and announces half the bytes of complex
-binary data. Values that are not finite are therefore refused, and both fields of the header are
-written anew, with as many digits as their 13 columns hold.
+(off by 0.4 mHz at 800 Hz for a step of 51200/31/2048 Hz), announces half the bytes of complex
+binary data and leaves the file of binary data open. Values that are not finite are therefore
+refused, both fields of the header are written anew with as many digits as their 13 columns hold,
+and of binary datasets pyuff makes the header only.
 """
 
 from __future__ import annotations
@@ -91,9 +92,8 @@ def _datasets(file: UffFile, *, binary: bool) -> Iterator[dict[str, Any]]:
 def _by_pyuff(content: dict[str, Any], scratch: Path) -> bytes:
     """Return the bytes pyuff makes of one dataset, its header put right."""
     kind = content["type"]
-    scratch.unlink(missing_ok=True)  # "overwrite" loses the header of binary data
     try:
-        pyuff.UFF(str(scratch)).write_sets([content], mode="add")
+        pyuff.UFF(str(scratch)).write_sets([{**content, "binary": 0}], mode="overwrite")
     except Exception as error:  # pyuff raises bare Exception throughout
         raise ForeignFileError(
             f"dataset {kind} cannot be written ({error}): a value has no place in its format"
@@ -104,18 +104,21 @@ def _by_pyuff(content: dict[str, Any], scratch: Path) -> bytes:
 
 def _repaired_58(data: bytes, content: dict[str, Any]) -> bytes:
     lines = data.split(b"\n", 2 + HEADER_LINES_58)
-    if content["binary"]:
-        numbers = 2 if np.iscomplexobj(content["data"]) else 1
-        numbers += 0 if content["abscissa_spacing"] else 1
-        n_bytes = 8 * numbers * len(content["data"])
-        # '%6i' 58, 'b', byte order, float format, lines of header, bytes of data.
-        lines[1] = lines[1][:31] + f"{n_bytes:12d}".encode() + lines[1][43:]
+    x, values = content["x"], content["data"]
     if content["abscissa_spacing"]:
-        x = content["x"]
         step = (x[-1] - x[0]) / (len(x) - 1)
         record = lines[8]
         lines[8] = record[:30] + _wide(x[0]) + _wide(step) + record[56:]
-    return b"\n".join(lines)
+    if not content["binary"]:
+        return b"\n".join(lines)
+    columns = [values.real, values.imag] if np.iscomplexobj(values) else [values]
+    if not content["abscissa_spacing"]:
+        columns.insert(0, x)
+    binary = np.stack(columns, axis=1).astype("<f8").tobytes()
+    # Little endian (1), IEEE 754 (2), lines of the header, bytes behind it.
+    fields = (HEADER_LINES_58, len(binary), 0, 0, 0, 0)
+    lines[1] = b"    58b     1     2" + b"%12d%12d%6d%6d%12d%12d" % fields
+    return b"\n".join(lines[:-1]) + b"\n" + binary + b"    -1\n"
 
 
 def _wide(value: float) -> bytes:
