@@ -34,8 +34,6 @@ AXES = ("x", "y", "z")
 
 _DOF = re.compile(r"([^:]{1,16})(?::([+-]?)([xyz]))?", re.IGNORECASE)
 _MOST_DENOMINATOR = 1000
-_RATE_ROUNDING = 1e-7  # a clock printed with seven digits
-_STEP_ROUNDING = 1e-3  # of a step: time axes are printed with few digits
 _COHERENCE_ROUNDING = 1e-6
 
 
@@ -140,8 +138,20 @@ def parse_dof(text: str, origin: str) -> ToldDof:
     return ToldDof(match[1], direction)
 
 
-def exact_rate(times_s: npt.NDArray[np.float64], origin: str) -> Fraction:
-    """Return the sampling rate of an even time axis as a simple fraction.
+def exact_rate(
+    times_s: npt.NDArray[np.float64], origin: str, *, rounding: float = 1e-7
+) -> Fraction:
+    """Return the sampling rate of an even time axis: the simplest within its rounding.
+
+    Parameters
+    ----------
+    times_s
+        (n,) times of the samples.
+    origin
+        How messages name the file.
+    rounding
+        Relative; a step written with six digits, as universal files have it, is off by up to
+        5e-6, so that 4096 Hz would come back as 4095.994.
 
     Raises
     ------
@@ -156,15 +166,16 @@ def exact_rate(times_s: npt.NDArray[np.float64], origin: str) -> Fraction:
     mean = float(times_s[-1] - times_s[0]) / (len(times_s) - 1)
     spread = float(np.max(np.abs(times_s - times_s[0] - mean * np.arange(len(times_s)))))
     # Times printed with few digits jump, but they do not drift.
-    if spread > max(0.5 * mean, _STEP_ROUNDING * mean) or not mean > 0.0:
+    if spread > 0.5 * mean or not mean > 0.0:
         raise ForeignFileError(
             f"{origin}: wanted evenly sampled times, they stray by {spread / mean:.2g} samples; "
             "resample the record"
         )
     rate = 1.0 / mean
-    simple = Fraction(rate).limit_denominator(_MOST_DENOMINATOR)
-    if simple > 0 and abs(float(simple) / rate - 1.0) < _RATE_ROUNDING:
-        return simple
+    for denominator in range(1, _MOST_DENOMINATOR + 1):
+        simple = Fraction(round(rate * denominator), denominator)
+        if abs(float(simple) / rate - 1.0) <= rounding:
+            return simple
     return Fraction(round(rate * 1e6), 10**6)
 
 

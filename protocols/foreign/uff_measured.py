@@ -38,8 +38,7 @@ from protocols.frf_records import FrfForm
 
 __all__ = ["direction_words", "estimate_words", "uff_content"]
 
-_RESPONSE = "response direction"
-_REFERENCE = "reference direction"
+_SIX_DIGITS = 5e-6  # relative: E13.5
 _FORCES = {DataKind.EXCITATION_FORCE, DataKind.REACTION_FORCE}
 _DIRECTION = re.compile(r"armodal (response|reference) direction (\S+) (\S+) (\S+)")
 _ESTIMATE = re.compile(r"armodal averages (\d{1,6}), window decay (\S{1,30}) rad/s")
@@ -293,7 +292,7 @@ def _hit(
         signals.append(values * scale.factor)
     return ForeignHit(
         origin=where,
-        rate_hz=exact_rate(np.asarray(first.abscissa), where),
+        rate_hz=exact_rate(np.asarray(first.abscissa), where, rounding=_SIX_DIGITS),
         force_n=frozen_array(signals[0], np.float64),
         acceleration_m_s2=frozen_array(np.stack(signals[1:]), np.float64),
         hit=_response(first),
