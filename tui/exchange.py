@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,7 +20,11 @@ from analyzer.given_frfs import with_variances
 from analyzer.identification.identify import estimate_frfs, identify
 from analyzer.identification.records import Identification
 from analyzer.modal import ModalModel, fit_modes
+from daq.blocks import CapturedBlock
+from daq.judge import channels_of, judge_record
 from protocols.arm.updated import JointValues, arm_text_with
+from protocols.arrays import frozen_array
+from protocols.board.records import BlockInfo
 from protocols.errors import EstimateError, ForeignFileError
 from protocols.foreign.export_uff import ExportedMode, posture_uff
 from protocols.foreign.import_session import import_session
@@ -27,10 +32,12 @@ from protocols.foreign.manifest import load_manifest
 from protocols.foreign.mat import write_mat
 from protocols.foreign.uff_write import write_uff
 from protocols.session.hdf5 import Provenance, read_session, write_session
-from protocols.session.records import Session
+from protocols.session.records import Hit, Session
 from tui.results import identification_json
 
 __all__ = ["add_exchange_commands", "export_model", "export_session", "import_manifest"]
+
+_FINER = 2**8  # imported counts to a step of 24 bits at half range
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
@@ -39,7 +46,7 @@ def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session
     """Write the session a manifest describes; return it and a summary in plain values."""
     created = datetime.now(UTC).isoformat(timespec="seconds")
     session = import_session(load_manifest(path), created=created, software=software)
-    session = with_variances(session)
+    session = with_variances(_judged(session))
     write_session(session, output, provenance=Provenance(journal_sha256=None, software=software))
     return session, {
         "session": str(output),
@@ -52,11 +59,50 @@ def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session
     }
 
 
+def _judged(session: Session) -> Session:
+    """Return the session with every hit judged as one of our own would be.
+
+    Imported counts are finer than the board's 24 bits, and their range is not told: the judge gets
+    them at half of its range, so that no hit is an overload.
+    """
+    header = session.header
+    channels = tuple(
+        replace(channel, scale=channel.scale * _FINER)
+        for channel in channels_of(header.dictionary, header.channel_mask)
+    )
+    hits: list[Hit] = []
+    warnings = list(session.warnings)
+    for hit in session.hits:
+        counts = frozen_array(np.rint(hit.counts / _FINER), np.int32)
+        info = BlockInfo(
+            block_id=hit.number,
+            first_sample=hit.first_sample,
+            length=len(counts),
+            trigger_sample=hit.trigger_sample,
+            trigger_ticks=0,
+        )
+        block = CapturedBlock(
+            info=info,
+            first_sample=hit.first_sample,
+            counts=counts,
+            missing=0,
+            last_data_s=hit.trigger_host_s,
+            announced_s=hit.trigger_host_s,
+        )
+        verdict = judge_record(block, channels, header.plan.sampling, header.plan.trigger)
+        notes = (*hit.verdict.notes, *verdict.notes)
+        hits.append(replace(hit, verdict=replace(verdict, notes=notes)))
+        if not verdict.accepted:
+            warnings.append(f"{hit.verdict.notes[0]}: rejected: {', '.join(verdict.reasons)}")
+    return replace(session, hits=tuple(hits), warnings=tuple(warnings))
+
+
 def _posture_summary(session: Session, name: str) -> dict[str, Any]:
-    hits = session.accepted(name)
+    hits = [hit for hit in session.hits if hit.posture == name]
     if hits:
         points = dict.fromkeys(hit.sensor_point for hit in hits)
-        return {"posture": name, "hits": len(hits), "points": list(points)}
+        accepted = len(session.accepted(name))
+        return {"posture": name, "hits": len(hits), "accepted": accepted, "points": list(points)}
     frf = next(frf for frf in session.frfs if frf.posture == name)
     return {
         "posture": name,
@@ -168,7 +214,9 @@ def add_exchange_commands(
             sys.stdout.write(json.dumps(summary, indent=2) + "\n")
             return
         for posture in summary["postures"]:
-            what = f"{posture['hits']} hits" if "hits" in posture else f"{posture['frfs']} FRFs"
+            what = f"{posture.get('frfs')} FRFs"
+            if "hits" in posture:
+                what = f"{posture['hits']} hits, {posture['accepted']} accepted"
             out.print(f"{posture['posture']}: {what}", markup=False)
         for text in summary["warnings"]:
             out.print(f"note: {text}", markup=False)

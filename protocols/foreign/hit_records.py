@@ -20,7 +20,7 @@ from protocols.session.records import Hit, JointReading, Verdict
 __all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger"]
 
 _TRIGGER_SHARE = 0.05  # of the peak force: where the pulse begins
-_COUNTS = 2**30  # of the largest value: 64 times finer than a 24-bit converter
+_COUNTS = 2**30  # of the largest value: 256 times finer than a 24-bit converter at half range
 _ORTHOGONAL = 1e-6
 
 
@@ -157,7 +157,7 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
 
 
 def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple[Hit, ...]:
-    """Return the hits of a session; all must share length, rate and channels.
+    """Return the hits of a session, not yet judged; all must share length, rate and channels.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
         verdict = Verdict(
             accepted=True,
             reasons=(),
-            notes=(f"imported from {hit.origin[:200]}, not judged",),
+            notes=(f"imported from {hit.origin[:200]}",),
             peak_n=float(np.max(hit.signals[0])),
             width_s=float("nan"),
         )

@@ -177,6 +177,29 @@ def test_identify_of_a_plain_structure_is_one_message(tmp_path, run):
     assert "without an arm" in err
 
 
+def test_imported_hits_are_judged_like_our_own(tmp_path, run):
+    rate = 4096
+    t = np.arange(4096) / rate
+
+    def pulse(at_s, peak_n):
+        phase = (t - at_s) / 3e-3
+        return np.where((phase > 0) & (phase < 1), peak_n * np.sin(np.pi * phase), 0.0)
+
+    ring = np.where(t > 0.1, np.exp(-8 * (t - 0.1)) * np.sin(2 * np.pi * 60 * (t - 0.1)), 0.0)
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, len(t)))
+    for name, force in (
+        ("good", pulse(0.1, 50)),
+        ("double", pulse(0.1, 50) + pulse(0.12, 20)),
+    ):
+        np.save(tmp_path / f"{name}.npy", np.vstack([t, force + noise[0], ring + noise[1]]))
+    manifest = plain(tmp_path, '["good.npy", "double.npy"]')
+    code, out, _ = run("import", manifest, "--out", tmp_path / "s.h5", "--json")
+    assert code == 0
+    said = json.loads(out)
+    assert said["postures"][0]["accepted"] == 1
+    assert any("double.npy: rejected: double" in text for text in said["warnings"])
+
+
 def test_exported_files_are_named_by_number_not_by_posture(tmp_path, run):
     uff(tmp_path / "a.uff")
     text = plain(tmp_path, '["a.uff"]').read_text()
