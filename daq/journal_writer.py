@@ -32,6 +32,7 @@ class JournalWriter:
         self.path = path
         self.last_commit_s = 0.0
         self._fd = fd
+        self._broken = False
 
     @classmethod
     def create(cls, path: Path, header: SessionHeader) -> JournalWriter:
@@ -93,18 +94,27 @@ class JournalWriter:
     def append(self, record: bytes) -> float:
         """Append a record and return, once it is durable, the wall seconds that took.
 
+        After a refusal nobody knows what reached the disk, so nothing is appended behind it any
+        more: what was written of the record is cut off again, and the session must end.
+
         Raises
         ------
         JournalError
-            If the disk refuses; the record then does not count.
+            If the disk refuses, or refused before; the record then does not count.
         """
+        if self._broken:
+            raise JournalError(f"{self.path} takes no more records since the disk refused one")
         begun = time.monotonic()
+        good_end = os.fstat(self._fd).st_size
         rest = memoryview(record)
         try:
             while rest:
                 rest = rest[os.write(self._fd, rest) :]
             _make_durable(self._fd)
         except OSError as error:
+            self._broken = True
+            with suppress(OSError):
+                os.ftruncate(self._fd, good_end)
             raise _cannot("write", self.path, error) from error
         self.last_commit_s = time.monotonic() - begun
         return self.last_commit_s

@@ -23,7 +23,7 @@ from analyzer.identification.parameters import FitState, axis_frame
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
 
-__all__ = ["PostureData", "posture_data", "predict"]
+__all__ = ["PostureData", "posture_data", "predict", "predict_with_derivatives"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -119,44 +119,59 @@ def _to_sensor_axes(
     return turn
 
 
-def predict(
-    superset: Superset, data: PostureData, state: FitState, posture: int, *, derivatives: bool
-) -> tuple[ComplexArray, ComplexArray | None]:
+def predict(superset: Superset, data: PostureData, state: FitState, posture: int) -> ComplexArray:
+    """Model FRFs of a posture.
+
+    Returns
+    -------
+    (n_mountings, n_refs, 3, n_lines) complex128
+        Accelerance in m/(N s²), gains included.
+    """
+    parts = _assemble(superset, data, state, posture)
+    X: ComplexArray = np.linalg.solve(parts.Z, _hits(parts))
+    return _response(parts, X, np.exp(state.log_gain))
+
+
+def predict_with_derivatives(
+    superset: Superset, data: PostureData, state: FitState, posture: int
+) -> tuple[ComplexArray, ComplexArray]:
     """Model FRFs of a posture, and their derivatives by every parameter.
 
     Returns
     -------
     y : (n_mountings, n_refs, 3, n_lines) complex128
         Accelerance in m/(N s²), gains included.
-    dy : (n_parameters, n_mountings, n_refs, 3, n_lines) complex128, or None
+    dy : (n_parameters, n_mountings, n_refs, 3, n_lines) complex128
     """
     parts = _assemble(superset, data, state, posture)
+    gain = np.exp(state.log_gain)
     # X: motion under the hit; Y: motion under unit loads at the sensor's axes (Z is symmetric).
-    rhs = np.concatenate(
-        [np.broadcast_to(parts.b, (*parts.Z.shape[:2], *parts.b.shape)), parts.o], axis=-1
-    )
-    solved = np.linalg.solve(parts.Z, rhs)  # (mountings, lines, n, refs + 3)
+    solved = np.linalg.solve(parts.Z, np.concatenate([_hits(parts), parts.o], axis=-1))
     n_refs = parts.b.shape[1]
     X: ComplexArray = solved[..., :n_refs]
-    Y: ComplexArray = solved[..., n_refs:]
-    gain = np.exp(state.log_gain)
-    y = np.einsum("mlni,mlnr->mril", parts.o, X) * gain[:, None]
-    if not derivatives:
-        return y, None
-    Y = np.asarray(Y * gain)
-    dy = _derivatives(data, state, parts, X, Y)
-    n_free = len(dy)
-    out = np.zeros((n_free + 3 + state.hit_tilt_rad.size, *y.shape), dtype=np.complex128)
-    for row, value in enumerate(dy):
-        out[row] = value
+    Y: ComplexArray = solved[..., n_refs:] * gain
+    y = _response(parts, X, gain)
+    by_structure = _derivatives(data, state, parts, X, Y)
+    n_free = len(by_structure)
+    dy = np.zeros((n_free + 3 + state.hit_tilt_rad.size, *y.shape), dtype=np.complex128)
+    for row, value in enumerate(by_structure):
+        dy[row] = value
     for axis in range(3):
-        out[n_free + axis, :, :, axis] = y[:, :, axis]
+        dy[n_free + axis, :, :, axis] = y[:, :, axis]
     if data.one_direction:
         at = n_free + 3 + 2 * posture
         for side in range(2):
             tilted = parts.hit_linear[0].T @ axis_frame(data.hit_direction[0])[:, side]
-            out[at + side, :, 0] = np.einsum("mlni,n->mil", Y, tilted)
-    return y, out
+            dy[at + side, :, 0] = np.einsum("mlni,n->mil", Y, tilted)
+    return y, dy
+
+
+def _hits(parts: _Parts) -> ComplexArray:
+    return np.broadcast_to(parts.b, (*parts.Z.shape[:2], *parts.b.shape))
+
+
+def _response(parts: _Parts, X: ComplexArray, gain: Array) -> ComplexArray:
+    return np.asarray(np.einsum("mlni,mlnr->mril", parts.o, X) * gain[:, None])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

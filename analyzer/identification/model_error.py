@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.frf_fit import FrfFit, line_weights
-from analyzer.identification.frf_model import PostureData, predict
+from analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
 from protocols.arm.records import Arm, InertialLink
 
 __all__ = ["model_error_std"]
@@ -28,7 +28,7 @@ def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: 
     base, weighted_J = [], []
     H = np.diag(1.0 / fit.parameters.prior_std**2)
     for i, data in enumerate(postures):
-        y, dy = predict(superset, data, fit.state, i, derivatives=True)
+        y, dy = predict_with_derivatives(superset, data, fit.state, i)
         J = np.asarray(dy).reshape(len(H), -1)
         weighted = J.conj() * line_weights(data).ravel()
         H = H + (weighted @ J.T).real
@@ -40,7 +40,7 @@ def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: 
         gradient = np.zeros(len(H))
         for i, data in enumerate(postures):
             moved = replace(data, dynamics=other.posture(data.dynamics.joints_rad + angles))
-            y, _ = predict(other, moved, fit.state, i, derivatives=False)
+            y = predict(other, moved, fit.state, i)
             gradient -= (weighted_J[i] @ (y.ravel() - base[i])).real
         variance += np.linalg.solve(H, gradient) ** 2
     return np.sqrt(variance)

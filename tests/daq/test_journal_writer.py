@@ -124,6 +124,29 @@ def test_a_full_disk_is_said_and_the_record_does_not_count(header, path, monkeyp
     assert notes(path) == []
 
 
+def test_a_record_torn_by_a_full_disk_is_cut_off_and_nothing_follows_it(header, path, monkeypatch):
+    writer = JournalWriter.create(path, header)
+    writer.append(mark("one"))
+    good = path.read_bytes()
+    write, calls = os.write, []
+
+    def fills_up(fd: int, data: memoryview) -> int:
+        calls.append(fd)
+        if len(calls) > 1:
+            raise OSError(28, "No space left on device")
+        return write(fd, data[:5])
+
+    monkeypatch.setattr("daq.journal_writer.os.write", fills_up)
+    with pytest.raises(JournalError, match="No space left"):
+        writer.append(mark("two"))
+    monkeypatch.undo()
+    assert path.read_bytes() == good
+    with pytest.raises(JournalError, match="takes no more records"):
+        writer.append(mark("three"))
+    writer.close()
+    assert notes(path) == ["one"]
+
+
 def test_a_path_that_cannot_be_is_one_sentence(header, tmp_path):
     with pytest.raises(JournalError, match="cannot begin the journal"):
         JournalWriter.create(tmp_path / "no" / "such" / "folder", header)
