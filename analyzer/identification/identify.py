@@ -45,9 +45,14 @@ SEARCH_STRIDE = 4  # lines skipped while axes are searched
 
 
 def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyResponse, ...]:
-    """Accelerance of every planned posture with accepted hits, in plan order."""
+    """FRFs of every planned posture with accepted hits or given FRFs, in plan order."""
     frfs = []
+    given = {frf.posture: frf for frf in session.frfs}
+    n_axes = response_channels(session)
     for posture in session.header.plan.postures:
+        if posture.name in given:
+            frfs.append(given[posture.name])
+            continue
         if not session.accepted(posture.name):
             continue
         measured = [
@@ -57,9 +62,19 @@ def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyRespon
             if reading.joints_rad is not None
         ]
         rotation = superset.posture(np.mean(measured, axis=0)).point_rotation
-        directions = {p: rotation[i] for p, i in superset.point_index.items()}
+        directions = {p: rotation[i][:, :n_axes] for p, i in superset.point_index.items()}
         frfs.append(posture_frf(session, posture.name, directions))
     return tuple(frfs)
+
+
+def response_channels(session: Session) -> int:
+    """Return how many axes of the sensor were recorded."""
+    header = session.header
+    return sum(
+        channel.quantity == "acceleration"
+        for i, channel in enumerate(header.dictionary.channels)
+        if header.channel_mask >> i & 1
+    )
 
 
 def identify(session: Session, progress: Callable[[str], None] | None = None) -> Identification:
@@ -74,6 +89,11 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
     """
     say = progress or (lambda _: None)
     superset = Superset(session.header.arm)
+    if not superset.n_joints:
+        raise EstimateError(
+            "the session is of a structure without an arm: joints cannot be identified; "
+            "`armodal fit` gives its modes"
+        )
     validation = {p.name for p in session.header.plan.postures if p.validation}
     say("FRFs")
     frfs = estimate_frfs(session, superset)
