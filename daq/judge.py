@@ -39,7 +39,7 @@ class JudgeLimits:
         a clipped top, so it lies a little below 1.
     soft : lowest peak force, in trigger levels.
     late_s : longest time from trigger to peak; five samples are always allowed.
-    cut : largest force at either end of the record over the peak.
+    cut : force over the peak that the pulse must fall to on either side within the record.
     settled : largest pre-trigger vibration (rms) over the peak of the response.
     decayed : largest vibration at the record's end over the peak of the response, windowed.
     moved : largest change of a joint from before to after, in tolerances of the posture.
@@ -54,7 +54,7 @@ class JudgeLimits:
     clip: float = 0.98
     soft: float = 2.0
     late_s: float = 0.02
-    cut: float = 0.1
+    cut: float = 0.05
     settled: float = 0.15
     decayed: float = 0.05
     moved: float = 0.25
@@ -109,7 +109,12 @@ def judge_record(
     start = block.info.trigger_sample - block.first_sample
     force_n = _force(block, channels, start, rising=trigger.rising)
     pulses = find_pulses(
-        force_n, rate_hz, double=limits.double, noise=limits.noise, contact=limits.contact
+        force_n,
+        rate_hz,
+        highpass_hz=channels[force_column(channels)].highpass_hz,
+        double=limits.double,
+        noise=limits.noise,
+        contact=limits.contact,
     )
     if overloaded := clipped(block.counts, channels, limits.clip):
         found.reject("overload", "at the end of the range: " + ", ".join(overloaded))
@@ -191,13 +196,11 @@ class _Findings:
             or not -2 <= after <= max(5.0, self._limits.late_s * rate_hz)
         ):
             self.reject("late", f"peak {1e3 * after / rate_hz:.1f} ms after the trigger")
-        ends = (("before", force_n[:2]), ("after", force_n[-2:]))
-        least_n = max(
-            self._limits.cut * pulses.peak_n, self._limits.noise * pulses.noise_n / np.sqrt(2.0)
-        )
-        sides = [word for word, end in ends if float(end.mean()) > least_n]
-        if sides:
-            self.reject("cut-off", f"part of the pulse lies {' and '.join(sides)} the record")
+        least_n = self._limits.cut * pulses.peak_n
+        sides = (("before", force_n[: pulses.peak_at]), ("after", force_n[pulses.peak_at + 1 :]))
+        cut = [word for word, side in sides if side.min(initial=np.inf) > least_n]
+        if cut:
+            self.reject("cut-off", f"part of the pulse lies {' and '.join(cut)} the record")
 
     def width(self, pulses: Pulses) -> None:
         """Say what a narrow pulse does not tell."""

@@ -1,18 +1,19 @@
-r"""What the anti-alias filter of a board makes of one short pulse.
+r"""What the anti-alias filter of a board makes of one narrow pulse, taken off the record.
 
-A steep low-pass rings at its cut-off, after the pulse, and before it too if its phase is linear. A
-board does not say which filter it has, so the lobes are bounded over a bank of the usual ones:
-half-sines from half a sample to six samples wide, at four positions between the samples, through
-elliptic, Chebyshev, Butterworth and linear-phase filters cut off at 0.30 to 0.49 of the sampling
-rate.
+A steep low-pass rings at its cut-off, 0.3 to 0.5 of the sampling rate, after a narrow pulse, and
+before it too if its phase is linear: lobes of up to 20 % of the peak that no second pulse made. A
+board does not say which filter it has, so the record is compared with a bank of templates: pulses
+of half to six samples, sine and sine squared, at eight positions between the samples, through
+elliptic, Chebyshev, Butterworth, Bessel and linear-phase filters of six cut-offs. The template
+nearest to the eight samples about the peak predicts the lobes outside them, and is subtracted.
 
-The binomial kernel (1, 4, 6, 4, 1)/16 has the gain :math:`\cos^4(\pi f / f_s)`, 12 % at 0.3 and
-1 % at 0.4 of the rate: behind it little is left of the ringing, and of a pulse of two samples a
-good half.
+What is left lies mostly near the cut-off. The kernel (1, 2, 1)/4 has the gain
+:math:`\cos^2(\pi f / f_s)`, 35 % at 0.3 and 10 % at 0.4 of the rate. For pulses too wide to make
+a filter ring much, (1, 4, 6, 4, 1)/16, its square, is enough without a template.
 
 References
 ----------
-Filters: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. (2010), ch. 4.8 and 7.
+Filters: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. (2010), ch. 7 and app. B.
 """
 
 from __future__ import annotations
@@ -23,60 +24,69 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-__all__ = ["REACH", "SMOOTHING", "largest_lobes", "smoothed"]
+__all__ = ["AFTER", "BEFORE", "NARROW_KERNEL", "WIDE_KERNEL", "without_narrow_pulse"]
 
 Array = npt.NDArray[np.float64]
 
-SMOOTHING: Array = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
-REACH = 32  # samples on either side of the peak that the lobes are followed
+NARROW_KERNEL: Array = np.array([1.0, 2.0, 1.0]) / 4.0
+WIDE_KERNEL: Array = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
+BEFORE, AFTER = 4, 3  # samples from the peak that are compared
 
-_N = 4 * REACH
-_PER_SAMPLE = 4  # positions of the pulse between two samples
-_WIDTHS = (0.5, 1.5, 2.0, 3.0, 4.0, 6.0)
-_CUTOFFS = (0.30, 0.35, 0.42, 0.49)
-_ALIKE = 0.5  # samples of half width that pulses of the bank may differ from the recorded one
-
-
-def smoothed(force: Array) -> Array:
-    """Force behind the binomial kernel, of the same length."""
-    return np.convolve(force, SMOOTHING, mode="same")
+_N = 128  # samples of a template, its peak in the middle
+_POSITIONS = 8
+_WIDTHS = (0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
+_CUTOFFS = (0.30, 0.34, 0.38, 0.42, 0.46, 0.50)
+_FALL = 0.08  # transition of the linear-phase filters, over the sampling rate
+_FINE = 24  # grid points a sample on which pulses are drawn
 
 
-def largest_lobes(half_width: float) -> Array:
-    """Largest side lobe one pulse may leave in the smoothed force, by its distance.
+def without_narrow_pulse(force: Array, peak_at: int) -> Array:
+    """Force less the template nearest to it from 4 samples before its peak to 3 after.
 
     Parameters
     ----------
-    half_width
-        Full width at half the peak, in samples, as recorded.
+    force : (n,)
+        Force about zero between pulses.
+    peak_at
+        Its highest sample.
 
     Returns
     -------
-    (REACH,) float64
-        Prominence over the peak of lobes 1, 2, ... samples from the peak or farther, over all
-        pulses of the bank recorded about as wide. Zero for pulses too wide to make the filter ring.
+    (n,) float64
+        Within those eight samples, what no template explains; beyond them, other pulses and noise.
     """
-    widths, lobes = _bank()
-    alike = np.abs(widths - max(half_width, float(widths.min()))) <= _ALIKE
-    largest: Array = lobes[alike].max(axis=0, initial=0.0)
-    return largest
+    templates = _templates()
+    middle = _N // 2
+    first, last = max(peak_at - BEFORE, 0), min(peak_at + AFTER + 1, len(force))
+    part = force[first:last]
+    near = templates[:, middle + first - peak_at : middle + last - peak_at]
+    energy = np.einsum("ij,ij->i", near, near)
+    scale = near @ part / energy
+    best = int(np.argmax(scale**2 * energy))  # least squares: what the template takes away
+    first, last = max(peak_at - middle, 0), min(peak_at + middle, len(force))
+    rest = force.copy()
+    rest[first:last] -= (
+        scale[best] * templates[best, middle + first - peak_at : middle + last - peak_at]
+    )
+    return rest
 
 
 @lru_cache(maxsize=1)
-def _bank() -> tuple[Array, Array]:
-    """Recorded half width of every pulse of the bank, and its lobes (n_pulses, REACH)."""
-    n_fine = 24 * _N
-    freq = np.arange(_N * _PER_SAMPLE // 2) / _N
-    t = np.arange(n_fine) * (_N / n_fine) - _N / 2
-    pulses = [np.sin(np.pi * np.clip(t / width + 0.5, 0.0, 1.0)) for width in _WIDTHS]
-    spectra = np.fft.rfft(np.array(pulses), axis=1)[:, : len(freq)]
+def _templates() -> Array:
+    """Recorded pulses of unit peak, (n_templates, _N)."""
+    t = np.arange(_FINE * _N) / _FINE - _N / 2
+    x = np.clip(t / np.array(_WIDTHS)[:, None] + 0.5, 0.0, 1.0)
+    pulses = np.concatenate([np.sin(np.pi * x), np.sin(np.pi * x) ** 2])
+    freq = np.arange(2 * _N) / _N  # over the sampling rate; nothing passes beyond twice of it
+    spectra = np.fft.rfft(pulses, axis=1)[:, : len(freq)]
     passed = spectra[:, None, :] * _responses(freq)
-    dense = np.fft.irfft(passed, _N * _PER_SAMPLE, axis=2).reshape(-1, _N, _PER_SAMPLE)
+    dense = np.fft.irfft(passed, _N * _POSITIONS, axis=2).reshape(-1, _N, _POSITIONS)
     records = dense.transpose(0, 2, 1).reshape(-1, _N)
     shift = np.argmax(records, axis=1)[:, None] - _N // 2
     records = np.take_along_axis(records, (np.arange(_N) + shift) % _N, axis=1)
-    widths = np.array([_half_width(record) for record in records])
-    return widths, np.array([_lobes(smoothed(record)) for record in records])
+    unit: Array = records / records[:, _N // 2, None]
+    unit.flags.writeable = False
+    return unit
 
 
 def _responses(freq: Array) -> npt.NDArray[np.complex128]:
@@ -88,29 +98,10 @@ def _responses(freq: Array) -> npt.NDArray[np.complex128]:
             signal.ellip(7, 0.1, 80.0, corner, analog=True),
             signal.cheby1(8, 0.1, corner, analog=True),
             signal.butter(8, corner, analog=True),
+            signal.bessel(6, corner, analog=True, norm="mag"),
         ):
-            rows.append(np.asarray(signal.freqs(b, a, 2.0 * np.pi * freq)[1], dtype=np.complex128))
-        fall = np.clip((freq - cutoff) / 0.08, 0.0, 1.0)
+            response = signal.freqs(b, a, 2.0 * np.pi * freq)[1]
+            rows.append(np.asarray(response, dtype=np.complex128))
+        fall = np.clip((freq - cutoff) / _FALL, 0.0, 1.0)
         rows.append((0.5 + 0.5 * np.cos(np.pi * fall)).astype(np.complex128))
     return np.array(rows)
-
-
-def _half_width(record: Array) -> float:
-    """Full width at half the peak, in samples, by straight lines."""
-    half = 0.5 * record[_N // 2]
-    left = _N // 2 - int(np.argmax(record[_N // 2 :: -1] < half))
-    right = _N // 2 + int(np.argmax(record[_N // 2 :] < half))
-    rise = left + (half - record[left]) / (record[left + 1] - record[left])
-    fall = right - (half - record[right]) / (record[right - 1] - record[right])
-    return float(fall - rise)
-
-
-def _lobes(record: Array) -> Array:
-    """Prominence over the peak of the largest lobe at least 1, 2, ... samples from it."""
-    top = int(np.argmax(record))
-    peaks, found = signal.find_peaks(record, prominence=1e-3 * record[top])
-    lobes = np.zeros(_N)
-    np.maximum.at(lobes, np.abs(peaks - top), found["prominences"] / record[top])
-    lobes[0] = 0.0
-    farther: Array = np.maximum.accumulate(lobes[::-1])[::-1]
-    return farther[1 : REACH + 1]

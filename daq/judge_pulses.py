@@ -1,10 +1,13 @@
 """The pulses in a force record: the highest, and every other one.
 
-A second pulse is a local maximum of the smoothed force that stands out from its surroundings by
-more than (1) a share of the highest, (2) the noise, (3) what an anti-alias filter could leave at
-that distance from one pulse as narrow as the highest. Smoothing is the binomial kernel of
-`judge_anti_alias`, and for wide pulses a Gaussian of an eighth of their width besides, behind
-which noise is smaller.
+Another pulse is a local maximum that stands out from its surroundings by more than a share of the
+highest, and more than the noise. Where it is looked for depends on the highest pulse's width:
+
+- narrower than 2.75 samples at half its peak: in what the templates of `judge_anti_alias` leave,
+  smoothed by (1, 2, 1)/4, outside the eight samples they were compared on;
+- wider: in the force smoothed by (1, 4, 6, 4, 1)/16;
+- wider than twelve: besides, in the force behind a Gaussian of an eighth of the width, where noise
+  is smaller.
 """
 
 from __future__ import annotations
@@ -16,20 +19,23 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
-from daq.judge_anti_alias import REACH, SMOOTHING, largest_lobes, smoothed
-from daq.judge_disturbance import without_disturbance
+from daq.judge_anti_alias import AFTER, BEFORE, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
+from daq.judge_disturbance import without_disturbance, without_undershoot
 
-__all__ = ["FEWEST_QUIET", "OtherPulse", "Pulses", "find_pulses", "half_width"]
+__all__ = ["FEWEST_QUIET", "OtherPulse", "Pulses", "find_pulses"]
 
 Signal = npt.NDArray[np.float64]
 
 FEWEST_QUIET = 16
+_NARROW = 2.75  # half width in samples below which the filter's lobes count
 _WIDE = 12.0  # half width in samples from which the Gaussian is used besides
 _GAUSSIAN = 0.12  # its standard deviation over the half width
 _TOP = 0.25  # of the half width to either side belongs to one maximum
-_LOBE_MARGIN = 1.25  # filters outside the bank
-_STANDING = 0.5  # height over prominence that a pulse needs at least: undershoot takes some
+_STANDING = 0.5  # least height over prominence: undershoot takes some
+_BESIDE = 1.2  # half widths from the peak on that are beside the pulse
+_RINGING = 32  # samples that an anti-alias filter may ring on
 _MAD = 1.4826  # standard deviation over median absolute deviation, normal noise
+_FAR = 4.0  # standard deviations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +67,13 @@ class Pulses:
 
 
 def find_pulses(
-    force_n: Signal, rate_hz: float, *, double: float, noise: float, contact: float
+    force_n: Signal,
+    rate_hz: float,
+    *,
+    highpass_hz: float,
+    double: float,
+    noise: float,
+    contact: float,
 ) -> Pulses:
     """Find the pulses of a record.
 
@@ -71,6 +83,8 @@ def find_pulses(
         Force, pulses upwards, about zero between them.
     rate_hz
         Sampling rate.
+    highpass_hz
+        First-order corner of the force channel; 0 is DC coupled.
     double
         Prominence over the highest from which a maximum is another pulse.
     noise
@@ -79,52 +93,59 @@ def find_pulses(
         Force between two pulses over the lower one from which the hammer has not let go.
     """
     peak_at = int(np.argmax(force_n))
-    width = half_width(force_n, peak_at)
-    reach = 3.0 * (width if np.isfinite(width) else 0.0) + REACH
-    beside = np.abs(np.arange(len(force_n)) - peak_at) > reach
-    level = without_disturbance(force_n, rate_hz, beside)
-    peak_n = float(force_n[peak_at])
-    noise_n = _deviation(level[beside])
-    if len(force_n) < len(SMOOTHING) or peak_n <= 0.0:
-        return Pulses(
-            peak_at=peak_at, peak_n=peak_n, half_width=width, noise_n=noise_n, hidden=0.0, others=()
-        )
-    smooth = smoothed(level)
-    main = int(np.argmax(smooth))
-    versions = [(smooth, _allowed(len(smooth), main, width, double), 1.0)]
-    if width > _WIDE:
-        broad = gaussian_filter1d(level, _GAUSSIAN * width, mode="nearest")
-        versions.append((broad, np.full(len(broad), double), _TOP * width))
-    found: dict[int, float] = {}
+    width = _half_width(force_n, peak_at)
+    known_width = width if np.isfinite(width) else 0.0
+    beside = np.abs(np.arange(len(force_n)) - peak_at) > _BESIDE * known_width + _RINGING
+    level = without_undershoot(force_n, rate_hz, highpass_hz)
+    if noise * _deviation(level[beside]) > double * force_n[peak_at]:
+        level = without_disturbance(level, rate_hz, beside)
+    others: dict[int, float] = {}
     hidden = np.inf
-    for signal, share, top in versions:
-        highest_n = float(signal.max())
-        floor_n = noise * _deviation(signal[beside])
-        hidden = min(hidden, floor_n / highest_n)
-        for at in _peaks(signal, share * highest_n, floor_n):
-            if all(abs(at - known) > max(_TOP * width, 2.0) for known in found) and (
-                abs(at - main) > top
-            ):
-                found[at] = float(signal[at]) / highest_n
-    others = tuple(
-        OtherPulse(
-            at=at,
-            share=found[at],
-            released=_lowest(level, at, main) < contact * min(found[at], 1.0) * peak_n,
-        )
-        for at in sorted(found)
-    )
+    main = peak_at
+    if len(force_n) >= len(WIDE_KERNEL) and force_n[peak_at] > 0.0:
+        smooth = np.convolve(level, WIDE_KERNEL, mode="same")
+        main = int(np.argmax(smooth))
+        for signal, highest_n, before, after in _views(level, smooth, main, width):
+            floor_n = noise * _deviation(signal[beside])
+            hidden = min(hidden, floor_n / highest_n)
+            for at in _maxima(signal, double * highest_n, floor_n):
+                apart = all(abs(at - other) > max(_TOP * known_width, 2.0) for other in others)
+                if apart and not -before <= at - main <= after:
+                    others[at] = float(signal[at]) / highest_n
     return Pulses(
         peak_at=peak_at,
-        peak_n=peak_n,
+        peak_n=float(force_n[peak_at]),
         half_width=width,
-        noise_n=noise_n,
+        noise_n=_deviation(level[beside]),
         hidden=float(hidden),
-        others=others,
+        others=tuple(
+            OtherPulse(
+                at=at,
+                share=share,
+                released=_lowest(level, at, main) < contact * min(share, 1.0) * level[main],
+            )
+            for at, share in sorted(others.items())
+        ),
     )
 
 
-def half_width(force_n: Signal, peak_at: int) -> float:
+def _views(
+    level: Signal, smooth: Signal, main: int, width: float
+) -> list[tuple[Signal, float, float, float]]:
+    """Signals to look for maxima in: highest value, samples of the pulse before and after."""
+    highest_n = float(smooth[main])
+    if width < _NARROW:
+        top = main + int(np.argmax(level[max(main - 1, 0) : main + 2])) - min(main, 1)
+        rest = np.convolve(without_narrow_pulse(level, top), NARROW_KERNEL, mode="same")
+        return [(rest, float(level[top]), BEFORE + top - main - 1, AFTER + top - main)]
+    views = [(smooth, highest_n, 0.0, 0.0)]
+    if width > _WIDE:
+        broad = gaussian_filter1d(level, _GAUSSIAN * width, mode="nearest")
+        views.append((broad, float(broad.max()), _TOP * width, _TOP * width))
+    return views
+
+
+def _half_width(force_n: Signal, peak_at: int) -> float:
     """Full width at half the peak in samples, by straight lines; nan where the record ends."""
     half = 0.5 * force_n[peak_at]
     below = np.flatnonzero(force_n < half)
@@ -137,30 +158,28 @@ def half_width(force_n: Signal, peak_at: int) -> float:
     return float(fall - rise)
 
 
-def _allowed(n: int, peak_at: int, width: float, double: float) -> Signal:
-    """Share of the highest that a maximum must exceed at each sample to be a pulse."""
-    share = np.full(n, double)
-    if np.isfinite(width):
-        lobes = np.maximum(_LOBE_MARGIN * largest_lobes(width), double)
-        before = min(peak_at, REACH)
-        after = min(n - 1 - peak_at, REACH)
-        share[peak_at - before : peak_at] = lobes[:before][::-1]
-        share[peak_at + 1 : peak_at + 1 + after] = lobes[:after]
-    return share
-
-
-def _peaks(signal: Signal, least: Signal, floor: float) -> list[int]:
-    """Local maxima beside the highest that stand out by more than `least` and `floor`."""
-    lowest = max(float(least.min()), floor)
-    peaks, found = find_peaks(signal, height=max(_STANDING * lowest, floor), prominence=lowest)
-    return [int(peak) for peak in peaks[found["prominences"] >= least[peaks]]]
+def _maxima(signal: Signal, least_n: float, floor_n: float) -> list[int]:
+    """Local maxima that stand out by more than `least_n` and `floor_n`."""
+    peaks, _ = find_peaks(
+        signal, height=max(_STANDING * least_n, floor_n), prominence=max(least_n, floor_n)
+    )
+    return [int(peak) for peak in peaks]
 
 
 def _deviation(values: Signal) -> float:
-    """Standard deviation, from the median absolute deviation; 0 of too few values."""
-    if len(values) < FEWEST_QUIET:
-        return 0.0
-    return _MAD * float(np.median(np.abs(values - np.median(values))))
+    """Standard deviation from the median absolute deviation; 0 of too few values.
+
+    Values farther off than four of them are left out and the deviation is taken again, twice, so
+    that a second pulse hardly counts as noise.
+    """
+    deviation = 0.0
+    for _ in range(3):
+        if len(values) < FEWEST_QUIET:
+            break
+        off = np.abs(values - np.median(values))
+        deviation = _MAD * float(np.median(off))
+        values = values[off <= _FAR * deviation]
+    return deviation
 
 
 def _lowest(signal: Signal, first: int, second: int) -> float:
