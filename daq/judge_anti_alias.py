@@ -4,8 +4,9 @@ A steep low-pass rings at its cut-off, 0.3 to 0.5 of the sampling rate, after a 
 before it too if its phase is linear: lobes of up to 20 % of the peak that no second pulse made. A
 board does not say which filter it has, so the record is compared with a bank of templates: pulses
 of half to six samples, sine and sine squared, at eight positions between the samples, through
-elliptic, Chebyshev, Butterworth, Bessel and linear-phase filters of six cut-offs. The template
-nearest to the eight samples about the peak predicts the lobes outside them, and is subtracted.
+elliptic, Chebyshev, Butterworth, Bessel and linear-phase filters cut off at 0.30 to 0.50. The
+template nearest to the seven samples about the peak predicts the lobes outside them, and is
+subtracted.
 
 What is left lies mostly near the cut-off. The kernel (1, 2, 1)/4 has the gain
 :math:`\cos^2(\pi f / f_s)`, 35 % at 0.3 and 10 % at 0.4 of the rate. For pulses too wide to make
@@ -24,24 +25,24 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-__all__ = ["AFTER", "BEFORE", "NARROW_KERNEL", "WIDE_KERNEL", "without_narrow_pulse"]
+__all__ = ["COMPARED", "NARROW_KERNEL", "WIDE_KERNEL", "without_narrow_pulse"]
 
 Array = npt.NDArray[np.float64]
 
 NARROW_KERNEL: Array = np.array([1.0, 2.0, 1.0]) / 4.0
 WIDE_KERNEL: Array = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
-BEFORE, AFTER = 4, 3  # samples from the peak that are compared
+COMPARED = 3  # samples from the peak, to either side
 
 _N = 128  # samples of a template, its peak in the middle
 _POSITIONS = 8
 _WIDTHS = (0.5, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
-_CUTOFFS = (0.30, 0.34, 0.38, 0.42, 0.46, 0.50)
+_CUTOFFS = tuple(0.30 + 0.02 * k for k in range(11))
 _FALL = 0.08  # transition of the linear-phase filters, over the sampling rate
 _FINE = 24  # grid points a sample on which pulses are drawn
 
 
 def without_narrow_pulse(force: Array, peak_at: int) -> Array:
-    """Force less the template nearest to it from 4 samples before its peak to 3 after.
+    """Force less the template nearest to it within three samples of its peak.
 
     Parameters
     ----------
@@ -53,11 +54,11 @@ def without_narrow_pulse(force: Array, peak_at: int) -> Array:
     Returns
     -------
     (n,) float64
-        Within those eight samples, what no template explains; beyond them, other pulses and noise.
+        Within those seven samples, what no template explains; beyond them, other pulses and noise.
     """
     templates = _templates()
     middle = _N // 2
-    first, last = max(peak_at - BEFORE, 0), min(peak_at + AFTER + 1, len(force))
+    first, last = max(peak_at - COMPARED, 0), min(peak_at + COMPARED + 1, len(force))
     part = force[first:last]
     near = templates[:, middle + first - peak_at : middle + last - peak_at]
     energy = np.einsum("ij,ij->i", near, near)
@@ -96,6 +97,7 @@ def _responses(freq: Array) -> npt.NDArray[np.complex128]:
         corner = 2.0 * np.pi * cutoff
         for b, a in (
             signal.ellip(7, 0.1, 80.0, corner, analog=True),
+            signal.ellip(9, 0.3, 100.0, corner, analog=True),
             signal.cheby1(8, 0.1, corner, analog=True),
             signal.butter(8, corner, analog=True),
             signal.bessel(6, corner, analog=True, norm="mag"),

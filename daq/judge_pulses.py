@@ -4,7 +4,8 @@ Another pulse is a local maximum that stands out from its surroundings by more t
 highest, and more than the noise. Where it is looked for depends on the highest pulse's width:
 
 - narrower than 2.75 samples at half its peak: in what the templates of `judge_anti_alias` leave,
-  smoothed by (1, 2, 1)/4, outside the eight samples they were compared on;
+  smoothed by (1, 2, 1)/4, outside the seven samples they were compared on, and near the pulse
+  only what stands out half as much again as the deepest trough;
 - wider: in the force smoothed by (1, 4, 6, 4, 1)/16;
 - wider than twelve: besides, in the force behind a Gaussian of an eighth of the width, where noise
   is smaller.
@@ -19,7 +20,7 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
-from daq.judge_anti_alias import AFTER, BEFORE, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
+from daq.judge_anti_alias import COMPARED, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
 from daq.judge_disturbance import without_disturbance, without_undershoot
 
 __all__ = ["FEWEST_QUIET", "OtherPulse", "Pulses", "find_pulses"]
@@ -31,9 +32,10 @@ _NARROW = 2.75  # half width in samples below which the filter's lobes count
 _WIDE = 12.0  # half width in samples from which the Gaussian is used besides
 _GAUSSIAN = 0.12  # its standard deviation over the half width
 _TOP = 0.25  # of the half width to either side belongs to one maximum
-_STANDING = 0.5  # least height over prominence: undershoot takes some
+_STANDING = 0.75  # least height over prominence: undershoot takes some
 _BESIDE = 1.2  # half widths from the peak on that are beside the pulse
 _RINGING = 32  # samples that an anti-alias filter may ring on
+_ABOVE_TROUGHS = 1.5  # what is left of ringing swings both ways, a pulse hardly
 _MAD = 1.4826  # standard deviation over median absolute deviation, normal noise
 _FAR = 4.0  # standard deviations
 
@@ -105,13 +107,14 @@ def find_pulses(
     if len(force_n) >= len(WIDE_KERNEL) and force_n[peak_at] > 0.0:
         smooth = np.convolve(level, WIDE_KERNEL, mode="same")
         main = int(np.argmax(smooth))
-        for signal, highest_n, before, after in _views(level, smooth, main, width):
-            floor_n = noise * _deviation(signal[beside])
-            hidden = min(hidden, floor_n / highest_n)
-            for at in _maxima(signal, double * highest_n, floor_n):
+        for view in _views(level, smooth, main, width):
+            floor_n = noise * _deviation(view.signal[beside])
+            hidden = min(hidden, floor_n / view.highest_n)
+            for at in _maxima(view.signal, double * view.highest_n, floor_n):
                 apart = all(abs(at - other) > max(_TOP * known_width, 2.0) for other in others)
-                if apart and not -before <= at - main <= after:
-                    others[at] = float(signal[at]) / highest_n
+                clear = view.signal[at] >= view.least_near_n or abs(at - view.top) > _RINGING
+                if apart and clear and abs(at - view.top) > view.reach:
+                    others[at] = float(view.signal[at]) / view.highest_n
     return Pulses(
         peak_at=peak_at,
         peak_n=float(force_n[peak_at]),
@@ -129,19 +132,43 @@ def find_pulses(
     )
 
 
-def _views(
-    level: Signal, smooth: Signal, main: int, width: float
-) -> list[tuple[Signal, float, float, float]]:
-    """Signals to look for maxima in: highest value, samples of the pulse before and after."""
-    highest_n = float(smooth[main])
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _View:
+    """A signal to look for other pulses in.
+
+    Maxima within `reach` samples of `top` are the highest pulse's own; those as near as a filter
+    may ring must come to `least_near_n`.
+    """
+
+    signal: Signal
+    highest_n: float
+    top: int
+    reach: float
+    least_near_n: float = 0.0
+
+
+def _views(level: Signal, smooth: Signal, main: int, width: float) -> list[_View]:
     if width < _NARROW:
-        top = main + int(np.argmax(level[max(main - 1, 0) : main + 2])) - min(main, 1)
+        top = max(range(max(main - 1, 0), min(main + 2, len(level))), key=lambda i: level[i])
         rest = np.convolve(without_narrow_pulse(level, top), NARROW_KERNEL, mode="same")
-        return [(rest, float(level[top]), BEFORE + top - main - 1, AFTER + top - main)]
-    views = [(smooth, highest_n, 0.0, 0.0)]
+        near = np.abs(np.arange(len(rest)) - top)
+        troughs = rest[(near > COMPARED) & (near <= _RINGING)]
+        least_near_n = -_ABOVE_TROUGHS * float(troughs.min(initial=0.0))
+        return [
+            _View(
+                signal=rest,
+                highest_n=float(level[top]),
+                top=top,
+                reach=COMPARED,
+                least_near_n=least_near_n,
+            )
+        ]
+    views = [_View(signal=smooth, highest_n=float(smooth[main]), top=main, reach=0.0)]
     if width > _WIDE:
         broad = gaussian_filter1d(level, _GAUSSIAN * width, mode="nearest")
-        views.append((broad, float(broad.max()), _TOP * width, _TOP * width))
+        views.append(
+            _View(signal=broad, highest_n=float(broad.max()), top=main, reach=_TOP * width)
+        )
     return views
 
 

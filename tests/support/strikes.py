@@ -18,7 +18,16 @@ __all__ = ["FILTERS", "SHAPES", "Strike", "draw_strike", "force_record", "gap_of
 Array = npt.NDArray[np.float64]
 
 SHAPES = ("half-sine", "haversine", "skewed")
-FILTERS = ("elliptic", "chebyshev", "butterworth", "sigma-delta", "gaussian")
+FILTERS = (
+    "elliptic",
+    "elliptic-10",
+    "chebyshev",
+    "butterworth",
+    "sigma-delta",
+    "fir",
+    "gaussian",
+    "none",
+)
 END_SHARE = 0.02  # of a pulse's peak: where it ends
 _FINE_PER_PULSE = 48
 
@@ -110,7 +119,16 @@ def _response(strike: Strike, x: Array) -> npt.NDArray[np.complex128]:
     if strike.filter_kind == "gaussian":
         # -3 dB at 0.7 of the cut-off: the filter of a board made for transients.
         return np.exp(-0.5 * np.log(2.0) * (x / (0.7 * strike.cutoff)) ** 2).astype(np.complex128)
+    if strike.filter_kind == "none":
+        return np.ones(x.shape, dtype=np.complex128)
+    if strike.filter_kind == "fir":
+        # Windowed sinc of 41 samples, its delay taken off.
+        taps = signal.firwin(321, strike.cutoff, window=("kaiser", 6.0), fs=8.0)
+        return np.asarray(taps @ np.exp(-2j * np.pi * np.outer(np.arange(-160, 161) / 8.0, x)))
     corner = 2.0 * np.pi * strike.cutoff
+    if strike.filter_kind == "elliptic-10":
+        b, a = signal.ellip(10, 0.5, 100.0, corner, analog=True)
+        return np.asarray(signal.freqs(b, a, 2.0 * np.pi * x)[1], dtype=np.complex128)
     if strike.filter_kind == "elliptic":
         b, a = signal.ellip(7, 0.1, 80.0, corner, analog=True)
     elif strike.filter_kind == "chebyshev":
