@@ -11,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from daq.blocks import CapturedBlock
+from daq.judge_anti_alias import templates
 from daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, unsettled
 from daq.judge_pulses import FEWEST_QUIET, Pulses, find_pulses
 from protocols.board.records import BoardDictionary, Channel
 from protocols.plan_records import Sampling, Trigger
 from protocols.session.records import Verdict
 
-__all__ = ["FORCE", "JudgeLimits", "channels_of", "force_column", "judge_record"]
+__all__ = ["FORCE", "JudgeLimits", "channels_of", "force_column", "judge_record", "prepare_judge"]
 
 Signal = npt.NDArray[np.float64]
 
@@ -47,7 +48,7 @@ class JudgeLimits:
 
     double: float = 0.06
     contact: float = 0.25
-    narrow: float = 2.0
+    narrow: float = 2.2
     noise: float = 6.0
     noise_floor: float = 10.0
     hidden: float = 0.10
@@ -58,6 +59,11 @@ class JudgeLimits:
     settled: float = 0.15
     decayed: float = 0.05
     moved: float = 0.25
+
+
+def prepare_judge() -> None:
+    """Make the anti-alias templates, some 80 ms once a process, before a hit waits for them."""
+    templates()
 
 
 def channels_of(dictionary: BoardDictionary, channel_mask: int) -> tuple[Channel, ...]:

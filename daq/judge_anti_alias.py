@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-__all__ = ["COMPARED", "NARROW_KERNEL", "WIDE_KERNEL", "without_narrow_pulse"]
+__all__ = ["COMPARED", "NARROW_KERNEL", "WIDE_KERNEL", "templates", "without_narrow_pulse"]
 
 Array = npt.NDArray[np.float64]
 
@@ -56,24 +56,22 @@ def without_narrow_pulse(force: Array, peak_at: int) -> Array:
     (n,) float64
         Within those seven samples, what no template explains; beyond them, other pulses and noise.
     """
-    templates = _templates()
+    bank = templates()
     middle = _N // 2
     first, last = max(peak_at - COMPARED, 0), min(peak_at + COMPARED + 1, len(force))
     part = force[first:last]
-    near = templates[:, middle + first - peak_at : middle + last - peak_at]
+    near = bank[:, middle + first - peak_at : middle + last - peak_at]
     energy = np.einsum("ij,ij->i", near, near)
     scale = near @ part / energy
     best = int(np.argmax(scale**2 * energy))  # least squares: what the template takes away
     first, last = max(peak_at - middle, 0), min(peak_at + middle, len(force))
     rest = force.copy()
-    rest[first:last] -= (
-        scale[best] * templates[best, middle + first - peak_at : middle + last - peak_at]
-    )
+    rest[first:last] -= scale[best] * bank[best, middle + first - peak_at : middle + last - peak_at]
     return rest
 
 
 @lru_cache(maxsize=1)
-def _templates() -> Array:
+def templates() -> Array:
     """Recorded pulses of unit peak, (n_templates, _N)."""
     t = np.arange(_FINE * _N) / _FINE - _N / 2
     x = np.clip(t / np.array(_WIDTHS)[:, None] + 0.5, 0.0, 1.0)

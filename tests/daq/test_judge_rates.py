@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -76,14 +77,17 @@ def test_pulses_of_two_samples_with_the_least_gap_are_told_apart(rate_hz):
 
 def test_a_pulse_shorter_than_two_samples_is_accepted_with_a_note():
     rng = np.random.default_rng(34)
-    for width in np.geomspace(0.2, 1.5, 60):
+    for width in np.geomspace(0.2, 1.9, 60):
         strike = draw_strike(rng, rate_hz=1000.0, width_s=width / 1000.0)
+        # Without a filter such a pulse may fall between two samples and leave no record.
+        kind = "chebyshev" if strike.filter_kind == "none" else strike.filter_kind
+        # Noise and hum are relative to a peak of which the filter leaves a fifth.
+        strike = replace(strike, filter_kind=kind, noise=5e-4, hum=1e-3)
         force = force_record(strike, rng, n=1024, pretrigger=PRETRIGGER, level_n=1.0)
-        # Scaled so that the filter's loss of height does not make it soft.
         force *= 10.0 * LEVEL_N / force.max()
         verdict = judge_force(force, 1000.0, int(force.argmax()), 0.5)
         assert verdict.accepted, verdict
-        assert any("cannot tell" in note for note in verdict.notes)
+        assert any("cannot tell" in note for note in verdict.notes), (strike, verdict)
 
 
 @pytest.mark.skipif(not MEASURED.is_dir(), reason="ARMODAL_DATA names no measured data")
