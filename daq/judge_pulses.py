@@ -109,7 +109,7 @@ def find_pulses(
         main = int(np.argmax(smooth))
         for view in _views(level, smooth, main, width):
             floor_n = noise * _deviation(view.signal[beside])
-            hidden = min(hidden, floor_n / view.highest_n)
+            hidden = min(hidden, floor_n / (view.kept * view.highest_n))
             for at in _maxima(view.signal, double * view.highest_n, floor_n):
                 apart = all(abs(at - other) > max(_TOP * known_width, 2.0) for other in others)
                 clear = view.signal[at] >= view.least_near_n or abs(at - view.top) > _RINGING
@@ -137,7 +137,7 @@ class _View:
     """A signal to look for other pulses in.
 
     Maxima within `reach` samples of `top` are the highest pulse's own; those as near as a filter
-    may ring must come to `least_near_n`.
+    may ring must come to `least_near_n`. Smoothing leaves `kept` of a pulse like the highest.
     """
 
     signal: Signal
@@ -145,6 +145,7 @@ class _View:
     top: int
     reach: float
     least_near_n: float = 0.0
+    kept: float = 1.0
 
 
 def _views(level: Signal, smooth: Signal, main: int, width: float) -> list[_View]:
@@ -161,6 +162,7 @@ def _views(level: Signal, smooth: Signal, main: int, width: float) -> list[_View
                 top=top,
                 reach=COMPARED,
                 least_near_n=least_near_n,
+                kept=float(np.convolve(level, NARROW_KERNEL, mode="same")[top] / level[top]),
             )
         ]
     views = [_View(signal=smooth, highest_n=float(smooth[main]), top=main, reach=0.0)]
