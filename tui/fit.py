@@ -33,12 +33,10 @@ def fit_session(
         stabilisation[frf.posture] = {"band_hz": list(model.band_hz)}
         if frf.joints_rad is None:
             continue
-        measured = MeasuredModes(
-            superset, superset.posture(frf.joints_rad), model.modes, frf.responses
-        )
-        for mode in model.modes:
+        measured = MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
+        for mode, shape in zip(model.modes, measured.shapes.T, strict=True):
             # Without an arm there are no joints to share a mode with.
-            share = joint_share(superset, measured, mode.shape) if superset.n_joints else None
+            share = joint_share(superset, measured, shape) if superset.n_joints else None
             structural = share is not None and share < STRUCTURAL_SHARE
             modes.append(
                 {

@@ -98,11 +98,11 @@ def _mozzi(
         shapes = posture.rows(predicted.model.point_jacobian) @ predicted.modes.shape
         if not posture.modes:
             continue
-        pairs = {i: j for i, j, _ in pair_by_shape(posture.shapes(), shapes)}
+        pairs = {i: j for i, j, _ in pair_by_shape(posture.shapes, shapes)}
         for i, mode in enumerate(posture.modes):
             if share[i] >= STRUCTURAL_SHARE or i not in pairs:
                 continue
-            found = mozzi_of_shape(superset, posture, mode.shape, axis.link)
+            found = mozzi_of_shape(superset, posture, posture.shapes[:, i], axis.link)
             expected = mozzi_of_shape(superset, posture, shapes[:, pairs[i]], axis.link)
             if found is None or expected is None:
                 continue
