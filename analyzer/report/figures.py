@@ -31,7 +31,7 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
             rows = (np.abs(values), np.degrees(np.angle(values)), frf.coherence[i, j, keep])
             for row, y in enumerate(rows, start=1):
                 figure.add_trace(
-                    go.Scattergl(
+                    go.Scatter(
                         x=frf.freq_hz[keep].round(3),
                         y=y.astype(np.float32),
                         name=name,
