@@ -1,12 +1,10 @@
 """What the aim of the hits does to the FRFs of a point, told by the hits themselves.
 
 Each point of a roving sensor is measured with hits of its own, each a little off in place and
-direction. With real modes an error of aim scales every mode's part of the response by a real
-factor, the same on all three axes of the point. So a point's mean may be off
-
-- by its own hits' differences (their directions in the space of errors, however modes overlap),
-- by a real gain that is continuous and piecewise linear in log frequency, with knots at the peaks
-  of the summed response; how large, the hits of all points together say.
+direction. An error of aim changes how strongly a hit drives each mode, by a real factor that is
+the same on all three axes of the point. So the mean of a point may be off by a gain on each mode's
+part of its response; how large, the hits of all points together say, and the point's own
+differences give the directions that overlapping or unfitted modes leave out.
 """
 
 from __future__ import annotations
@@ -15,76 +13,107 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+
+from analyzer.checks.modal_basis import modal_basis, real_lines
 
 __all__ = ["aim_patterns"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
-_PROMINENCE_DB = 3.0
-_SINGLE_HIT_GAIN = 0.03  # where no point has two hits
+_SINGLE_HIT_GAIN = 0.05  # where no point has two hits
 _LEAST_GAIN = 0.005
-_MOST_OWN = 4  # of a point's own differences, the largest
+_MOST_OWN = 3  # of a point's own differences, the largest
 
 
 def aim_patterns(
-    freq_hz: Array, values: ComplexArray, hits: Sequence[ComplexArray]
+    s: ComplexArray, poles: Sequence[complex], values: ComplexArray, hits: Sequence[ComplexArray]
 ) -> ComplexArray:
     """Likely errors of the mean by the aim of the hits, each of one standard deviation.
 
     Parameters
     ----------
+    s
+        (n_lines,) Laplace lines.
+    poles
+        Poles of the modes, one of each conjugate pair, in rad/s; may be empty.
     values
-        (n, 3, n_lines) mean FRFs per point.
+        (n, 3, n_lines) mean accelerance per point.
     hits
-        Per point (n_hits, 3, n_lines) FRFs of its single hits.
+        Per point (n_hits, 3, n_lines) accelerance of its single hits.
 
     Returns
     -------
     (n, n_patterns, 3, n_lines) complex128
         Zero where a point has fewer patterns than others.
     """
-    hats = _hats(freq_hz, values)
-    spread = _gain_spread(hats, values, hits)
+    relative = 1.0 / np.sqrt(np.mean(np.abs(values) ** 2, axis=(0, 1)))
+    basis = modal_basis(s, poles)
+    fit = np.linalg.pinv(real_lines(basis * relative))  # (2 n_lines, n_basis)
+    parts = _parts(basis, fit, values * relative)
+    single = [_parts(basis, fit, own * relative) for own in hits]
+    spread = _gain_spread(parts * relative, [part * relative for part in single])
     counts = np.array([max(len(own), 1) for own in hits])
-    scale = spread / np.sqrt(counts)[:, None]
-    smooth = scale[:, :, None, None] * hats[None, :, None, :] * values[:, None]
+    modal = parts * (spread / np.sqrt(counts)[:, None])[:, :, None, None]
+    return np.concatenate([modal, _own_differences(values, hits, relative)], axis=1)
+
+
+def _parts(basis: ComplexArray, fit: Array, scaled: ComplexArray) -> ComplexArray:
+    """Each mode's part (..., n_modes + 1, 3, n_lines) of responses (..., 3, n_lines)."""
+    coefficients = real_lines(scaled) @ fit  # (..., 3, n_basis)
+    modes = (len(basis) - 3) // 2
+    edges = [*range(0, 2 * modes, 2), 2 * modes, len(basis)]
+    return np.stack(
+        [coefficients[..., a:b] @ basis[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)],
+        axis=-3,
+    )
+
+
+def _gain_spread(parts: ComplexArray, single: Sequence[ComplexArray]) -> Array:
+    """Standard deviation (n_points, n_parts) of each part in single hits, relative to the mean.
+
+    Summed over all points before it is divided: a part that is small at one point by chance of
+    its hits has no say of its own.
+    """
+    total = np.zeros(parts.shape[1])
+    power = np.zeros(parts.shape[1])
+    for mean, own in zip(parts, single, strict=True):
+        if len(own) < 2:
+            continue
+        total += (np.abs(own - own.mean(axis=0)) ** 2).sum(axis=(0, 2, 3)) / (len(own) - 1)
+        power += (np.abs(mean) ** 2).sum(axis=(1, 2))
+    if not power.any():
+        return np.full(parts.shape[:2], _SINGLE_HIT_GAIN)
+    spread = np.maximum(np.sqrt(total / np.maximum(power, np.finfo(float).tiny)), _LEAST_GAIN)
+    return np.broadcast_to(spread, parts.shape[:2])
+
+
+def _own_differences(
+    values: ComplexArray, hits: Sequence[ComplexArray], relative: Array
+) -> ComplexArray:
+    """Differences between the hits of each point, (n, _MOST_OWN, 3, n_lines).
+
+    A few hits tell the directions of the errors but hardly their sizes: with three, one of the two
+    sizes is often far too small. Every direction is given the larger of the point's own largest
+    size and the root mean square over all points, relative to the response.
+    """
+    norms = np.sqrt(np.sum(np.abs(values * relative) ** 2, axis=(1, 2)))
     own = np.zeros((len(values), _MOST_OWN, *values.shape[1:]), dtype=np.complex128)
+    largest = np.zeros(len(values))
+    several = np.array([len(frfs) > 1 for frfs in hits])
     for p, frfs in enumerate(hits):
         n = len(frfs)
         if n < 2:
             continue
         # The mean of n has the covariance of single hits over n; these span the same.
-        d = (frfs - frfs.mean(axis=0)).reshape(n, -1) / np.sqrt(n * (n - 1))
-        _, sizes, right = np.linalg.svd(d, full_matrices=False)
+        d = ((frfs - frfs.mean(axis=0)) * relative).reshape(n, -1) / np.sqrt(n * (n - 1))
+        _, sizes, right = np.linalg.svd(real_lines(d), full_matrices=False)
         kept = min(n - 1, _MOST_OWN)
-        own[p, :kept] = (sizes[:kept, None] * right[:kept]).reshape(kept, *values.shape[1:])
-    return np.concatenate([smooth, own], axis=1)
-
-
-def _hats(freq_hz: Array, values: ComplexArray) -> Array:
-    """Piecewise linear functions of log frequency, one a peak, that sum to one."""
-    total = 10.0 * np.log10(np.maximum(np.sum(np.abs(values) ** 2, axis=(0, 1)), 1e-300))
-    peaks, _ = signal.find_peaks(total, prominence=_PROMINENCE_DB)
-    if len(peaks) < 2:
-        return np.ones((1, len(freq_hz)))
-    knots = np.log(freq_hz[peaks])
-    return np.stack([np.interp(np.log(freq_hz), knots, row) for row in np.eye(len(knots))])
-
-
-def _gain_spread(hats: Array, values: ComplexArray, hits: Sequence[ComplexArray]) -> Array:
-    """Standard deviation (n_hats,) of single hits' real gains near each knot, over all points."""
-    total = np.zeros(len(hats))
-    freedom = 0
-    for mean, frfs in zip(values, hits, strict=True):
-        n = len(frfs)
-        if n < 2:
-            continue
-        power = (np.abs(mean) ** 2).sum(axis=0) @ hats.T
-        gain = (frfs * mean.conj()).real.sum(axis=1) @ hats.T / np.maximum(power, 1e-300)
-        total += ((gain - gain.mean(axis=0)) ** 2).sum(axis=0)
-        freedom += n - 1
-    if freedom == 0:
-        return np.full(len(hats), _SINGLE_HIT_GAIN)
-    return np.maximum(np.sqrt(total / freedom), _LEAST_GAIN)
+        half = right.shape[1] // 2
+        whole = right[:kept, :half] + 1j * right[:kept, half:]
+        own[p, :kept] = whole.reshape(kept, 3, -1) / relative
+        largest[p] = sizes[0] / norms[p]
+    if np.any(several):
+        typical = np.sqrt(np.mean(largest[several] ** 2))
+        own *= (norms * np.maximum(largest, typical))[:, None, None, None]
+    return own

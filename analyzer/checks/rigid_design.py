@@ -61,9 +61,7 @@ def rigid_design(superset: Superset, dynamics: PostureDynamics, assembly: Assemb
     twists = _chain_twists(superset, dynamics, first)
     if assembly is Assembly.LINKS:
         used = sorted({i for i in link if i >= 0})
-        twists = {
-            i: np.eye(6, 6 * len(used), k=6 * at).reshape(6, -1) for at, i in enumerate(used)
-        }
+        twists = {i: np.eye(6, 6 * len(used), k=6 * at).reshape(6, -1) for at, i in enumerate(used)}
     n_unknown = next(iter(twists.values())).shape[1] if twists else 6
     rows = np.zeros((len(link), 3, n_unknown))
     turning = np.zeros_like(rows)

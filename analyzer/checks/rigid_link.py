@@ -28,13 +28,15 @@ __all__ = ["Candidate", "PointSight", "RigidLinkResult", "rigid_link"]
 
 Array = npt.NDArray[np.float64]
 
-CLEARLY_BETTER = 25.0  # of twice the log likelihood ratio, over the scale of the residual
+CLEARLY_BETTER = 40.0  # of twice the log likelihood ratio, over the scale of the residual
+FULL_CONSTRAINTS = 20  # with fewer independent constraints the bar is that much higher
+POINTS_TO_PLACE = 3  # on a link, before one of them is said to be displaced
 RIVAL_WITHIN = 10.0
-ADEQUATE = 2.0  # residual per degree of freedom that noise and local discrepancies may leave
+ADEQUATE = 1.0  # residual per degree of freedom that noise and local discrepancies may leave
 MATERIAL_GAIN = 0.05
 MATERIAL_SHIFT_M = 0.015
 FITTED = 48  # discrete hypotheses that survive the screen
-SEEN = 30.0  # a fault whose screened cost is this many times the least is excluded unfitted
+LEAST_CORRECTION, MOST_CORRECTION = 0.3, 3.0  # of a gain: beyond, it is no gain but a dead axis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,17 +96,20 @@ def rigid_link(
     """
     index = np.array([design.points.index(point) for point in measured])
     rows = design.rows[index]
-    dof = stats.lines * (3 * len(index) - np.linalg.matrix_rank(rows.reshape(-1, rows.shape[-1])))
+    constraints = 3 * len(index) - int(np.linalg.matrix_rank(rows.reshape(-1, rows.shape[-1])))
+    dof = stats.lines * constraints
+    on_link = [design.link[i] for i in index]
+    placeable = [on_link.count(link) >= POINTS_TO_PLACE for link in on_link]
     all_hypotheses = hypotheses(index, design.points)
     screened = _screen(stats, design, all_hypotheses)
     order = np.argsort(screened, kind="stable")
     fit_these = {0, *(int(i) for i in order[:FITTED])}
     found: list[Candidate] = []
-    null: RigidFit | None = None
+    fits: list[RigidFit] = []
     for i in sorted(fit_these):
         h = all_hypotheses[i]
         fit = fit_rigid(stats, design.rows[h.rows], design.turning[h.rows], h.correction, errors)
-        null = fit if i == 0 else null
+        fits.append(fit)
         found.append(
             Candidate(
                 fault=h.fault,
@@ -116,13 +121,13 @@ def rigid_link(
                 material=True,
             )
         )
-    free, gain_std = _relaxed(null, len(index))
+    free, gain_std = _relaxed(fits[0], placeable)
     found += free
     found.sort(key=lambda c: c.cost)
     per_dof = found[0].residual / max(dof, 1.0)
     sight = _sight(measured, found, gain_std)
     return RigidLinkResult(
-        finding=_decide(posture, measured, found, dof),
+        finding=_decide(posture, measured, found, dof, constraints),
         candidates=tuple(found),
         sight=sight,
         residual_per_dof=per_dof,
@@ -141,8 +146,9 @@ def _screen(stats: RigidStatistics, design: RigidDesign, all_: tuple[Hypothesis,
     return result
 
 
-def _relaxed(null: RigidFit, n: int) -> tuple[list[Candidate], Array]:
+def _relaxed(null: RigidFit, placeable: list[bool]) -> tuple[list[Candidate], Array]:
     """Gains and displacements set free, one at a time; std of each point's gains (n, 3)."""
+    n = len(placeable)
     kinds = len(null.nuisance) // n
     found: list[Candidate] = []
     std = np.empty((n, 3))
@@ -151,9 +157,12 @@ def _relaxed(null: RigidFit, n: int) -> tuple[list[Candidate], Array]:
         wide = 1.0 if fault is Fault.GAIN else 0.3
         fit = fit_relaxed(null, combos, wide)
         if fault is Fault.GAIN:
-            gain = 1.0 / max(1.0 + float(fit.estimate[0]), 1e-3)
+            undone = 1.0 + float(fit.estimate[0])
+            if not LEAST_CORRECTION <= undone <= MOST_CORRECTION:
+                return fit.std
+            gain = 1.0 / undone
             material = abs(gain - 1.0) > MATERIAL_GAIN
-            text = words.format(gain, abs(gain) ** 2 * float(fit.std[0]))
+            text = words.format(gain, gain**2 * float(fit.std[0]))
         else:
             size = float(np.linalg.norm(fit.estimate))
             material = size > MATERIAL_SHIFT_M
@@ -180,6 +189,8 @@ def _relaxed(null: RigidFit, n: int) -> tuple[list[Candidate], Array]:
         words = "gain of all three axes {:.3f} ± {:.3f}"
         add(Fault.GAIN, (p,), gains.sum(axis=1, keepdims=True), words)
         shifts = unit[:, p * kinds + 6 : p * kinds + 9]
+        if not placeable[p]:
+            continue
         add(Fault.WRONG_POINT, (p,), shifts, "it sat {:.0f} mm or more from where the file says")
     everyone = tuple(range(n))
     for k, axis in enumerate("xyz"):
@@ -189,7 +200,9 @@ def _relaxed(null: RigidFit, n: int) -> tuple[list[Candidate], Array]:
     return found, std
 
 
-def _sight(measured: tuple[str, ...], found: list[Candidate], gain_std: Array) -> tuple[PointSight, ...]:
+def _sight(
+    measured: tuple[str, ...], found: list[Candidate], gain_std: Array
+) -> tuple[PointSight, ...]:
     best = found[0].cost
     hidden: dict[int, list[str]] = {p: [] for p in range(len(measured))}
     for c in found:
@@ -207,13 +220,20 @@ def _sight(measured: tuple[str, ...], found: list[Candidate], gain_std: Array) -
 
 
 def _decide(
-    posture: str, measured: tuple[str, ...], found: list[Candidate], dof: float
+    posture: str,
+    measured: tuple[str, ...],
+    found: list[Candidate],
+    dof: float,
+    constraints: int,
 ) -> Finding:
+    bar = CLEARLY_BETTER * max(1.0, FULL_CONSTRAINTS / max(constraints, 1))
     null = next(c for c in found if c.fault is None)
     best = found[0]
     scale = max(1.0, best.residual / max(dof, 1.0))
     gain = (null.cost - best.cost) / scale
-    rivals = [c for c in found if c.name != best.name and (c.cost - best.cost) / scale < RIVAL_WITHIN]
+    rivals = [
+        c for c in found if c.name != best.name and (c.cost - best.cost) / scale < RIVAL_WITHIN
+    ]
 
     def finding(outcome: Outcome, text: str, *, confidence: float = 0.0) -> Finding:
         named = outcome is Outcome.FAULT
@@ -230,16 +250,19 @@ def _decide(
 
     if dof < 1.0:
         return finding(Outcome.CANNOT_TELL, "no link has enough points")
-    if best.fault is None or gain < CLEARLY_BETTER or not best.material:
+    if best.fault is None or gain < bar or not best.material:
         if null.residual / dof > ADEQUATE:
             return finding(
                 Outcome.CANNOT_TELL,
                 "the points do not move as rigid links, and no single fault explains it",
             )
+        # Before the data, a fault is as likely as the bar it has to clear says.
+        material = [c for c in found if c.material and c.fault is not None]
+        margin = bar - max((null.cost - c.cost for c in material), default=0.0) / scale
         return finding(
             Outcome.GOOD,
             "the points move as rigid links within the ordinary errors",
-            confidence=_confidence(found, null, scale),
+            confidence=float(1.0 / (1.0 + np.exp(-0.5 * margin))),
         )
     if best.residual / dof > ADEQUATE:
         return finding(Outcome.CANNOT_TELL, "something is wrong, and no single fault explains it")
@@ -265,6 +288,6 @@ def _describe(measured: tuple[str, ...], c: Candidate) -> str:
 def _confidence(found: list[Candidate], chosen: Candidate, scale: float) -> float:
     """Share of the likelihood that candidates of the chosen name hold."""
     least = found[0].cost
-    weight = {id(c): np.exp(-0.5 * (c.cost - least) / scale) for c in found if c.material}
-    same = sum(w for c in found if (w := weight.get(id(c), 0.0)) and c.name == chosen.name)
-    return float(same / sum(weight.values()))
+    weight = np.exp([-0.5 * (c.cost - least) / scale for c in found])
+    same = np.array([c.name == chosen.name for c in found])
+    return float(weight[same].sum() / weight.sum())

@@ -22,7 +22,16 @@ import numpy.typing as npt
 
 from protocols.arrays import frozen_array
 
-__all__ = ["OrdinaryErrors", "Relaxed", "RigidFit", "RigidStatistics", "fit_relaxed", "fit_rigid", "screen", "statistics"]
+__all__ = [
+    "OrdinaryErrors",
+    "Relaxed",
+    "RigidFit",
+    "RigidStatistics",
+    "fit_relaxed",
+    "fit_rigid",
+    "screen",
+    "statistics",
+]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
