@@ -14,6 +14,8 @@ section 2.8 (resonances and anti-resonances of a point FRF).
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 from scipy import signal
@@ -59,7 +61,7 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
             Outcome.CANNOT_TELL,
             None,
             0.0,
-            f"the motion of point {at.point}, where the hammer hits, was not measured along the hit",
+            f"point {at.point}, where the hammer hits, was not measured along the hit",
         )
     s = laplace_lines(frf.freq_hz, frf.decay_rad_s)
     factor = s ** _DERIVATIVE[frf.form]
@@ -106,7 +108,7 @@ def _between(Y: ComplexArray, peaks: npt.NDArray[np.intp]) -> str:
     """How many neighbouring peaks have a minimum between them where the phase rises."""
     phase = np.unwrap(np.angle(Y))
     rising = 0
-    for a, b in zip(peaks[:-1], peaks[1:], strict=True):
+    for a, b in pairwise(peaks):
         least = a + int(np.argmin(np.abs(Y[a : b + 1])))
         low, high = max(least - 2, a), min(least + 2, b)
         rising += bool(phase[high] > phase[low])

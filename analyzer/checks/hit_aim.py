@@ -10,6 +10,7 @@ differences give the directions that overlapping or unfitted modes leave out.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -49,7 +50,9 @@ def aim_patterns(
     """
     relative = 1.0 / np.sqrt(np.mean(np.abs(values) ** 2, axis=(0, 1)))
     basis = modal_basis(s, poles)
-    fit = np.linalg.pinv(real_lines(basis * relative))  # (2 n_lines, n_basis)
+    fit: Array = np.linalg.pinv(real_lines(basis * relative)).astype(
+        np.float64
+    )  # (2 n_lines, n_basis)
     parts = _parts(basis, fit, values * relative)
     single = [_parts(basis, fit, own * relative) for own in hits]
     spread = _gain_spread(parts * relative, [part * relative for part in single])
@@ -64,7 +67,7 @@ def _parts(basis: ComplexArray, fit: Array, scaled: ComplexArray) -> ComplexArra
     modes = (len(basis) - 3) // 2
     edges = [*range(0, 2 * modes, 2), 2 * modes, len(basis)]
     return np.stack(
-        [coefficients[..., a:b] @ basis[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)],
+        [coefficients[..., a:b] @ basis[a:b] for a, b in pairwise(edges)],
         axis=-3,
     )
 

@@ -1,4 +1,4 @@
-"""Homogeneity: does a harder hit give the same FRF?
+"""Homogeneity: a harder hit has to give the same FRF.
 
 Every single hit's FRF differs from the mean of its point by a gain g and by a complex shift b of
 the frequency scale, to first order
@@ -34,6 +34,7 @@ ComplexArray = npt.NDArray[np.complex128]
 LEVELS = 3
 _APART = 1.2  # ratio of two levels that count as two
 _P_FAULT = 1e-4
+_MOST_SCATTER = 0.3  # of the response: more is a point that hardly moves
 _NAMES = ("gain", "frequency", "damping ratio")
 _MATERIAL = np.array([0.03, 0.003, 0.003])  # a doubling of the force: relative, relative, absolute
 
@@ -58,10 +59,18 @@ def homogeneity(
     level
         Per point (n_hits,) a positive measure of the force, in any unit common to all.
     """
-    usable = [i for i, own in enumerate(level) if _levels(own) >= LEVELS]
+    usable = [
+        i
+        for i, own in enumerate(level)
+        if _levels(own) >= LEVELS and _scatter(hits[i]) < _MOST_SCATTER
+    ]
     say = _Say(posture)
     if not usable or not len(poles):
-        why = "no modes were fitted" if usable else f"no point was hit at {LEVELS} levels or more"
+        why = (
+            "no modes were fitted"
+            if usable
+            else f"no point that moves was hit at {LEVELS} levels or more, each 1.2 times the last"
+        )
         return say(Outcome.CANNOT_TELL, None, 0.0, why)
     z: list[Array] = []
     effect: list[Array] = []
@@ -109,6 +118,13 @@ class _Say:
             confidence=confidence,
             text=text,
         )
+
+
+def _scatter(frfs: ComplexArray) -> float:
+    """Root mean square difference of single hits from their mean, relative to it."""
+    mean = frfs.mean(axis=0)
+    rest = np.mean(np.abs(frfs - mean) ** 2) / max(np.mean(np.abs(mean) ** 2), 1e-300)
+    return float(np.sqrt(rest))
 
 
 def _levels(level: Array) -> int:

@@ -82,7 +82,7 @@ def rigid_design(superset: Superset, dynamics: PostureDynamics, assembly: Assemb
 
 
 def _chain_twists(superset: Superset, dynamics: PostureDynamics, first: int) -> dict[int, Array]:
-    """Twist at the base origin (6, 6 + 2 later joints) of every moving link from the first one on."""
+    """Twist at the base origin (6, 6 + 2 later joints) of every link from the first on."""
     n = superset.n_joints
     later = n - 1 - first
     result: dict[int, Array] = {}

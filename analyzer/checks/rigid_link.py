@@ -1,4 +1,4 @@
-"""Rigid-link check: do the FRFs of triaxial points on one link move as one rigid body?
+"""Rigid-link check: FRFs of triaxial points on one link have to move as one rigid body.
 
 Every fault of the library is fitted beside every ordinary error (`rigid_statistics`); the check
 names one only if it explains the data far better than ordinary errors do, no fault of another name
@@ -35,7 +35,7 @@ RIVAL_WITHIN = 10.0
 ADEQUATE = 1.0  # residual per degree of freedom that noise and local discrepancies may leave
 MATERIAL_GAIN = 0.05
 MATERIAL_SHIFT_M = 0.015
-FITTED = 48  # discrete hypotheses that survive the screen
+FITTED = 32  # discrete hypotheses that survive the screen
 LEAST_CORRECTION, MOST_CORRECTION = 0.3, 3.0  # of a gain: beyond, it is no gain but a dead axis
 
 
