@@ -82,7 +82,11 @@ def faulty(session, other, rng):
 def word(finding, fault, points):
     if finding.outcome is not Outcome.FAULT:
         return finding.outcome.value
-    place = finding.everywhere if points is None else set(finding.points) == points
+    place = (
+        finding.everywhere
+        if points is None
+        else bool(finding.points) and set(finding.points) <= points
+    )
     if finding.fault is fault and place:
         return "named"
     return "right place" if place else "wrong"

@@ -31,9 +31,9 @@ ComplexArray = npt.NDArray[np.complex128]
 
 _DERIVATIVE = {FrfForm.RECEPTANCE: 1, FrfForm.MOBILITY: 0, FrfForm.ACCELERANCE: -1}
 _BAND_HZ = (8.0, 200.0)
-_PROMINENCE_DB = 6.0
-_TOLERANCE = 0.05  # of the magnitude: aim and tilt mix in motion across the hit
-_CLEAR = 3.0  # standard deviations
+_TOLERANCE = 0.05  # of the point's whole motion: aim and tilt mix in what is across the hit
+_CLEAR = 5.0  # standard deviations: some 250 lines are looked at
+_PROMINENCE = 0.3  # of a peak's height
 
 
 def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
@@ -67,15 +67,13 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
     factor = s ** _DERIVATIVE[frf.form]
     Y = factor * (along @ frf.values[rows, reference])
     std = np.abs(factor) * np.sqrt(along**2 @ frf.variance[rows, reference])
+    axis_size = np.abs(factor) * np.sqrt(np.sum(np.abs(frf.values[rows, reference]) ** 2, axis=0))
     keep = (frf.freq_hz >= _BAND_HZ[0]) & (frf.freq_hz <= _BAND_HZ[1])
-    # A peak counts where it stands well out of the noise: its real part then is the mode's sign.
-    level = 20.0 * np.log10(np.maximum(np.abs(Y[keep]), 1e-300))
-    peaks, _ = signal.find_peaks(level, prominence=_PROMINENCE_DB)
-    real, size, std = Y[keep].real[peaks], np.abs(Y[keep])[peaks], std[keep][peaks]
-    limit = _CLEAR * std / np.sqrt(2.0) + _TOLERANCE * size
-    up, down = real > limit, real < -limit
-    # Each peak by its share of the squared response, so that a small one has a small say.
-    share = size**2 / max(float((size**2).sum()), 1e-300)
+    Y, limit = Y[keep], (_CLEAR * std / np.sqrt(2.0) + _TOLERANCE * axis_size)[keep]
+    # A resonance is a peak of the real part, up or down, that stands well out of all errors.
+    peaks = np.sort(np.concatenate([_peaks(Y.real, limit), _peaks(-Y.real, limit)]))
+    up, down = Y.real[peaks] > 0.0, Y.real[peaks] < 0.0
+    share = np.abs(Y.real[peaks]) / max(float(np.abs(Y.real[peaks]).sum()), 1e-300)
     n_up, n_down = int(up.sum()), int(down.sum())
     frequencies = ", ".join(f"{f:.1f}" for f in frf.freq_hz[keep][peaks][down])
     confidence = float(1.0 - 0.5 ** (n_up + n_down)) if n_up + n_down else 0.0
@@ -86,7 +84,7 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
             Outcome.GOOD,
             None,
             confidence,
-            f"all {n_up} clear resonances take energy; {_between(Y[keep], peaks)}",
+            f"all {n_up} clear resonances take energy; {_between(Y, peaks)}",
         )
     if n_up == 0 or float(share[up].sum()) < _TOLERANCE:
         return say(
@@ -102,6 +100,13 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
         f"resonances near {frequencies} Hz give energy while {n_up} others take it: an axis of "
         "the sensor, its point, or the direction of the hit is not what it is said to be",
     )
+
+
+def _peaks(height: Array, limit: Array) -> npt.NDArray[np.intp]:
+    """Local maxima above the limit that are not ripples on the side of another."""
+    found, properties = signal.find_peaks(height, height=limit, prominence=0.0)
+    clear: npt.NDArray[np.intp] = found[properties["prominences"] > _PROMINENCE * height[found]]
+    return clear
 
 
 def _between(Y: ComplexArray, peaks: npt.NDArray[np.intp]) -> str:
