@@ -35,7 +35,7 @@ GOOD_SEEDS = 40
 FAULT_SEEDS = 12
 
 
-def link_findings(session, superset):
+def link_results(session, superset):
     found = []
     for frf in estimate_frfs(session, superset):
         hits = session.accepted(frf.posture)
@@ -45,8 +45,12 @@ def link_findings(session, superset):
         at = np.array([hit.sensor_point for hit in hits])
         poles = [mode.pole_rad_s for mode in fit_modes(frf).modes]
         by_point = {p: single[at == p] for p in dict.fromkeys(at.tolist())}
-        found.append(check_links(frf, by_point, poles, superset).finding)
+        found.append(check_links(frf, by_point, poles, superset))
     return found
+
+
+def words(results):
+    return [*(r.finding for r in results), sensor_verdict(results)]
 
 
 def faulty(session, other, rng):
@@ -112,14 +116,14 @@ def main() -> None:
     for seed in range(options.first, options.first + options.good):
         session = simulate_session(seed)
         superset = Superset(session.header.arm)
-        found = link_findings(session, superset)
-        count("good", [*found, sensor_verdict(found)], None, set())
+        found = link_results(session, superset)
+        count("good", words(found), None, set())
         if seed - options.first < options.faults:
             other = simulate_session(seed + 10_000)
             cases = faulty(session, other, np.random.default_rng(seed))
             for name, (broken, fault, points) in cases.items():
-                found = link_findings(broken, superset)
-                count(name, [*found, sensor_verdict(found)], fault, points)
+                found = link_results(broken, superset)
+                count(name, words(found), fault, points)
     columns = ("named", "right place", "wrong", "good", "cannot tell")
     for kind in ("session", "test", "validation"):
         print(f"\n| {kind} | " + " | ".join(columns) + " |")

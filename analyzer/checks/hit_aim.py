@@ -24,6 +24,7 @@ ComplexArray = npt.NDArray[np.complex128]
 
 _SINGLE_HIT_GAIN = 0.05  # where no point has two hits
 _LEAST_GAIN = 0.005
+_TAIL = 4.0
 _MOST_OWN = 3  # of a point's own differences, the largest
 
 
@@ -57,7 +58,10 @@ def aim_patterns(
     single = [_parts(basis, fit, own * relative) for own in hits]
     spread = _gain_spread(parts * relative, [part * relative for part in single])
     counts = np.array([max(len(own), 1) for own in hits])
-    modal = parts * (spread / np.sqrt(counts)[:, None])[:, :, None, None]
+    std = spread / np.sqrt(counts)[:, None]
+    # To undo 1 + n takes 1 / (1 + n), whose tail is the heavier the larger n.
+    std = std * (1.0 + _TAIL * std)
+    modal = parts * std[:, :, None, None]
     return np.concatenate([modal, _own_differences(values, hits, relative)], axis=1)
 
 

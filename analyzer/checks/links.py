@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
+from analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER
 from analyzer.checks.hit_aim import aim_patterns
 from analyzer.checks.records import Finding, Outcome
 from analyzer.checks.rigid_design import Assembly, rigid_design
-from analyzer.checks.rigid_link import ADEQUATE, CLEARLY_BETTER, RigidLinkResult, rigid_link
+from analyzer.checks.rigid_link import RigidLinkResult, rigid_link
 from analyzer.checks.rigid_statistics import OrdinaryErrors, statistics
 from analyzer.modal.noise import independent_line_share
 from analyzer.modal.windows import laplace_lines
@@ -160,7 +161,9 @@ def _too_few(posture: str) -> RigidLinkResult:
             confidence=0.0,
             text="wanted two or more triaxial points on moving links and 20 lines above 8 Hz",
         ),
+        measured=(),
         candidates=(),
         sight=(),
         residual_per_dof=float("nan"),
+        scale=1.0,
     )

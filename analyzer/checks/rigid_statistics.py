@@ -15,6 +15,7 @@ out; n follows from a penalised least-squares fit (a maximum a posteriori estima
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -232,30 +233,37 @@ def _solve(normal: Array, gradient: Array, constant: float, prior: Array) -> Rig
     )
 
 
-def fit_relaxed(fit: RigidFit, combinations: Array, wide_std: float) -> Relaxed:
-    """Free combinations of patterns beside the ordinary errors: gains, displacements.
+def fit_relaxed(fit: RigidFit, columns: Sequence[Array], wide_std: float) -> tuple[Relaxed, ...]:
+    """Free combinations of patterns beside the ordinary errors, one set at a time.
+
+    The ordinary errors are eliminated once (a Schur complement), so that each set costs little.
 
     Parameters
     ----------
-    combinations
-        (n_patterns, k) each column one further unknown.
+    columns
+        Each (n_patterns, k): one further unknown a column.
     wide_std
         Standard deviation allowed to them.
     """
-    k = combinations.shape[1]
-    normal = np.block(
-        [
-            [fit.normal, fit.normal @ combinations],
-            [combinations.T @ fit.normal, combinations.T @ fit.normal @ combinations],
-        ]
-    )
-    gradient = np.concatenate([fit.gradient, combinations.T @ fit.gradient])
-    prior = np.concatenate([fit.prior_std, np.full(k, wide_std)])
-    solved = _solve(normal, gradient, fit.constant, prior)
-    covariance = np.linalg.inv(normal + np.diag(prior**-2.0))
-    return Relaxed(
-        cost=solved.cost,
-        residual=solved.residual,
-        estimate=frozen_array(solved.nuisance[-k:], np.float64),
-        std=frozen_array(np.sqrt(np.diag(covariance)[-k:]), np.float64),
-    )
+    N = fit.normal
+    eliminated = np.linalg.solve(N + np.diag(fit.prior_std**-2.0), N)
+    left = N - N @ eliminated  # what is left of the normal equations for a further unknown
+    slope = fit.gradient + N @ fit.nuisance
+    result = []
+    for C in columns:
+        S = C.T @ left @ C + np.eye(C.shape[1]) / wide_std**2
+        pull = -(C.T @ slope)
+        covariance = np.linalg.inv(S)
+        estimate = covariance @ pull
+        nuisance = fit.nuisance - eliminated @ (C @ estimate)
+        cost = fit.cost - pull @ estimate
+        prior = np.sum((nuisance / fit.prior_std) ** 2) + np.sum((estimate / wide_std) ** 2)
+        result.append(
+            Relaxed(
+                cost=float(cost),
+                residual=float(cost - prior),
+                estimate=frozen_array(estimate, np.float64),
+                std=frozen_array(np.sqrt(np.diag(covariance)), np.float64),
+            )
+        )
+    return tuple(result)

@@ -12,6 +12,8 @@ from analyzer.checks.homogeneity import homogeneity
 from analyzer.checks.links import check_links
 from analyzer.checks.reciprocity import reciprocity
 from analyzer.checks.records import Finding, Outcome
+from analyzer.checks.rigid_link import RigidLinkResult
+from analyzer.checks.sensor import sensor_verdict
 from analyzer.modal import fit_modes, hit_frfs, hit_spectra
 from analyzer.modal.windows import laplace_lines
 from protocols.errors import EstimateError
@@ -19,7 +21,7 @@ from protocols.frf_records import FrequencyResponse
 from protocols.plan_records import Mode
 from protocols.session.records import Session
 
-__all__ = ["check_session", "sensor_verdict"]
+__all__ = ["check_session"]
 
 
 def check_session(
@@ -33,7 +35,7 @@ def check_session(
         Accelerance of the session's postures (`estimate_frfs`).
     """
     found: list[Finding] = []
-    links: list[Finding] = []
+    links: list[RigidLinkResult] = []
     for frf in frfs:
         poles = _poles(frf)
         hits = session.accepted(frf.posture)
@@ -47,11 +49,11 @@ def check_session(
         level = np.sqrt(np.mean(np.abs(spectra.force) ** 2, axis=-1))
         s = laplace_lines(frf.freq_hz, frf.decay_rad_s)
         if roving_hammer:
-            links.append(_not_roving_sensor(frf.posture))
+            found.append(_not_roving_sensor(frf.posture))
         else:
             by_point = {point: single[at == point] for point in points}
-            links.append(check_links(frf, by_point, poles, superset).finding)
-        found.append(links[-1])
+            links.append(check_links(frf, by_point, poles, superset))
+            found.append(links[-1].finding)
         found += [driving_point(frf, i) for i, dof in _driven(frf)]
         found.append(
             homogeneity(
@@ -64,48 +66,6 @@ def check_session(
         )
         found += reciprocity([frf])
     return (*found, sensor_verdict(links))
-
-
-def sensor_verdict(links: Sequence[Finding]) -> Finding:
-    """What the rigid-link checks of all postures say together.
-
-    A fault of the roving sensor is in every posture; one found in a single posture while another
-    was found good is a matter of mounting, or not to be told.
-    """
-
-    def say(
-        outcome: Outcome, text: str, like: Finding | None = None, confidence: float = 0.0
-    ) -> Finding:
-        return Finding(
-            check="sensor",
-            posture="all",
-            outcome=outcome,
-            fault=like.fault if like else None,
-            points=like.points if like else (),
-            everywhere=like.everywhere if like else False,
-            confidence=confidence,
-            text=text,
-        )
-
-    faults = [f for f in links if f.outcome is Outcome.FAULT]
-    good = [f for f in links if f.outcome is Outcome.GOOD]
-    if not faults and not good:
-        return say(Outcome.CANNOT_TELL, "no posture could be judged")
-    if not faults:
-        names = ", ".join(f.posture for f in good)
-        confidence = min(f.confidence for f in good)
-        return say(Outcome.GOOD, f"nothing wrong in {names}", None, confidence)
-    kinds = {(f.fault, f.points, f.everywhere) for f in faults}
-    names = ", ".join(f.posture for f in faults)
-    if len(kinds) > 1:
-        return say(Outcome.CANNOT_TELL, f"different faults in {names}; see each posture")
-    first = faults[0]
-    confidence = 1.0 - float(np.prod([1.0 - f.confidence for f in faults]))
-    if first.everywhere and good:
-        other = ", ".join(f.posture for f in good)
-        text = f"{first.text} in {names}, but nothing wrong in {other}: the sensor was changed"
-        return say(Outcome.FAULT, text, first, confidence)
-    return say(Outcome.FAULT, f"{first.text} (in {names})", first, confidence)
 
 
 def _poles(frf: FrequencyResponse) -> tuple[complex, ...]:
