@@ -17,6 +17,7 @@ Array = npt.NDArray[np.float64]
 
 MATERIAL_GAIN = 0.05
 MATERIAL_SHIFT_M = 0.015
+DETERMINED_GAIN = 0.05  # standard deviation beyond which a gain is not named
 WIDE_GAIN, WIDE_SHIFT_M = 1.0, 0.3  # what a gain or a displacement set free is allowed
 LEAST_CORRECTION, MOST_CORRECTION = 0.3, 3.0  # of a gain: beyond, it is no gain but a dead axis
 
@@ -92,7 +93,7 @@ def relaxed(null: RigidFit, placeable: list[bool]) -> tuple[list[Candidate], Arr
     found = []
     for where, name, fit in zip(at, names, free, strict=True):
         undone = 1.0 + float(fit.estimate[0])
-        if LEAST_CORRECTION <= undone <= MOST_CORRECTION:
+        if LEAST_CORRECTION <= undone <= MOST_CORRECTION and fit.std[0] < DETERMINED_GAIN:
             gain = 1.0 / undone
             text = f"{name} {gain:.3f} ± {gain**2 * float(fit.std[0]):.3f}"
             found.append(_free(Fault.GAIN, where, n, name, text, fit, size=gain - 1.0))

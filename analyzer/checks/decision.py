@@ -14,11 +14,19 @@ import numpy.typing as npt
 from analyzer.checks.candidates import Candidate, describe
 from analyzer.checks.records import Finding, Outcome
 
-__all__ = ["ADEQUATE", "CLEARLY_BETTER", "RIVAL_WITHIN", "Decision", "and_besides", "decide"]
+__all__ = [
+    "ADEQUATE",
+    "CLEARLY_BETTER",
+    "CONTINUOUS_BAR",
+    "RIVAL_WITHIN",
+    "Decision",
+    "and_besides",
+    "decide",
+]
 
 CLEARLY_BETTER = 40.0  # of twice the log likelihood ratio, over the scale of the residual
 PERHAPS = 0.6  # of the bar: too much for a good word, too little for a name
-CONTINUOUS_BAR = 2.0  # times as high a bar for what errors of aim can look like
+CONTINUOUS_BAR = 1.5  # times as high a bar for what errors of aim can look like
 FULL_CONSTRAINTS = 20  # with fewer independent constraints the bar is that much higher
 RIVAL_WITHIN = 10.0
 ADEQUATE = 1.0  # residual per degree of freedom that noise and local discrepancies may leave

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from analyzer.checks.candidates import Candidate, describe
-from analyzer.checks.decision import CLEARLY_BETTER, RIVAL_WITHIN
+from analyzer.checks.decision import CLEARLY_BETTER, CONTINUOUS_BAR, RIVAL_WITHIN
 from analyzer.checks.records import Fault, Finding, Outcome
 from analyzer.checks.rigid_link import RigidLinkResult
 
 __all__ = ["sensor_verdict"]
 
-CONTINUOUS_BAR = 1.5  # a gain or displacement has to be clearer; it also has to agree in size
 LEAST_IN_EACH = 8.0  # of twice the log likelihood ratio, in two postures at least
 AGREE = 0.5  # sizes of a gain in two postures differ by less than this part of their sum
 
@@ -43,6 +42,7 @@ class _Total:
     candidate: Candidate  # of the posture that says most
     measured: tuple[str, ...]
     agree: bool
+    short: float  # by how much other faults explain single postures better, summed
 
 
 def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
@@ -103,6 +103,7 @@ def _clear(results: Sequence[RigidLinkResult]) -> list[_Total]:
         if t is not None
         and t.agree
         and t.support > 1
+        and t.short < CLEARLY_BETTER
         and t.gain > CLEARLY_BETTER * (CONTINUOUS_BAR if t.candidate.continuous else 1.0)
     ]
     if not clear:
@@ -124,7 +125,7 @@ def _name(result: RigidLinkResult, fault: Fault, c: Candidate) -> _Named:
 
 def _total(named: _Named, results: Sequence[RigidLinkResult]) -> _Total | None:
     """Sum of one fault over the postures that could show it."""
-    gain, support = 0.0, 0
+    gain, support, short = 0.0, 0, 0.0
     parts: list[tuple[float, Candidate, RigidLinkResult]] = []
     for r in results:
         if not named.everywhere and not set(named.points) <= set(r.measured):
@@ -136,8 +137,10 @@ def _total(named: _Named, results: Sequence[RigidLinkResult]) -> _Total | None:
         )
         if same is None:  # fell out of the screen: worse than nothing wrong at all
             gain -= CLEARLY_BETTER
+            short += CLEARLY_BETTER
             continue
         part = (null.cost - same.cost) / r.scale
+        short += (same.cost - r.candidates[0].cost) / r.scale
         gain += part
         support += part > LEAST_IN_EACH
         parts.append((part, same, r))
@@ -155,6 +158,7 @@ def _total(named: _Named, results: Sequence[RigidLinkResult]) -> _Total | None:
         candidate=most[1],
         measured=most[2].measured,
         agree=agree,
+        short=short,
     )
 
 

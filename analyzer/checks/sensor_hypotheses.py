@@ -65,6 +65,9 @@ def permutation_fault(correction: Array) -> Fault:
 def hypotheses(index: npt.NDArray[np.int64], points: tuple[str, ...]) -> tuple[Hypothesis, ...]:
     """All discrete hypotheses, nothing wrong first.
 
+    A sign common to all channels of all points leaves rigid motion rigid, so faults of the roving
+    sensor come in pairs that no check of rigidity tells apart; the driving point does.
+
     Parameters
     ----------
     index
@@ -97,7 +100,10 @@ def hypotheses(index: npt.NDArray[np.int64], points: tuple[str, ...]) -> tuple[H
     everyone = tuple(range(n))
     for matrix in signed_permutations()[1:]:
         fault, text = permutation_fault(matrix), axis_text(matrix)
-        found.append(make(fault, everyone, text, np.tile(matrix, (n, 1, 1)), everywhere=True))
+        if matrix.sum() > 0.0:  # of a pair of opposite signs, the one with fewer minus signs
+            common = f"{text} (or the same with every sign reversed)"
+            corrections = np.tile(matrix, (n, 1, 1))
+            found.append(make(fault, everyone, common, corrections, everywhere=True))
         for p in range(n):
             correction = none.copy()
             correction[p] = matrix
