@@ -85,7 +85,7 @@ def decide(
             "the points move as rigid links within the ordinary errors; a gain off by "
             f"{100.0 * seen:.0f} % along one axis would show at half of the points"
         )
-        confidence = float(1.0 / (1.0 + np.exp(-0.5 * bar * (1.0 - near))))
+        confidence = float(np.clip(1.0 - near, 0.0, 1.0))
         outcome = Outcome.GOOD
         if null.residual / dof > ADEQUATE:
             outcome, confidence = Outcome.CANNOT_TELL, 0.0

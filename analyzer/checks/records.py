@@ -33,8 +33,9 @@ class Finding:
     """One check of one posture.
 
     `points` names where the fault sits; empty together with `everywhere` means in the roving
-    sensor, at all points. `confidence` is the probability of the outcome beside its rivals under
-    the check's own model; it is 0 where the check cannot tell.
+    sensor, at all points. `confidence`, from 0 to 1, is of a fault the share of the likelihood that
+    its name holds, of a good word how far the nearest fault stays below what would name it; it is 0
+    where the check cannot tell. Neither counts faults the check does not know.
     """
 
     check: str
