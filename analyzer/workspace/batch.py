@@ -17,6 +17,10 @@ Algorithms (2008), section 6.2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -63,6 +67,18 @@ class ArmBatch:
         ]
         self._inertia_step = [_inertia_step(R, p) for R, p in zip(self._R, self._p, strict=True)]
         self._wrench_step = [_wrench_step(R, p) for R, p in zip(self._R, self._p, strict=True)]
+
+    def with_links(self, links: Sequence[InertialLink]) -> ArmBatch:
+        """Return the same arm with other inertias, one link per joint; its geometry is shared."""
+        joints = tuple(
+            replace(joint, link=link) for joint, link in zip(self.arm.joints, links, strict=True)
+        )
+        other = copy(self)
+        vars(other).update(
+            arm=replace(self.arm, joints=joints),
+            _bodies=[_parameters(link, B) for link, B in zip(links, self._turned, strict=True)],
+        )
+        return other
 
     def mass(self, joints_rad: npt.ArrayLike) -> Array:
         """Mass matrices.

@@ -1,0 +1,149 @@
+"""Inertias nearest to a belief that meet the targets, and what stays undetermined.
+
+The most probable u of the belief (standard normal) and the targets (normal within their margins)
+minimises |u|² + |pulls(u)|²; about it the distribution is normal with covariance
+(JᵀJ + I)⁻¹, J the slope of the pulls. A number whose standard deviation stays near the belief's
+one was not determined by any target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+
+from analyzer.calibration.bodies import N_NUMBERS, BelievedBody, moved_body
+from analyzer.calibration.targets import Target
+from analyzer.workspace.batch import ArmBatch
+from protocols.arm.records import Arm, InertialLink
+from protocols.errors import EstimateError
+
+__all__ = ["Calibration", "calibrate_inertia"]
+
+Array = npt.NDArray[np.float64]
+
+HOPELESS = 10.0  # margins: the figure and the belief about the links exclude each other
+STEP = 1e-4  # in standard deviations of the belief, for slopes
+DETERMINED = 0.7  # std against the belief's below which a number counts as determined
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Calibration:
+    """Calibrated inertias with their uncertainty."""
+
+    arm: Arm
+    base_mass_kg: float
+    bodies: tuple[BelievedBody, ...]  # of the moving links, base outwards
+    base_mass_std: float
+    u: Array  # (n,) ten numbers a link, then the base's mass
+    covariance: Array  # (n, n) of u
+    pulls: tuple[tuple[Target, Array], ...]  # deviation over margin, at the solution
+
+    def spread_of(self, quantity: Callable[[ArmBatch], Array]) -> tuple[Array, Array]:
+        """A quantity of the calibrated arm and its standard deviation, by its slope in u.
+
+        Parameters
+        ----------
+        quantity
+            Maps an arm to an array (m,).
+        """
+        batch = ArmBatch(self.arm)
+
+        def at(u: Array) -> Array:
+            return quantity(batch.with_links(_links_at(self.bodies, u)))
+
+        slope = np.stack(
+            [
+                (at(self.u + step) - at(self.u - step)) / (2 * STEP)
+                for step in STEP * np.eye(self.u.size)
+            ],
+            axis=-1,
+        )
+        variance = np.einsum("...i,ij,...j->...", slope, self.covariance, slope)
+        return quantity(batch), np.asarray(np.sqrt(variance))
+
+    def undetermined(self) -> dict[str, tuple[str, ...]]:
+        """Of each link, the numbers that no target determined."""
+        names = ("mass", "center x", "center y", "center z", *_SPREAD_NAMES)
+        std = np.sqrt(np.diag(self.covariance))[:-1].reshape(-1, N_NUMBERS)
+        return {
+            body.name: tuple(n for n, s in zip(names, row, strict=True) if s > DETERMINED)
+            for body, row in zip(self.bodies, std, strict=True)
+        }
+
+
+_SPREAD_NAMES = tuple(f"spread {pair}" for pair in ("xx", "yy", "zz", "xy", "xz", "yz"))
+
+
+def calibrate_inertia(
+    arm: Arm,
+    bodies: Sequence[BelievedBody],
+    targets: Sequence[Target],
+    *,
+    base_mass_kg: float,
+    base_mass_std: float,
+) -> Calibration:
+    """Find the most probable inertias.
+
+    Parameters
+    ----------
+    arm
+        The arm; its links' inertias are replaced, everything else stays.
+    bodies
+        The belief, one per moving link, base outwards.
+    base_mass_kg, base_mass_std
+        Believed mass of the base and its relative std; it moves nothing but the total mass.
+
+    Raises
+    ------
+    EstimateError
+        If a target lies further than `HOPELESS` margins from what any plausible body gives.
+    """
+    bodies = tuple(bodies)
+    if [body.name for body in bodies] != [joint.link.name for joint in arm.joints]:
+        raise EstimateError(
+            f"wanted a belief for each moving link, {[j.link.name for j in arm.joints]}, "
+            f"got {[body.name for body in bodies]}"
+        )
+    n = N_NUMBERS * len(bodies) + 1
+
+    def base_at(u: Array) -> float:
+        return base_mass_kg * float(np.exp(base_mass_std * u[-1]))
+
+    batch = ArmBatch(arm)
+
+    def residual(u: Array) -> Array:
+        at = batch.with_links(_links_at(bodies, u))
+        return np.concatenate([u, *(target.pulls(at, base_at(u)) for target in targets)])
+
+    found = least_squares(residual, np.zeros(n), method="lm", x_scale=1.0)
+    u: Array = np.asarray(found.x)
+    jacobian: Array = np.asarray(found.jac)
+    calibrated = batch.with_links(_links_at(bodies, u))
+    pulls = tuple((target, target.pulls(calibrated, base_at(u))) for target in targets)
+    missed = [target.source for target, pull in pulls if np.abs(pull).max(initial=0.0) > HOPELESS]
+    result = Calibration(
+        arm=calibrated.arm,
+        base_mass_kg=base_at(u),
+        bodies=bodies,
+        base_mass_std=base_mass_std,
+        u=u,
+        covariance=np.asarray(np.linalg.inv(jacobian.T @ jacobian), dtype=np.float64),
+        pulls=pulls,
+    )
+    if missed:
+        raise EstimateError(
+            f"no plausible inertias meet {', '.join(sorted(set(missed)))} within {HOPELESS:g} margins; "
+            "check the figures, or widen the belief about the links",
+            partial=result,
+        )
+    return result
+
+
+def _links_at(bodies: Sequence[BelievedBody], u: Array) -> list[InertialLink]:
+    return [
+        moved_body(body, u[N_NUMBERS * i : N_NUMBERS * (i + 1)]) for i, body in enumerate(bodies)
+    ]
