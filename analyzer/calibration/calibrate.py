@@ -136,7 +136,8 @@ def calibrate_inertia(
     )
     if missed:
         raise EstimateError(
-            f"no plausible inertias meet {', '.join(sorted(set(missed)))} within {HOPELESS:g} margins; "
+            f"no plausible inertias meet {', '.join(sorted(set(missed)))} "
+            f"within {HOPELESS:g} margins; "
             "check the figures, or widen the belief about the links",
             partial=result,
         )

@@ -131,6 +131,20 @@ class ArmBatch:
             position = self._R[j] @ position + self._p[j][:, None]
         return position
 
+    def joint_axes(self, joints_rad: npt.ArrayLike) -> tuple[Array, Array]:
+        """Lines of the joint axes in base.
+
+        Returns
+        -------
+        origin, direction : (n_joints, 3, n_postures) float64
+            A point of each axis in metres, and its unit direction.
+        """
+        origin = np.stack([self.position(joints_rad, i, np.zeros(3)) for i in range(self.n_joints)])
+        ahead = np.stack(
+            [self.position(joints_rad, i, joint.axis) for i, joint in enumerate(self.arm.joints)]
+        )
+        return origin, ahead - origin
+
     def gravity_torque(self, joints_rad: npt.ArrayLike) -> Array:
         """Torques that hold the arm against gravity.
 
