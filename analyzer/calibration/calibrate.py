@@ -26,6 +26,7 @@ __all__ = ["Calibration", "calibrate_inertia"]
 Array = npt.NDArray[np.float64]
 
 HOPELESS = 10.0  # margins: the figure and the belief about the links exclude each other
+IMPLAUSIBLE = 4.0  # standard deviations of the belief
 STEP = 1e-4  # in standard deviations of the belief, for slopes
 DETERMINED = 0.7  # std against the belief's below which a number counts as determined
 
@@ -42,18 +43,22 @@ class Calibration:
     covariance: Array  # (n, n) of u
     pulls: tuple[tuple[Target, Array], ...]  # deviation over margin, at the solution
 
-    def spread_of(self, quantity: Callable[[ArmBatch], Array]) -> tuple[Array, Array]:
+    def spread_of(
+        self, joints_rad: npt.ArrayLike, quantity: Callable[[Array], Array]
+    ) -> tuple[Array, Array]:
         """A quantity of the calibrated arm and its standard deviation, by its slope in u.
 
         Parameters
         ----------
+        joints_rad
+            (k, n_joints) postures whose mass matrices the quantity needs.
         quantity
-            Maps an arm to an array (m,).
+            Maps mass matrices (n_joints, n_joints, k) to an array (m,).
         """
-        batch = ArmBatch(self.arm)
+        linear = _LinearArm(ArmBatch(self.arm), self.bodies, np.asarray(joints_rad))
 
         def at(u: Array) -> Array:
-            return quantity(batch.with_links(_links_at(self.bodies, u)))
+            return quantity(linear.mass(linear.links(u)))
 
         slope = np.stack(
             [
@@ -63,7 +68,7 @@ class Calibration:
             axis=-1,
         )
         variance = np.einsum("...i,ij,...j->...", slope, self.covariance, slope)
-        return quantity(batch), np.asarray(np.sqrt(variance))
+        return at(self.u), np.asarray(np.sqrt(variance))
 
     def undetermined(self) -> dict[str, tuple[str, ...]]:
         """Of each link, the numbers that no target determined."""
@@ -100,7 +105,8 @@ def calibrate_inertia(
     Raises
     ------
     EstimateError
-        If a target lies further than `HOPELESS` margins from what any plausible body gives.
+        If a target stays more than `HOPELESS` margins off, or only a link more than
+        `IMPLAUSIBLE` standard deviations from the belief would meet it.
     """
     bodies = tuple(bodies)
     if [body.name for body in bodies] != [joint.link.name for joint in arm.joints]:
@@ -114,19 +120,28 @@ def calibrate_inertia(
         return base_mass_kg * float(np.exp(base_mass_std * u[-1]))
 
     batch = ArmBatch(arm)
+    linear = _LinearArm(batch, bodies, np.concatenate([target.postures for target in targets]))
+    ends = np.cumsum([len(target.postures) for target in targets])
+    spans = [slice(end - len(t.postures), end) for t, end in zip(targets, ends, strict=True)]
+
+    def pulls_at(u: Array) -> list[Array]:
+        links = linear.links(u)
+        mass = linear.mass(links)
+        total = base_at(u) + sum(link.mass_kg for link in links)
+        return [
+            target.pulls(mass[..., span], total)
+            for target, span in zip(targets, spans, strict=True)
+        ]
 
     def residual(u: Array) -> Array:
-        at = batch.with_links(_links_at(bodies, u))
-        return np.concatenate([u, *(target.pulls(at, base_at(u)) for target in targets)])
+        return np.concatenate([u, *pulls_at(u)])
 
     found = least_squares(residual, np.zeros(n), method="lm", x_scale=1.0)
     u: Array = np.asarray(found.x)
     jacobian: Array = np.asarray(found.jac)
-    calibrated = batch.with_links(_links_at(bodies, u))
-    pulls = tuple((target, target.pulls(calibrated, base_at(u))) for target in targets)
-    missed = [target.source for target, pull in pulls if np.abs(pull).max(initial=0.0) > HOPELESS]
+    pulls = tuple(zip(targets, pulls_at(u), strict=True))
     result = Calibration(
-        arm=calibrated.arm,
+        arm=batch.with_links(linear.links(u)).arm,
         base_mass_kg=base_at(u),
         bodies=bodies,
         base_mass_std=base_mass_std,
@@ -134,17 +149,34 @@ def calibrate_inertia(
         covariance=np.asarray(np.linalg.inv(jacobian.T @ jacobian), dtype=np.float64),
         pulls=pulls,
     )
-    if missed:
+    worst = max(float(np.abs(pull).max()) for _, pull in pulls)
+    missed = {target.source for target, pull in pulls if np.abs(pull).max() > HOPELESS}
+    if missed or np.abs(u).max() > IMPLAUSIBLE:
         raise EstimateError(
-            f"no plausible inertias meet {', '.join(sorted(set(missed)))} "
-            f"within {HOPELESS:g} margins; "
-            "check the figures, or widen the belief about the links",
+            f"no plausible inertias meet the figures: the furthest is {worst:.1f} margins "
+            f"off ({', '.join(sorted(missed)) or 'none hopeless'}), and a link would be "
+            f"{np.abs(u).max():.1f} standard deviations from what is believed; check the figures, "
+            "or widen the belief about the links",
             partial=result,
         )
     return result
 
 
-def _links_at(bodies: Sequence[BelievedBody], u: Array) -> list[InertialLink]:
-    return [
-        moved_body(body, u[N_NUMBERS * i : N_NUMBERS * (i + 1)]) for i, body in enumerate(bodies)
-    ]
+class _LinearArm:
+    """Mass matrices in fixed postures, by their slope in the links' inertial parameters."""
+
+    def __init__(self, batch: ArmBatch, bodies: Sequence[BelievedBody], joints_rad: Array) -> None:
+        self._batch = batch
+        self._bodies = bodies
+        slope = batch.mass_slope(joints_rad)
+        self._shape = slope.shape[:3]
+        self._slope = slope.reshape(-1, slope.shape[3] * slope.shape[4])
+
+    def links(self, u: Array) -> list[InertialLink]:
+        return [
+            moved_body(body, u[N_NUMBERS * i : N_NUMBERS * (i + 1)])
+            for i, body in enumerate(self._bodies)
+        ]
+
+    def mass(self, links: Sequence[InertialLink]) -> Array:
+        return (self._slope @ self._batch.parameters(links).ravel()).reshape(self._shape)

@@ -54,9 +54,7 @@ class ArmBatch:
         self.n_joints = len(arm.joints)
         turned = [_axis_to_z(joint.axis) for joint in arm.joints]
         self._turned = turned
-        self._bodies = [
-            _parameters(joint.link, B) for joint, B in zip(arm.joints, turned, strict=True)
-        ]
+        self._bodies = list(self.parameters([joint.link for joint in arm.joints]))
         before = [np.eye(3), *turned[:-1]]
         self._R = [
             B0.T @ joint.T_parent_joint[:3, :3] @ B1
@@ -76,9 +74,33 @@ class ArmBatch:
         other = copy(self)
         vars(other).update(
             arm=replace(self.arm, joints=joints),
-            _bodies=[_parameters(link, B) for link, B in zip(links, self._turned, strict=True)],
+            _bodies=list(self.parameters(links)),
         )
         return other
+
+    def parameters(self, links: Sequence[InertialLink]) -> Array:
+        """Inertial parameters (n_joints, 10) of links, one per joint, for `mass_slope`."""
+        return np.stack([_parameters(link, B) for link, B in zip(links, self._turned, strict=True)])
+
+    def mass_slope(self, joints_rad: npt.ArrayLike) -> Array:
+        """Slope of the mass matrices by the links' inertial parameters.
+
+        Mass matrices are linear in them: M = slope · parameters, over the last two axes.
+
+        Returns
+        -------
+        (n_joints, n_joints, n_postures, n_joints, 10) float64
+        """
+        n, count = self.n_joints, len(np.atleast_2d(joints_rad))
+        slope = np.empty((n, n, count, n, _N_PARAMETERS))
+        unit = copy(self)
+        for link in range(n):
+            for number in range(_N_PARAMETERS):
+                bodies = np.zeros((n, _N_PARAMETERS))
+                bodies[link, number] = 1.0
+                vars(unit)["_bodies"] = list(bodies)
+                slope[..., link, number] = unit.mass(joints_rad)
+        return slope
 
     def mass(self, joints_rad: npt.ArrayLike) -> Array:
         """Mass matrices.
