@@ -100,7 +100,7 @@ def _run(
         _resume(settings, journal, stack)
     can_source = open_can(settings.can_channel, mapping.bitrate)
     stack.callback(can_source.close)
-    port = SerialPort(settings.board_port)
+    port = SerialPort(settings.board_port, baud=settings.board_baud)
     stack.callback(port.close)
     link = BoardLink(port, clock, reply_timeout_s=settings.reply_timeout_s)
     losses = LossTally()

@@ -15,7 +15,14 @@ import can
 from daq.serial_port import BytePort, SerialPort
 from protocols.can_records import CanFrame
 from protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
-from protocols.slcan import CLOSE, SlcanFault, SlcanParser, SlcanReply, listen_only_commands
+from protocols.slcan import (
+    CLOSE,
+    STATUS,
+    SlcanFault,
+    SlcanParser,
+    SlcanReply,
+    listen_only_commands,
+)
 
 __all__ = ["CanSource", "PythonCanListener", "SlcanListener", "open_can"]
 
@@ -34,6 +41,9 @@ class CanSource(Protocol):
     """Where CAN frames come from; there is no way to send one."""
 
     name: str
+    confirmed_silent: bool  # whether it has said that it only listens
+    status_flags: int | None  # error flags of a serial adapter, None where it told none
+    error_frames: int
 
     @property
     def faults(self) -> int:
@@ -47,6 +57,9 @@ class CanSource(Protocol):
 
     def take(self) -> list[tuple[float, list[CanFrame]]]:
         """Return the frames collected since the last time, with the times they were fetched."""
+
+    def ask_status(self) -> None:
+        """Ask the adapter, not the bus, for its error flags, where it has any."""
 
     def close(self) -> None:
         """Let go of the bus; never raises."""
@@ -93,10 +106,20 @@ class SlcanListener:
         If the adapter refuses a command.
     DeviceTimeoutError
         If it does not answer.
+
+    Attributes
+    ----------
+    status_flags : int or None
+        All error flags the adapter has told of since it was opened; None while it has told
+        nothing, as it does only when asked by `ask_status`.
     """
+
+    confirmed_silent = True
+    error_frames = 0
 
     def __init__(self, port: BytePort, bitrate: int) -> None:
         self.name = port.name
+        self.status_flags: int | None = None
         self._port = port
         self._parser = SlcanParser()
         self._fetched: list[tuple[float, bytes]] = []
@@ -119,14 +142,24 @@ class SlcanListener:
     def take(self) -> list[tuple[float, list[CanFrame]]]:
         """Return the frames in the bytes fetched."""
         fetched, self._fetched = self._fetched, []
-        return [
-            (at_s, [item for item in self._parser.feed(data) if isinstance(item, CanFrame)])
-            for at_s, data in fetched
-        ]
+        return [(at_s, self._frames(data)) for at_s, data in fetched]
+
+    def ask_status(self) -> None:
+        """Ask the adapter, not the bus, for its error flags; `take` finds the answer."""
+        self._port.write(STATUS)
 
     def close(self) -> None:
         """Close the line; the adapter is left listening, which disturbs nobody."""
         self._port.close()
+
+    def _frames(self, data: bytes) -> list[CanFrame]:
+        frames = []
+        for item in self._parser.feed(data):
+            if isinstance(item, CanFrame):
+                frames.append(item)
+            elif isinstance(item, SlcanReply) and item.text.startswith("F"):
+                self.status_flags = (self.status_flags or 0) | int(item.text[1:], 16)
+        return frames
 
     def _command(self, command: bytes) -> None:
         self._port.write(command)
@@ -154,8 +187,16 @@ class SlcanListener:
 
 
 class PythonCanListener:
-    """Any interface of python-can, of which only receiving is kept."""
+    """Any interface of python-can, of which only receiving is kept.
 
+    Attributes
+    ----------
+    error_frames : int
+        Error frames that the interface has reported.
+    """
+
+    confirmed_silent = False
+    status_flags: int | None = None
     faults = 0
 
     def __init__(self, interface: str, channel: str, bitrate: int) -> None:
@@ -170,6 +211,7 @@ class PythonCanListener:
                 f"cannot open CAN channel {self.name}: {error}; does the interface exist, and is "
                 "it up?"
             ) from error
+        self.error_frames = 0
         self._fetched: list[tuple[float, list[CanFrame]]] = []
         self._receive = bus.recv
         self._shutdown = bus.shutdown
@@ -191,6 +233,9 @@ class PythonCanListener:
         fetched, self._fetched = self._fetched, []
         return fetched
 
+    def ask_status(self) -> None:
+        """Do nothing: error frames tell of errors here."""
+
     def close(self) -> None:
         """Let go of the bus."""
         try:
@@ -205,6 +250,7 @@ class PythonCanListener:
                 message = self._receive(timeout=0)
                 if message is None:
                     break
+                self.error_frames += message.is_error_frame
                 if message.is_error_frame or message.is_fd:
                     continue
                 frames.append(

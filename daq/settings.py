@@ -21,6 +21,7 @@ class AcquisitionSettings:
     """Settings of one acquisition process; times are lab seconds.
 
     board_port : path of the board's serial line
+    board_baud : bit rate of a UART; without meaning for USB lines and pseudo-terminals
     can_channel : path of a serial CAN adapter, or interface:channel of python-can
     journal : file to begin, or with `resume` to go on with
     time_scale : lab seconds per second; 1 in a real laboratory
@@ -40,6 +41,7 @@ class AcquisitionSettings:
     plan: Plan
     journal: Path
     resume: bool = False
+    board_baud: int = 921_600
     time_scale: float = 1.0
     session_id: str | None = None
     software: str = "armodal"

@@ -29,6 +29,8 @@ from protocols.plan import load_plan  # noqa: E402
 from protocols.session.hdf5 import read_session  # noqa: E402
 from protocols.session.recovery import rebuild  # noqa: E402
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe  # noqa: E402
+from tui.check import app as check_app  # noqa: E402
+from tui.check import broken_lines  # noqa: E402
 from tui.demo import DEMO_TIME_SCALE, run_demo  # noqa: E402
 from tui.fit import fit_session  # noqa: E402
 from tui.results import identification_json, identification_tables  # noqa: E402
@@ -39,6 +41,7 @@ SOFTWARE = f"armodal {version('armodal')}"
 USER_ERROR = 2
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+app.add_typer(check_app, name="check")
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -126,18 +129,27 @@ def sim(
     time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
     directory: Annotated[Path | None, typer.Option("--out", help="Socket and ledger.")] = None,
     fault: Annotated[list[str] | None, typer.Option(help="A scripted fault; repeatable.")] = None,
+    broken_board: Annotated[
+        str | None, typer.Option(help="A board that breaks the protocol in one way.")
+    ] = None,
+    broken_controller: Annotated[
+        str | None, typer.Option(help="A controller or bus with one fault.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Start the simulated laboratory, print its ports, run until Ctrl-C.
 
     Example: armodal sim --time-scale 8
     """
-    with start_laboratory(
-        plant, seed=seed, time_scale=time_scale, directory=directory, faults=tuple(fault or ())
-    ) as laboratory:
+    with (
+        start_laboratory(
+            plant, seed=seed, time_scale=time_scale, directory=directory, faults=tuple(fault or ())
+        ) as laboratory,
+        broken_lines(laboratory, board=broken_board, controller=broken_controller) as lines,
+    ):
         ports = {
-            "board": laboratory.board,
-            "can": laboratory.can,
+            "board": lines[0],
+            "can": lines[1],
             "operator": str(laboratory.operator),
             "ledger": str(laboratory.ledger),
             "time_scale": laboratory.time_scale,
@@ -161,6 +173,7 @@ def acquire_command(
     resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     as_json: Json = False,
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
@@ -176,6 +189,7 @@ def acquire_command(
     )
     settings = AcquisitionSettings(
         board_port=board,
+        board_baud=baud,
         can_channel=can,
         arm=the_arm,
         plan=the_plan,

@@ -7,6 +7,7 @@ from typing import Any
 from rich.table import Table
 
 from analyzer.identification.records import Identification
+from analyzer.identification.scatter import half_width_95
 from protocols.session.records import Session
 
 __all__ = ["identification_json", "identification_tables", "mode_json"]
@@ -40,6 +41,7 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                 "joint": joint.joint,
                 "k_n_m_per_rad": joint.k_n_m_per_rad,
                 "k_std": joint.k_std,
+                "k_half_width_95": half_width_95(joint.k_std, joint.k_dof),
                 "k_std_model": joint.k_std_model,
                 "k_one_joint_n_m_per_rad": joint.k_one_joint_n_m_per_rad,
                 "c_n_m_s_per_rad": joint.c_n_m_s_per_rad,
@@ -53,6 +55,7 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                 "f_hz": axis.f_hz,
                 "k_n_m_per_rad": axis.k_n_m_per_rad,
                 "k_std": axis.k_std,
+                "k_half_width_95": half_width_95(axis.k_std, axis.k_dof),
                 "k_std_model": axis.k_std_model,
                 "c_n_m_s_per_rad": axis.c_n_m_s_per_rad,
                 "c_std": axis.c_std,

@@ -38,7 +38,7 @@ def axis_results(
 ) -> tuple[AxisResult, ...]:
     """Report every axis of the fitted structure."""
     structure = fit.state.structure
-    std = np.sqrt(np.diag(fit.covariance))
+    std, dof = fit.scatter.std(), fit.scatter.degrees_of_freedom()
     results = []
     for number, axis in enumerate(structure.axes):
         at = 2 * len(structure.joints) + 6 * number
@@ -55,9 +55,11 @@ def axis_results(
                 posture=posture,
                 k_n_m_per_rad=axis.stiffness_n_m_per_rad,
                 k_std=float(axis.stiffness_n_m_per_rad * std[at + 4]),
+                k_dof=float(dof[at + 4]),
                 k_std_model=float(axis.stiffness_n_m_per_rad * model_std[at + 4]),
                 c_n_m_s_per_rad=axis.damping_n_m_s_per_rad,
                 c_std=float(axis.damping_n_m_s_per_rad * std[at + 5]),
+                c_dof=float(dof[at + 5]),
                 mozzi=_mozzi(superset, axis, frfs, measured, shares, predictions),
             )
         )

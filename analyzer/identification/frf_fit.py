@@ -2,17 +2,10 @@
 
 Weights are the measured variance plus an allowance for what no single hit repeats: a
 mounting's tilt and the hit's aim bend one axis into another by about a per cent of the motion at
-the point. The covariance does not trust these weights. It is the clustered sandwich
-
-    Cov = H⁻¹ (Σ_c g_c g_cᵀ + P) H⁻¹,   H = Jᵀ W J + P
-
-with one cluster per mounting (posture, sensor point, hit point): hits on different mountings
-share nothing, while lines and axes of one mounting share everything. Each g_c is the delete-one
-score of its cluster (the jackknife form, CR3), P the priors' precision.
+the point. The covariance does not trust these weights: see `scatter`.
 
 References
 ----------
-C. B. Bell, D. F. McCaffrey, Survey Methodology 28 (2002) 169 (bias-reduced clustered variance);
 K. Levenberg, Q. Appl. Math. 2 (1944) 164.
 """
 
@@ -32,6 +25,7 @@ from analyzer.identification.parameters import (
     parameter_vector,
     step_state,
 )
+from analyzer.identification.scatter import ParameterScatter
 from protocols.errors import EstimateError
 
 __all__ = ["FrfFit", "fit_frfs", "line_weights", "normal_equations"]
@@ -47,8 +41,7 @@ class FrfFit:
 
     state: FitState
     parameters: ParameterNames
-    covariance: Array  # (n, n) of the parameters, from measurement scatter and priors
-    degrees_of_freedom: int  # of the scatter, for Student's t
+    scatter: ParameterScatter  # of the parameters, from measurement scatter and priors
     cost: float  # half the weighted sum of squares, priors included
     n_data: int  # real numbers fitted
     relative_residual: Array  # (n_postures,) rms residual over rms FRF
@@ -181,19 +174,10 @@ def _finish(
     postures: tuple[PostureData, ...],
     iterations: int,
 ) -> FrfFit:
-    P = np.diag(1.0 / names.prior_std**2)
-    H = normal.H + P
-    H_inverse = np.linalg.inv(H)
-    n_clusters, n = normal.cluster_g.shape
-    # Delete-one scores: (I - H_c H⁻¹)⁻¹ g_c makes the sandwich the jackknife (CR3).
-    leverage = np.eye(n) - normal.cluster_hessian @ H_inverse
-    score = np.linalg.solve(leverage, normal.cluster_g[..., None])[..., 0]
-    meat = (n_clusters - 1) / n_clusters * score.T @ score + P
     return FrfFit(
         state=state,
         parameters=names,
-        covariance=H_inverse @ meat @ H_inverse,
-        degrees_of_freedom=max(n_clusters - 1, 1),
+        scatter=ParameterScatter.of(normal.cluster_hessian, normal.cluster_g, names.prior_std),
         cost=cost,
         n_data=int(sum(2 * data.values.size for data in postures)),
         relative_residual=normal.relative_residual,

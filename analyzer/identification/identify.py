@@ -28,6 +28,7 @@ from analyzer.identification.records import (
     ModeResult,
     ValidationResult,
 )
+from analyzer.identification.scatter import FEWEST_DOF
 from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from analyzer.modal import ModalModel, Mode, fit_modes, posture_frf
 from protocols.errors import EstimateError
@@ -210,7 +211,7 @@ def _joints(
     predictions: list[PredictedModes],
 ) -> tuple[JointResult, ...]:
     structure = fit.state.structure
-    std = np.sqrt(np.diag(fit.covariance))
+    std, dof = fit.scatter.std(), fit.scatter.degrees_of_freedom()
     n = len(structure.joints)
     believed = believed_structure(superset.arm)
     results = []
@@ -229,9 +230,11 @@ def _joints(
                 joint=superset.arm.joints[joint].name,
                 k_n_m_per_rad=float(k),
                 k_std=float(k * std[i]),
+                k_dof=float(dof[i]),
                 k_std_model=float(k * model_std[i]),
                 c_n_m_s_per_rad=float(c),
                 c_std=float(c * std[n + i]),
+                c_dof=float(dof[n + i]),
                 believed_k_n_m_per_rad=float(believed.stiffness_n_m_per_rad[i]),
                 k_one_joint_n_m_per_rad=one_k,
                 c_one_joint_n_m_s_per_rad=one_c,
@@ -308,9 +311,11 @@ def _validate(
                 mode=j + 1,
                 predicted_hz=float(f_hz),
                 predicted_std_hz=float(predicted.f_std_hz[j]),
+                predicted_dof=float(predicted.f_dof[j]),
                 predicted_damping=float(predicted.modes.damping_ratio[j]),
                 measured_hz=None if mode is None else mode.f_hz,
                 measured_std_hz=None if mode is None else mode.f_std_hz,
+                measured_dof=None if mode is None else mode.dof,
                 mac=pairs[j][1] if j in pairs else None,
             )
         )
@@ -326,4 +331,14 @@ def _notes(fit: FrfFit, shares: list[list[float]]) -> tuple[str, ...]:
         "relative FRF residual by posture: "
         + ", ".join(f"{value:.1%}" for value in fit.relative_residual),
     ]
+    poorly = [
+        name
+        for name, nu in zip(fit.parameters.names, fit.scatter.degrees_of_freedom(), strict=True)
+        if nu < FEWEST_DOF
+    ]
+    if poorly:
+        notes.append(
+            "seen by fewer than three mountings, so that the stated std is the least it can be: "
+            + ", ".join(poorly)
+        )
     return tuple(notes)

@@ -25,6 +25,7 @@ class PredictedModes:
     model: ReducedModel
     modes: ModelModes
     f_std_hz: Array  # (n,)
+    f_dof: Array  # (n,) degrees of freedom behind it
     damping_std: Array  # (n,)
 
 
@@ -58,6 +59,7 @@ def predict_modes(
     return PredictedModes(
         model=model,
         modes=modes,
-        f_std_hz=np.sqrt(np.einsum("im,ij,jm->m", f_slope, fit.covariance, f_slope)),
-        damping_std=np.sqrt(np.einsum("im,ij,jm->m", damping_slope, fit.covariance, damping_slope)),
+        f_std_hz=fit.scatter.std(f_slope),
+        f_dof=fit.scatter.degrees_of_freedom(f_slope),
+        damping_std=fit.scatter.std(damping_slope),
     )

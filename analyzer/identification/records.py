@@ -29,10 +29,12 @@ class JointResult:
 
     joint: str
     k_n_m_per_rad: float
-    k_std: float  # from measurement scatter
+    k_std: float  # from measurement scatter, of a Student t with k_dof degrees of freedom
+    k_dof: float
     k_std_model: float  # from the tolerance of the inertias, to which k is proportional
     c_n_m_s_per_rad: float
     c_std: float
+    c_dof: float
     believed_k_n_m_per_rad: float
     k_one_joint_n_m_per_rad: float | None  # None where no mode is this joint's own
     c_one_joint_n_m_s_per_rad: float | None
@@ -72,9 +74,11 @@ class AxisResult:
     posture: str  # where that is
     k_n_m_per_rad: float
     k_std: float
+    k_dof: float
     k_std_model: float
     c_n_m_s_per_rad: float
     c_std: float
+    c_dof: float
     mozzi: tuple[MozziOfMode, ...]
 
 
@@ -102,9 +106,11 @@ class ValidationResult:
     mode: int
     predicted_hz: float
     predicted_std_hz: float
+    predicted_dof: float
     predicted_damping: float
     measured_hz: float | None  # None where no measured mode has this shape
     measured_std_hz: float | None
+    measured_dof: float | None
     mac: float | None
 
 

@@ -1,0 +1,127 @@
+"""A healthy board passes; each broken one is caught by the step that looks for its fault."""
+
+import re
+from fractions import Fraction
+
+import pytest
+
+from daq.check import (
+    BOARD_STEPS,
+    BoardCheckOptions,
+    CheckError,
+    Verdict,
+    check_board,
+)
+from daq.clock import SystemClock
+from daq.serial_port import SerialPort
+from hil_sim.broken_board import BROKEN_BOARDS, broken_board
+from hil_sim.lab import start_laboratory
+from hil_sim.relay import relayed
+from protocols.errors import DeviceTimeoutError, FrameError, PlantError, PortError
+
+# Fast enough to be short, slow enough for a busy machine to keep up: at 6400 Hz and this scale the
+# preview takes 0.65 MB/s, which the line and the board hold back for a tenth of a second.
+TIME_SCALE = 8.0
+OPTIONS = BoardCheckOptions(duration_s=3.0, rate_hz=Fraction(51_200, 8))
+
+CAUGHT = {
+    "any-session": ("session", "WRONG_SESSION wanted, got OK"),
+    "deaf-to-unknown": ("commands", "UNKNOWN_COMMAND wanted, no answer came"),
+    "dies-on-garbage": ("garbage", "not answered STATUS since a stretch longer than any frame"),
+    "fast-clock": ("clock", r"the clock drifts: \+[45]\d\d\d ppm"),
+    "forgets-on-reconnect": ("reconnect", "session .* became .* started anew"),
+    "half-counted": ("stream-overflow", "samples are missing, STATUS owns up to"),
+    "hash-lost": ("framing", "frames carry dictionary hash 0"),
+    "late-pretrigger": ("pretrigger", "77 samples before the trigger wanted, 74 came"),
+    "late-trigger": ("trigger", "which is no rising crossing"),
+    "new-session": ("hello-again", "session .* became"),
+    "no-counts": ("stream-overflow", "samples are missing, STATUS owns up to 0"),
+    "no-flags": ("block-overflow", "the flag BLOCK is not set"),
+    "obeys-torn-frames": ("garbage", "after a STOP with a wrong CRC the board is CONFIGURED"),
+    "other-resend": ("resend", "200 samples differ from the first sending"),
+    "refuses-nothing": ("rates", r"to be refused with LINK .* was accepted"),
+    "refuses-without-reason": ("rates", "without a reason"),
+    "scale-in-another-unit": ("dictionary", "scale x largest count is .* full scale"),
+    "silent-skip": ("samples", "the sample index jumps .* STATUS owns up to 0"),
+    "slow-samples": ("rate", r"-11\d\d\d\d ppm from 6400 Hz"),
+    "stuck-sequence": ("framing", "the sequence number does not rise"),
+    "ticks-backwards": ("clock", "ticks run backwards"),
+    "twice-sent": ("samples", "frames bring samples again"),
+    "wrong-crc": ("framing", "stretches are no frame, most for CRC-32"),
+    "wrong-hash": ("dictionary", "the header of HELLO_REPLY says"),
+    "wrong-slope": ("trigger", "which is no falling crossing"),
+}
+
+
+@pytest.fixture(scope="module")
+def laboratory():
+    with start_laboratory(time_scale=TIME_SCALE) as laboratory:
+        yield laboratory
+
+
+def check(line, *only):
+    return check_board(
+        lambda: SerialPort(line), OPTIONS, clock=SystemClock(scale=TIME_SCALE), only=only
+    )
+
+
+def test_every_step_passes_on_a_healthy_board(laboratory):
+    report = check(laboratory.board)
+    assert {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS} == {}
+    assert len(report.steps) == len(BOARD_STEPS)
+    assert report.passed
+
+
+def test_a_relay_alone_breaks_nothing(laboratory):
+    with relayed(laboratory.board, broken_board("none")) as line:
+        report = check(line, "framing", "samples", "resend")
+    assert {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS} == {}
+
+
+def test_every_broken_board_has_a_step_that_catches_it():
+    assert CAUGHT.keys() == BROKEN_BOARDS.keys() - {"none"}
+    assert {step for step, _ in CAUGHT.values()} <= {step.name for step in BOARD_STEPS}
+
+
+@pytest.mark.parametrize("name", CAUGHT)
+def test_a_broken_board_is_caught_by_its_step(laboratory, name):
+    step, reason = CAUGHT[name]
+    with relayed(laboratory.board, broken_board(name)) as line:
+        report = check(line, step)
+    (result,) = report.steps
+    assert result.verdict is Verdict.FAIL
+    assert re.search(reason, result.came), result.came
+    assert result.hint
+    assert not report.passed
+
+
+def test_a_board_that_has_died_leaves_the_rest_unchecked(laboratory):
+    with relayed(laboratory.board, broken_board("dies-on-garbage")) as line:
+        report = check(line, "garbage", "session")
+    assert [step.verdict for step in report.steps] == [Verdict.FAIL, Verdict.NOT_CHECKED]
+    assert "no longer answers" in report.step("session").came
+
+
+def test_a_port_that_is_not_there_is_no_check():
+    with pytest.raises(PortError, match="no such device"):
+        check("/dev/armodal-none")
+
+
+def test_a_device_that_is_no_board_is_told(laboratory):
+    # The CAN adapter answers with BEL where there is no CR, and with nothing else.
+    with pytest.raises((DeviceTimeoutError, FrameError), match="HELLO"):
+        check(laboratory.can)
+
+
+def test_an_unknown_step_and_an_unknown_board_are_refused(laboratory):
+    with pytest.raises(CheckError, match="wanted steps of this check"):
+        check(laboratory.board, "colour")
+    with pytest.raises(PlantError, match="wanted a broken board there is"):
+        broken_board("colour")
+
+
+def test_a_report_as_json_holds_every_step(laboratory):
+    said = check(laboratory.board, "dictionary", "session").as_json()
+    assert said["passed"] is True
+    assert [step["name"] for step in said["steps"]] == ["dictionary", "session"]
+    assert {step["verdict"] for step in said["steps"]} == {"pass"}

@@ -1,0 +1,108 @@
+"""The porting guide's figures are those of `protocols.board.limits`, and its example compiles."""
+
+import re
+import shutil
+import subprocess
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from daq.check import BOARD_STEPS, CAN_STEPS
+from protocols.board.codec import wire_size
+from protocols.board.limits import (
+    block_bytes,
+    block_wire_bytes,
+    samples_per_frame,
+    stream_bytes_per_s,
+)
+from protocols.board.records import Configuration, Slope
+
+ROOT = Path(__file__).parents[2]
+GUIDE = (ROOT / "docs" / "porting.md").read_text(encoding="utf-8")
+# Ten bit times a byte; what USB stacks reach; 19 bulk packets of 64 bytes a millisecond.
+LINKS = (921_600 // 10, 3_000_000 // 10, 800_000, 19 * 64 * 1000)
+BSP = """
+size_t bsp_link_write(const uint8_t *bytes, size_t n);
+size_t bsp_link_read(uint8_t *bytes, size_t n);
+uint64_t bsp_ticks64(void);
+void bsp_adc_start(uint32_t divisor);
+void bsp_adc_stop(void);
+uint32_t bsp_adc_read(int32_t *counts, uint32_t most, uint64_t *ticks, uint32_t *lost);
+uint32_t bsp_random(void);
+void bsp_halt(void);
+"""
+
+
+def configuration(n_channels, *, rate_hz=Fraction(1), length=1):
+    return Configuration(
+        rate_hz=rate_hz,
+        channel_mask=(1 << n_channels) - 1,
+        trigger_channel=0,
+        trigger_level_counts=1,
+        slope=Slope.RISING,
+        pretrigger=0,
+        block_length=length,
+        stream=True,
+    )
+
+
+def rows(marker):
+    part = GUIDE.split(f"<!-- {marker}")[1].split("<!-- end")[0]
+    lines = [line for line in part.splitlines() if line.startswith("| ")][1:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def thousands(number):
+    return f"{number:,}".replace(",", " ")
+
+
+def test_the_rates_that_fit_a_link_are_those_of_the_limits():
+    wanted = []
+    for n_channels in (1, 2, 3, 4, 8, 16, 32):
+        n = samples_per_frame(n_channels)
+        data = 3 * n_channels * n
+        per_hz = stream_bytes_per_s(configuration(n_channels))
+        overhead = 100.0 * (wire_size(4 + data) / data - 1.0)
+        rates = [f"{thousands(int(link / per_hz))} Hz" for link in LINKS]
+        wanted.append(
+            [str(n_channels), str(n), str(wire_size(4 + data)), f"{overhead:.1f} %", *rates]
+        )
+    assert rows("link arithmetic") == wanted
+
+
+def test_the_blocks_take_as_long_as_the_limits_say():
+    wanted = []
+    for n_channels, length in ((2, 2048), (4, 2048), (4, 8192), (4, 65_536)):
+        block = configuration(n_channels, length=length)
+        wire = block_wire_bytes(block)
+        times = [f"{wire / link:.2f} s" for link in LINKS[:3]]
+        name = f"{n_channels} channels x {length}"
+        wanted.append([name, thousands(block_bytes(block)), thousands(wire), *times])
+    assert rows("block arithmetic") == wanted
+
+
+def test_every_step_is_explained():
+    for step in (*BOARD_STEPS, *CAN_STEPS):
+        assert f"| `{step.name}` |" in GUIDE
+
+
+def test_every_function_named_is_in_the_header():
+    header = (ROOT / "protocols" / "c" / "include" / "armodal_board.h").read_text(encoding="utf-8")
+    named = set(re.findall(r"\bab_[a-z_]+\b", GUIDE))
+    assert named
+    assert {name for name in named if not re.search(rf"\b{name}\b", header)} == set()
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler on this machine")
+def test_the_example_board_compiles(tmp_path):
+    code = GUIDE.split("```c\n")[1].split("```")[0]
+    source = tmp_path / "board.c"
+    includes, rest = code.split('#include "armodal_board.h"\n')
+    source.write_text(f'{includes}#include "armodal_board.h"\n{BSP}{rest}', encoding="utf-8")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-fsyntax-only"]
+    include = f"-I{ROOT / 'protocols' / 'c' / 'include'}"
+    done = subprocess.run(
+        ["cc", *flags, include, str(source)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr

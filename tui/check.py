@@ -1,0 +1,164 @@
+"""`armodal check`: does a device keep to its protocol? Step by step, and what to do where not."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from fractions import Fraction
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from daq.check import BoardCheckOptions, Report, StepResult, Verdict, check_board, check_can
+from daq.clock import SystemClock
+from daq.serial_port import SerialPort
+from hil_sim.broken_board import broken_board
+from hil_sim.broken_controller import broken_controller
+from hil_sim.lab import Laboratory
+from hil_sim.relay import relayed
+from protocols.arm.files import load_arm
+
+__all__ = ["app", "broken_lines"]
+
+FAILED = 1
+STYLES = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.NOT_CHECKED: "yellow"}
+
+app = typer.Typer(
+    no_args_is_help=True,
+    help="Check a board or a controller step by step: what was wanted, what came.\n\n"
+    "Example: armodal check board /dev/ttyACM0",
+)
+out = Console(highlight=False)
+err = Console(stderr=True, highlight=False)
+
+Duration = Annotated[float, typer.Option(min=0.1, help="Length of the long run, lab seconds.")]
+TimeScale = Annotated[float, typer.Option(min=0.01, help="Lab seconds a second (simulator).")]
+Only = Annotated[list[str] | None, typer.Option("--step", help="Only this step; repeatable.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+@app.command("board")
+def check_board_command(
+    port: Annotated[str, typer.Argument(help="Serial port of the board.")],
+    duration: Duration = 60.0,
+    rate: Annotated[
+        str | None, typer.Option(help="Sample rate of the runs in Hz, as 12800 or 51200/31.")
+    ] = None,
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    time_scale: TimeScale = 1.0,
+    step: Only = None,
+    as_json: Json = False,
+) -> None:
+    """Check that a board keeps to the board protocol; exit code 1 if a step fails.
+
+    Example: armodal check board /dev/ttyACM0 --duration 60
+    """
+    options = BoardCheckOptions(duration_s=duration, rate_hz=_rate(rate))
+    report = check_board(
+        lambda: SerialPort(port, baud=baud),
+        options,
+        clock=SystemClock(scale=time_scale),
+        only=step or (),
+        tell=_tell,
+    )
+    _finish(report, as_json=as_json)
+
+
+@app.command("can")
+def check_can_command(
+    channel: Annotated[str, typer.Argument(help="slcan port, or interface:channel.")],
+    arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
+    duration: Annotated[float, typer.Option(min=0.1, help="How long to listen, lab s.")] = 10.0,
+    time_scale: TimeScale = 1.0,
+    step: Only = None,
+    as_json: Json = False,
+) -> None:
+    """Check what a controller says on its CAN bus, by listening; exit code 1 if a step fails.
+
+    Example: armodal check can /dev/ttyACM1 --arm rv4frl
+    """
+    report = check_can(
+        channel,
+        load_arm(arm),
+        duration_s=duration,
+        clock=SystemClock(scale=time_scale),
+        only=step or (),
+        tell=_tell,
+    )
+    _finish(report, as_json=as_json)
+
+
+def _rate(text: str | None) -> Fraction | None:
+    if text is None:
+        return None
+    try:
+        rate_hz = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        rate_hz = Fraction(0)
+    if rate_hz <= 0 or max(rate_hz.numerator, rate_hz.denominator) >= 1 << 32:
+        raise typer.BadParameter(f"wanted a rate in Hz such as 12800 or 51200/31, got {text!r}")
+    return rate_hz
+
+
+def _tell(news: StepResult | str) -> None:
+    if isinstance(news, str):
+        err.print(f"[dim]\u00b7 {news}[/dim]")
+    elif news.verdict is not Verdict.PASS:
+        err.print(f"  {news.verdict}: {news.came}", markup=False)
+
+
+def _finish(report: Report, *, as_json: bool) -> None:
+    if as_json:
+        sys.stdout.write(json.dumps(report.as_json(), indent=2) + "\n")
+    else:
+        out.print(_table(report))
+        for step in report.steps:
+            if step.hint:
+                out.print(f"{step.title}: {step.hint}", markup=False)
+        counts = ", ".join(f"{report.count(verdict)} {verdict}" for verdict in Verdict)
+        out.print(f"{report.device}: {counts}", markup=False)
+    if not report.passed:
+        raise typer.Exit(FAILED)
+
+
+def _table(report: Report) -> Table:
+    table = Table(show_lines=True)
+    for column in ("step", "wanted", "came", "verdict"):
+        table.add_column(column, no_wrap=column == "verdict")
+    for step in report.steps:
+        style = STYLES[step.verdict]
+        table.add_row(
+            step.title,
+            _plain(step.wanted),
+            _plain(step.came),
+            f"[{style}]{step.verdict.value}[/{style}]",
+        )
+    return table
+
+
+def _plain(text: str) -> str:
+    return text.replace("[", "\\[")
+
+
+@contextmanager
+def broken_lines(
+    laboratory: Laboratory, *, board: str | None, controller: str | None
+) -> Iterator[tuple[str, str]]:
+    """Put faulty devices in front of a laboratory's; yield the lines of board and adapter.
+
+    Raises
+    ------
+    PlantError
+        If there is no broken device of a name.
+    """
+    with ExitStack() as keep:
+        board_line, can_line = laboratory.board, laboratory.can
+        if board is not None:
+            board_line = keep.enter_context(relayed(board_line, broken_board(board)))
+        if controller is not None:
+            can_line = keep.enter_context(relayed(can_line, broken_controller(controller)))
+        yield board_line, can_line
