@@ -29,6 +29,7 @@ from protocols.plan import load_plan  # noqa: E402
 from protocols.session.hdf5 import read_session  # noqa: E402
 from protocols.session.recovery import rebuild  # noqa: E402
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe  # noqa: E402
+from tui.arm_commands import app as arm_app  # noqa: E402
 from tui.check import app as check_app  # noqa: E402
 from tui.check import broken_lines  # noqa: E402
 from tui.demo import DEMO_TIME_SCALE, run_demo  # noqa: E402
@@ -42,6 +43,7 @@ USER_ERROR = 2
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(check_app, name="check")
+app.add_typer(arm_app)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
