@@ -3,14 +3,17 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+# The board's device library, compiled for this machine: the simulated board runs on it.
+DEVICE_LIBRARY := protocols/c/build/libarmodal_board.so
+DEVICE_SOURCES := $(wildcard protocols/c/src/* protocols/c/include/*) protocols/c/build.py
 # Matrices here are small: one BLAS thread is faster than many.
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test check bench format clean setup
+.PHONY: demo test check bench sizes format clean setup
 
-setup: $(STAMP)
+setup: $(DEVICE_LIBRARY)
 
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "armodal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.12")'
@@ -18,10 +21,14 @@ $(STAMP): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
 	@touch $@
 
-demo: $(STAMP)
+$(DEVICE_LIBRARY): $(STAMP) $(DEVICE_SOURCES)
+	$(BIN)/python -m protocols.c.build
+	@touch $@
+
+demo: $(DEVICE_LIBRARY)
 	$(BIN)/armodal demo
 
-test: $(STAMP)
+test: $(DEVICE_LIBRARY)
 	$(BIN)/python -m pytest
 
 check: $(STAMP)
@@ -30,12 +37,15 @@ check: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(STAMP)
+bench: $(DEVICE_LIBRARY)
 	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
+
+sizes: $(STAMP)
+	$(BIN)/python -m protocols.c.sizes
 
 format: $(STAMP)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build protocols/c/build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

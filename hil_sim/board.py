@@ -7,13 +7,12 @@ import numpy as np
 from hil_sim.board_state import BoardFirmware
 from hil_sim.faults import Fault, FaultSet
 from hil_sim.pty_port import PtyPort
-from protocols.board.codec import FrameDecoder, encode_frame
-from protocols.board.messages import encode_block_info, encode_samples
-from protocols.board.records import BlockInfo, FrameType, Header, Samples
+from protocols.board.codec import decode_frame
+from protocols.board.records import FrameType
 
 __all__ = ["Board"]
 
-# Blocks and preview are composed only while less than this waits for the line.
+# The line is busy while this much waits for it.
 LINK_BUFFER = 8192
 # Samples taken in one step, so that a late step does not delay answers for long.
 MOST_SAMPLES = 4096
@@ -27,7 +26,7 @@ class Board:
     Parameters
     ----------
     firmware
-        The state machine.
+        The device library.
     port
         The line.
     faults
@@ -48,8 +47,9 @@ class Board:
         self.port = port
         self._faults = faults
         self._rng = rng
-        self._decoder = FrameDecoder()
+        self._unread = b""
         self._block_frames = 0
+        firmware.send = self._send
 
     @property
     def wants_write(self) -> bool:
@@ -63,6 +63,8 @@ class Board:
 
     def step(self) -> None:
         """Do what is to be done now; never waits."""
+        if not self._unread:
+            self._unread = self.port.read()
         self._answer()
         if self._faults.take(Fault.DICTIONARY_CHANGE):
             self.firmware.open_sensor(len(self.firmware.dictionary.channels) - 1)
@@ -72,44 +74,31 @@ class Board:
             due -= LOST_SAMPLES
         if due:
             self.firmware.take_samples(due)
-        self._send_data()
+        while self.firmware.poll():
+            if not self.port.flush():
+                return
+        self.port.flush()
 
     def _answer(self) -> None:
-        data = self.port.read()
-        if not data:
-            return
-        for frame in self._decoder.feed(data):
-            for kind, payload in self.firmware.handle(frame):
-                self._queue(self.firmware.header(kind, tag=frame.header.tag), payload)
+        if self._unread:
+            self._unread = self._unread[self.firmware.receive(self._unread) :]
             self.port.flush()
 
-    def _send_data(self) -> None:
-        while True:
-            while self.port.pending < LINK_BUFFER:
-                data = self.firmware.next_data()
-                if data is None:
-                    break
-                self._queue_data(data)
-            if not self.port.flush() or not self.firmware.has_data:
-                return
-
-    def _queue_data(self, data: BlockInfo | Samples) -> None:
-        if isinstance(data, BlockInfo):
-            self._queue(self.firmware.header(FrameType.BLOCK_READY), encode_block_info(data))
-            return
-        kind = FrameType.STREAM if data.block_id is None else FrameType.BLOCK_DATA
-        ticks = self.firmware.ready_ticks(data.first_sample)
-        header = self.firmware.header(kind, first_sample=data.first_sample, ticks=ticks)
-        if kind is FrameType.BLOCK_DATA and Fault.BLOCK_LOSS in self._faults:
-            self._block_frames += 1
-            if self._block_frames % LOST_BLOCK_FRAME == 0:
-                return
-        self._queue(header, encode_samples(data))
-
-    def _queue(self, header: Header, payload: bytes) -> None:
-        if Fault.BOARD_SILENCE in self._faults:
-            return
-        frame = encode_frame(header, payload)
+    def _send(self, frame: bytes) -> bool:
+        """Put a frame on the line, as it is or as a fault will have it; whether there was room."""
+        if self.port.pending >= LINK_BUFFER and not self.port.flush():
+            return False
+        if Fault.BOARD_SILENCE in self._faults or self._is_lost(frame):
+            return True
         if Fault.BOARD_GARBAGE in self._faults:
             frame = self._rng.bytes(len(frame))
         self.port.queue(frame)
+        return True
+
+    def _is_lost(self, frame: bytes) -> bool:
+        if Fault.BLOCK_LOSS not in self._faults:
+            return False
+        if decode_frame(frame[1:-1]).header.type is not FrameType.BLOCK_DATA:
+            return False
+        self._block_frames += 1
+        return self._block_frames % LOST_BLOCK_FRAME == 0

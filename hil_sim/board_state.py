@@ -1,55 +1,33 @@
-"""The board's firmware without its line: commands in, answers out, samples cut into blocks.
+"""The board's firmware: the C library of `protocols/c`, given a clock, a converter and a line.
 
-`docs/board-protocol.md` is what it obeys; the section numbers below are its own.
+Commands, capture, preview and framing are all in C, so that what is tested here is what runs on a
+microcontroller. Python is the porting layer.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from types import TracebackType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.board_preview import BoardPreview
-from hil_sim.capture import Block, BlockCapture
 from hil_sim.clock import DeviceClock, SampleClock
-from protocols.board.limits import block_bytes, refusal, samples_per_frame
-from protocols.board.messages import (
-    decode_configuration,
-    decode_release,
-    decode_resend,
-    dictionary_hash,
-    encode_dictionary,
-    encode_reply,
-    encode_status,
-    hello_fragments,
-)
-from protocols.board.records import (
-    BlockInfo,
-    BoardDictionary,
-    BoardState,
-    BoardStatus,
-    Configuration,
-    Frame,
-    FrameType,
-    Header,
-    IepeState,
-    Overflow,
-    ReplyCode,
-    Samples,
-)
-from protocols.errors import FrameError
+from protocols.board.dictionary import encode_dictionary
+from protocols.board.records import BoardDictionary, BoardState, IepeState
+from protocols.c.library import device_library
 
-__all__ = ["CONVERTER_HZ", "Answer", "BoardFirmware", "Converter", "Portion"]
+__all__ = ["CONVERTER_HZ", "BoardFirmware", "Converter"]
 
 CONVERTER_HZ = 51_200  # the converter makes this rate and its whole fractions
 LARGEST_DIVISOR = 512
-RESEND_QUEUE = 16
+BLOCK_RECORDS = 1024  # blocks held at the same time, however short
+PREVIEW_FRAMES = 32
+RECEIVE_BYTES = 2093  # any frame, so that an unknown command of any length is answered
 
-Answer = tuple[FrameType, bytes]
 Counts = npt.NDArray[np.int32]
 
 
@@ -62,23 +40,22 @@ class Converter:
     read: Callable[[int], Counts]
 
 
-@dataclass(frozen=True, slots=True)
-class Portion:
-    """A range of a held block to be sent; with a count of 0 only BLOCK_READY."""
-
-    block_id: int
-    first: int
-    count: int
-    announce: bool
-
-
 class BoardFirmware:
-    """State of the board between two frames.
+    """A board of the device library, without its line.
 
     Attributes
     ----------
-    session, sequence, overflow
-        As the header carries them.
+    dictionary : BoardDictionary
+        How the board describes itself at present.
+    send : callable
+        Takes the bytes of one frame and returns whether the line took them.
+
+    Raises
+    ------
+    CompilerError
+        If the library is not compiled and cannot be.
+    ValueError
+        If the library refuses the dictionary.
     """
 
     def __init__(
@@ -89,29 +66,92 @@ class BoardFirmware:
         clock: DeviceClock,
         converter: Converter,
     ) -> None:
+        self._ffi, self._library = device_library()
         self._clock = clock
         self._converter = converter
-        self.set_dictionary(dictionary)
-        self.session = session
-        self.sequence = 0
-        self.overflow = Overflow.NONE
-        self.state = BoardState.IDLE
-        self._configuration: Configuration | None = None
-        self._columns: list[int] = []
-        self._capture: BlockCapture | None = None
         self._sampling: SampleClock | None = None
-        self._held: dict[int, Block] = {}
-        self._last_block = 0
-        self._portions: deque[Portion] = deque()
-        self._dropped = 0
-        self._preview: BoardPreview | None = None
-        self._overruns = 0
+        self._error: BaseException | None = None
+        self.send: Callable[[bytes], bool] = lambda _frame: False
+        self.dictionary = dictionary
+        self._bytes = encode_dictionary(dictionary)
+        self._config, self._memory = self._make_config(dictionary)
+        self._board = self._ffi.new("ab_board *")
+        self._keep = self._ffi.from_buffer(self._bytes)
+        self._check(
+            self._library.ab_init(self._board, self._config, self._keep, len(self._bytes), session)
+        )
+
+    # The porting layer
+
+    def _make_config(self, dictionary: BoardDictionary) -> tuple[Any, list[Any]]:
+        ffi, n_channels = self._ffi, len(dictionary.channels)
+        config = ffi.new("ab_config *")
+        count_bytes = 192 * n_channels if n_channels <= 10 else 2040
+        memory = [
+            ffi.new("uint8_t[]", dictionary.block_capacity),
+            ffi.new("ab_block[]", BLOCK_RECORDS),
+            ffi.new("uint8_t[]", RECEIVE_BYTES),
+            ffi.new("uint8_t[]", RECEIVE_BYTES + 2),
+            ffi.new("uint8_t[]", PREVIEW_FRAMES * (18 + count_bytes)),
+        ]
+        config.block_buffer, config.blocks = memory[0], memory[1]
+        config.receive, config.transmit, config.preview = memory[2:]
+        config.block_buffer_size, config.n_blocks = len(memory[0]), len(memory[1])
+        config.receive_size, config.transmit_size, config.preview_size = map(len, memory[2:])
+        calls: dict[str, tuple[str, Callable[..., Any]]] = {
+            "send": ("size_t(void *, const uint8_t *, size_t)", self._send),
+            "ticks": ("uint64_t(void *)", lambda _context: self._clock.ticks()),
+            "rate": ("bool(void *, uint32_t, uint32_t, char *, size_t)", self._rate),
+            "start": ("void(void *, uint32_t, uint32_t)", self._start),
+            "stop": ("void(void *)", lambda _context: self._converter.stop()),
+        }
+        for name, (signature, function) in calls.items():
+            callback = ffi.callback(signature, function, onerror=self._note_error)
+            setattr(config.port, name, callback)
+            memory.append(callback)
+        return config, memory
+
+    def _send(self, _context: Any, data: Any, size: int) -> int:
+        return size if self.send(bytes(self._ffi.buffer(data, size))) else 0
+
+    def _rate(
+        self, _context: Any, numerator: int, denominator: int, reason: Any, size: int
+    ) -> bool:
+        refused = _rate_refusal(Fraction(numerator, denominator)).encode()[: size - 1]
+        self._ffi.memmove(reason, refused + b"\x00", len(refused) + 1)
+        return not refused
+
+    def _start(self, _context: Any, numerator: int, denominator: int) -> None:
+        rate_hz = Fraction(numerator, denominator)
+        self._converter.start(rate_hz)
+        self._sampling = SampleClock(
+            rate_hz=rate_hz, tick_hz=self._clock.tick_hz, start_ticks=self._clock.ticks()
+        )
+
+    def _note_error(
+        self, _kind: type[BaseException], error: BaseException, _trace: TracebackType
+    ) -> None:
+        self._error = self._error or error
+
+    def _raise_noted(self) -> None:
+        """Raise what went wrong in Python while C was running."""
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+
+    # What the board's shell calls
+
+    @property
+    def running(self) -> bool:
+        """Whether samples are taken."""
+        return int(self._board.state) == BoardState.RUNNING
 
     def set_dictionary(self, dictionary: BoardDictionary) -> None:
         """Describe the board from now on; the hash in every frame follows."""
-        self.dictionary = dictionary
-        self.dictionary_bytes = encode_dictionary(dictionary)
-        self.dictionary_hash = dictionary_hash(self.dictionary_bytes)
+        encoded = encode_dictionary(dictionary)
+        keep = self._ffi.from_buffer(encoded)
+        self._check(self._library.ab_set_dictionary(self._board, keep, len(encoded)))
+        self.dictionary, self._bytes, self._keep = dictionary, encoded, keep
 
     def open_sensor(self, channel: int) -> None:
         """The supply of a channel's sensor has opened: the dictionary says so (section 5)."""
@@ -119,245 +159,56 @@ class BoardFirmware:
         channels[channel] = replace(channels[channel], iepe=IepeState.OPEN)
         self.set_dictionary(replace(self.dictionary, channels=tuple(channels)))
 
-    # Commands
+    def receive(self, data: bytes) -> int:
+        """Take bytes from the host; return how many, fewer where the line is busy."""
+        taken = int(self._library.ab_receive(self._board, data, len(data)))
+        self._raise_noted()
+        return taken
 
-    def handle(self, frame: Frame) -> list[Answer]:
-        """Carry out a command and return what answers it."""
-        kind = frame.header.type
-        if kind >= FrameType.HELLO_REPLY:
-            return []
-        if kind is FrameType.HELLO:
-            return [
-                (FrameType.HELLO_REPLY, part) for part in hello_fragments(self.dictionary_bytes)
-            ]
-        reply_kind = FrameType(kind | 0x80)
-        if frame.header.session != self.session:
-            reason = f"board session 0x{self.session:08x}, command 0x{frame.header.session:08x}"
-            return [(reply_kind, encode_reply(ReplyCode.WRONG_SESSION, reason))]
-        if kind is FrameType.STATUS:
-            return [(reply_kind, encode_status(self._status()))]
-        try:
-            code, reason = self._carry_out(kind, frame.payload)
-        except FrameError as error:
-            code, reason = ReplyCode.BAD_VALUE, str(error)
-        return [(reply_kind, encode_reply(code, reason))]
-
-    def _carry_out(self, kind: FrameType, payload: bytes) -> tuple[ReplyCode, str]:
-        match kind:
-            case FrameType.CONFIGURE:
-                return self._configure(decode_configuration(payload))
-            case FrameType.START:
-                return self._start()
-            case FrameType.STOP:
-                return self._stop()
-            case FrameType.RESEND:
-                return self._resend(*decode_resend(payload))
-            case FrameType.RELEASE:
-                return self._release(decode_release(payload))
-        return ReplyCode.UNKNOWN_COMMAND, f"type 0x{kind:02x}"
-
-    def _configure(self, configuration: Configuration) -> tuple[ReplyCode, str]:
-        if self.state is BoardState.RUNNING:
-            return ReplyCode.WRONG_STATE, "RUNNING; STOP first"
-        refused = _rate_refusal(configuration.rate_hz) or refusal(configuration, self.dictionary)
-        if refused:
-            return refused
-        mask = configuration.channel_mask
-        self._columns = [i for i in range(len(self.dictionary.channels)) if mask >> i & 1]
-        self._configuration = configuration
-        self._free_all()
-        self.state = BoardState.CONFIGURED
-        return ReplyCode.OK, ""
-
-    def _start(self) -> tuple[ReplyCode, str]:
-        configuration = self._configuration
-        if configuration is None or self.state is not BoardState.CONFIGURED:
-            return ReplyCode.WRONG_STATE, f"{self.state.name}; CONFIGURED wanted"
-        self._free_all()
-        self.overflow = Overflow.NONE
-        self._overruns = 0
-        if configuration.stream:
-            self._preview = BoardPreview(
-                rate_hz=configuration.rate_hz, n_channels=len(self._columns)
-            )
-        self._dropped = 0
-        self._capture = BlockCapture(
-            configuration,
-            n_channels=len(self._columns),
-            trigger_column=self._columns.index(configuration.trigger_channel),
-        )
-        self._converter.start(configuration.rate_hz)
-        self._sampling = SampleClock(
-            rate_hz=configuration.rate_hz,
-            tick_hz=self._clock.tick_hz,
-            start_ticks=self._clock.ticks(),
-        )
-        self.state = BoardState.RUNNING
-        return ReplyCode.OK, ""
-
-    def _stop(self) -> tuple[ReplyCode, str]:
-        if self.state is BoardState.RUNNING:
-            self._converter.stop()
-            self._end_preview()
-            self.state = BoardState.CONFIGURED
-        return ReplyCode.OK, ""
-
-    def _resend(self, block_id: int, first: int, count: int) -> tuple[ReplyCode, str]:
-        block = self._held.get(block_id)
-        if block is None:
-            return ReplyCode.UNKNOWN_BLOCK, f"block {block_id} is not held"
-        if first + count > len(block.counts):
-            return ReplyCode.BAD_VALUE, (
-                f"samples {first}...{first + count - 1} of a block of {len(block.counts)}"
-            )
-        if len(self._portions) >= RESEND_QUEUE:
-            return ReplyCode.WRONG_STATE, f"the queue of {RESEND_QUEUE} ranges is full"
-        self._portions.append(Portion(block_id, first, count, announce=True))
-        return ReplyCode.OK, ""
-
-    def _release(self, block_id: int) -> tuple[ReplyCode, str]:
-        if not 1 <= block_id <= self._last_block:
-            return ReplyCode.UNKNOWN_BLOCK, f"block {block_id} never was; last {self._last_block}"
-        self._held.pop(block_id, None)
-        self._portions = deque(p for p in self._portions if p.block_id != block_id)
-        return ReplyCode.OK, ""
-
-    def _free_all(self) -> None:
-        self._held.clear()
-        self._portions.clear()
-        self._end_preview()
-
-    def _end_preview(self) -> None:
-        if self._preview is not None:
-            self._dropped = self._preview.dropped
-        self._preview = None
-
-    def _status(self) -> BoardStatus:
-        return BoardStatus(
-            state=self.state,
-            next_sequence=(self.sequence + 1) & 0xFFFF_FFFF,
-            next_sample=self._capture.next_sample if self._capture else 0,
-            buffered_blocks=len(self._held),
-            oldest_block=min(self._held, default=0),
-            stream_samples_dropped=self._dropped
-            if self._preview is None
-            else self._preview.dropped,
-            triggers_missed=self._capture.missed if self._capture else 0,
-            adc_overruns=self._overruns,
-        )
-
-    # Samples
+    def poll(self) -> bool:
+        """Send what waits; return whether something is left because the line is busy."""
+        left = bool(self._library.ab_poll(self._board))
+        self._raise_noted()
+        return left
 
     def samples_due(self) -> int:
         """How many samples are ready and not yet read."""
-        if self.state is not BoardState.RUNNING or not self._sampling or not self._capture:
+        if self._sampling is None or not self.running:
             return 0
-        return max(0, self._sampling.due(self._clock.ticks()) - self._capture.next_sample)
+        return max(0, self._sampling.due(self._clock.ticks()) - int(self._board.next_sample))
 
     def take_samples(self, count: int) -> None:
-        """Read samples from the converter into preview and blocks."""
-        capture, configuration = self._capture, self._configuration
-        if capture is None or configuration is None:
+        """Read samples from the converter and hand them to the library."""
+        if self._sampling is None or not self.running:
             return
-        counts = self._converter.read(count)[:, self._columns]
-        buffers = self.dictionary.block_capacity // block_bytes(configuration)
-        if self._preview is not None:
-            dropped = self._preview.dropped
-            self._preview.add(capture.next_sample, counts)
-            if self._preview.dropped > dropped:
-                self.overflow |= Overflow.STREAM
-        missed = capture.missed
-        for block in capture.feed(counts, buffers - len(self._held)):
-            self._last_block += 1
-            self._held[self._last_block] = block
-            whole = Portion(self._last_block, 0, len(block.counts), announce=True)
-            self._portions.append(whole)
-        if capture.missed > missed:
-            self.overflow |= Overflow.BLOCK
+        counts = np.ascontiguousarray(self._converter.read(count), dtype=np.int32)
+        ticks = self._sampling.ready_ticks(int(self._board.next_sample))
+        data = self._ffi.from_buffer("int32_t[]", counts)
+        self._library.ab_samples(self._board, data, len(counts), ticks)
+        self._raise_noted()
 
     def lose_samples(self, count: int) -> None:
         """The converter loses samples: the index jumps (section 8)."""
-        if self._capture is None or self.state is not BoardState.RUNNING:
-            return
-        self._converter.read(count)
-        if self._preview is not None:
-            self._preview.end_frame()
-        missed = self._capture.missed
-        self._capture.lose(count)
-        self._overruns += 1
-        self.overflow |= Overflow.ADC
-        if self._capture.missed > missed:
-            self.overflow |= Overflow.BLOCK
+        if self.running:
+            self._converter.read(count)
+            self._library.ab_lost(self._board, count)
 
-    # What goes out
-
-    @property
-    def has_data(self) -> bool:
-        """Whether something waits for room on the link."""
-        return bool(self._portions or self._preview)
-
-    def next_data(self) -> BlockInfo | Samples | None:
-        """What is to be sent next: announcements and blocks before the preview (section 10)."""
-        while self._portions:
-            portion = self._portions.popleft()
-            block = self._held[portion.block_id]
-            if portion.announce:
-                if portion.count:
-                    self._portions.appendleft(
-                        Portion(portion.block_id, portion.first, portion.count, announce=False)
-                    )
-                return self._info(portion.block_id, block)
-            taken = min(portion.count, samples_per_frame(block.counts.shape[1]))
-            if taken < portion.count:
-                rest = Portion(
-                    portion.block_id, portion.first + taken, portion.count - taken, announce=False
-                )
-                self._portions.appendleft(rest)
-            return Samples(
-                first_sample=block.first_sample + portion.first,
-                counts=block.counts[portion.first : portion.first + taken],
-                block_id=portion.block_id,
+    def _check(self, result: int) -> None:
+        if result == self._library.AB_INIT_DICTIONARY:
+            raise ValueError(
+                "the device library refuses the dictionary: wanted one that section 5 allows, "
+                "with as many channels as at boot"
             )
-        return self._preview.next_frame() if self._preview is not None else None
-
-    def _info(self, block_id: int, block: Block) -> BlockInfo:
-        return BlockInfo(
-            block_id=block_id,
-            first_sample=block.first_sample,
-            length=len(block.counts),
-            trigger_sample=block.trigger_sample,
-            trigger_ticks=self.ready_ticks(block.trigger_sample),
-        )
-
-    def ready_ticks(self, sample: int) -> int:
-        """Ticks at which a sample of the last run was ready."""
-        return self._sampling.ready_ticks(sample) if self._sampling else 0
-
-    def header(
-        self, kind: FrameType, *, tag: int = 0, first_sample: int = 0, ticks: int | None = None
-    ) -> Header:
-        """Compose the next header, which takes a sequence number."""
-        sequence = self.sequence
-        self.sequence = (sequence + 1) & 0xFFFF_FFFF
-        return Header(
-            type=kind,
-            session=self.session,
-            sequence=sequence,
-            dictionary_hash=self.dictionary_hash,
-            overflow=self.overflow,
-            tag=tag,
-            first_sample=first_sample,
-            ticks=self._clock.ticks() if ticks is None else ticks,
-        )
+        if result == self._library.AB_INIT_BUFFERS:
+            raise ValueError("the device library wants larger buffers for this dictionary")
 
 
-def _rate_refusal(rate_hz: Fraction) -> tuple[ReplyCode, str] | None:
+def _rate_refusal(rate_hz: Fraction) -> str:
+    """Why the converter does not make a rate; empty where it does."""
     divisor = CONVERTER_HZ / rate_hz
     if divisor.denominator == 1 and 1 <= divisor <= LARGEST_DIVISOR:
-        return None
+        return ""
     below = min(max(1, int(divisor)), LARGEST_DIVISOR)
     above = min(below + 1, LARGEST_DIVISOR)
     near = " and ".join(f"{CONVERTER_HZ}/{d}" for d in sorted({below, above}))
-    return ReplyCode.BAD_VALUE, (
-        f"rate {rate_hz} Hz cannot be made exactly: the nearest are {near} Hz"
-    )
+    return f"rate {rate_hz} Hz cannot be made exactly: the nearest are {near} Hz"
