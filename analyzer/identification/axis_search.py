@@ -38,12 +38,13 @@ def axis_starts(
     mozzi = mozzi_of_shape(superset, measured, measured.modes[mode].shape, link)
     if mozzi is not None:
         lines.append(to_link(measured.dynamics, link, mozzi))
-    center = superset.arm.joints[link].link.center_m
+    joint = superset.arm.joints[link]
+    center = joint.link.center_m
     lines += [
         (direction, center - direction * (direction @ center))
         for direction in np.eye(3)
-        # A joint's own axis cannot be told from the joint.
-        if abs(direction @ superset.arm.joints[link].axis) < 0.9
+        # An elastic joint's own axis cannot be told from the joint.
+        if joint.stiffness is None or abs(direction @ joint.axis) < 0.9
     ]
     starts = []
     for direction, point in lines:
@@ -88,7 +89,8 @@ def best_axis_fit(
     at, mode = flagged
     best: FrfFit | None = None
     rivals: list[tuple[str, float]] = []
-    for link in sorted(set(baseline.joints)):
+    # Beyond the last elastic joint a compliance and the inertia behind it lie above the band.
+    for link in range(max(baseline.joints) + 1):
         name = superset.arm.joints[link].link.name
         costs = []
         for axis in axis_starts(superset, measured[at], mode, link):

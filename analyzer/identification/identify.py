@@ -42,6 +42,7 @@ Array = npt.NDArray[np.float64]
 BAND_ABOVE = 1.5  # the model is fitted up to this multiple of the highest fitted mode
 SEARCH_STRIDE = 4  # lines skipped while axes are searched
 OWN_MODE_SHARE = 0.8  # of a mode's strain energy, for the one-joint method
+UNEXPLAINED = 0.1  # of the rms motion; a sound model leaves a few per cent to mountings and aim
 MIN_MAC = 0.5  # shapes less alike than this are not the same mode
 
 
@@ -123,7 +124,7 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
         fit=fit,
         modal_models=models + held_out_models,
         frfs=fitted + held_out,
-        notes=_notes(fit, shares),
+        notes=_notes(fit, fitted, shares),
     )
 
 
@@ -322,7 +323,9 @@ def _validate(
     return results
 
 
-def _notes(fit: FrfFit, shares: list[list[float]]) -> tuple[str, ...]:
+def _notes(
+    fit: FrfFit, fitted: tuple[FrequencyResponse, ...], shares: list[list[float]]
+) -> tuple[str, ...]:
     flagged = sum(share < STRUCTURAL_SHARE for posture in shares for share in posture)
     notes = [
         f"{flagged} measured mode(s) are not explained by joint rotations"
@@ -331,6 +334,17 @@ def _notes(fit: FrfFit, shares: list[list[float]]) -> tuple[str, ...]:
         "relative FRF residual by posture: "
         + ", ".join(f"{value:.1%}" for value in fit.relative_residual),
     ]
+    unexplained = [
+        f"{frf.posture} {value:.0%}"
+        for frf, value in zip(fitted, fit.relative_residual, strict=True)
+        if value > UNEXPLAINED
+    ]
+    if unexplained:
+        notes.append(
+            f"the model leaves more than {UNEXPLAINED:.0%} of the motion unexplained "
+            f"({', '.join(unexplained)}): it lacks an effect, and its stiffnesses and their "
+            "standard deviations are not to be relied on"
+        )
     poorly = [
         name
         for name, nu in zip(fit.parameters.names, fit.scatter.degrees_of_freedom(), strict=True)
