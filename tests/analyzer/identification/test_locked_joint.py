@@ -41,14 +41,22 @@ def test_mode_model_and_triplets_agree_on_the_axis(axis, plant):
     hidden = plant.truth.hidden_axis
     direction = np.array(hidden.direction) / np.linalg.norm(hidden.direction)
     assert np.rad2deg(line_angle_rad(axis.direction_link, direction)) < 1.0
+    assert axis.k_n_m_per_rad == pytest.approx(hidden.stiffness_n_m_per_rad, rel=0.01)
+    # Joints 2 and 3 still move a little in the mode, so the triplets scatter; within that scatter
+    # the mode's axis, the triplets' average and the compliance axis are one.
     posture = next(row for row in axis.mozzi if row.posture == "test 1")
-    # What the model itself predicts for the mode's axis is now next to nothing, ...
-    assert posture.predicted_bias_deg < 2.0
-    assert abs(posture.predicted_bias_k) < 0.03
-    # ... and k by Eq. (1) is that of the compliance within it.
-    truth = hidden.stiffness_n_m_per_rad
-    assert posture.k_eq1_n_m_per_rad == pytest.approx(truth, rel=0.05)
-    assert axis.k_n_m_per_rad == pytest.approx(truth, rel=0.01)
+    triplets = posture.triplets
+    assert posture.predicted_bias_deg < triplets.angle_rms_deg
+    assert posture.predicted_bias_mm < 1e3 * triplets.distance_rms_m
+
+
+def test_the_bias_is_smaller_than_with_joint_1_free(axis):
+    """With joint 1 free, test 1's mode also turns about it, and Eq. (1) is off by an eighth."""
+    free = identify(simulate_session(21)).axes[0]
+    locked_row, free_row = (
+        next(row for row in found.mozzi if row.posture == "test 1") for found in (axis, free)
+    )
+    assert abs(locked_row.predicted_bias_k) < abs(free_row.predicted_bias_k)
 
 
 def test_triplets_scatter_about_the_axis_of_all_points(axis):
