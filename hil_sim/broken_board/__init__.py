@@ -28,6 +28,7 @@ from hil_sim.broken_board.frames import (
 )
 from hil_sim.broken_board.manners import (
     AnySession,
+    DeafToOtherVersions,
     DeafToUnknown,
     DiesOnGarbage,
     ForgetsOnReconnect,
@@ -44,6 +45,7 @@ __all__ = ["BROKEN_BOARDS", "BrokenBoard", "broken_board"]
 BROKEN_BOARDS: dict[str, Callable[[], BrokenBoard]] = {
     "none": BrokenBoard,
     "any-session": AnySession,
+    "deaf-to-other-versions": DeafToOtherVersions,
     "deaf-to-unknown": DeafToUnknown,
     "dies-on-garbage": DiesOnGarbage,
     "fast-clock": FastClock,

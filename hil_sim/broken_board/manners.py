@@ -9,7 +9,7 @@ from dataclasses import replace
 from cobs import cobs
 
 from hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
-from protocols.board.codec import HEADER_SIZE
+from protocols.board.codec import HEADER_SIZE, PROTOCOL_VERSION
 from protocols.board.messages import (
     decode_dictionary,
     decode_reply,
@@ -23,6 +23,7 @@ from protocols.board.records import Frame, FrameType, Header, ReplyCode
 
 __all__ = [
     "AnySession",
+    "DeafToOtherVersions",
     "DeafToUnknown",
     "DiesOnGarbage",
     "ForgetsOnReconnect",
@@ -137,6 +138,18 @@ class DeafToUnknown(BrokenBoard):
     def command(self, piece: bytes) -> bytes:
         """Alter a stretch of the host."""
         return piece if decoded(piece) is not None or len(piece) > LONGEST_COMMAND else b""
+
+
+class DeafToOtherVersions(BrokenBoard):
+    """Frames of another protocol version are dropped, HELLO too."""
+
+    def command(self, piece: bytes) -> bytes:
+        """Alter a stretch of the host."""
+        try:
+            body: bytes = cobs.decode(piece)
+        except cobs.DecodeError:
+            return piece
+        return piece if body[:1] == bytes([PROTOCOL_VERSION]) else b""
 
 
 class AnySession(BrokenBoard):

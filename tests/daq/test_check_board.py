@@ -26,6 +26,7 @@ OPTIONS = BoardCheckOptions(duration_s=3.0, rate_hz=Fraction(51_200, 8))
 
 CAUGHT = {
     "any-session": ("session", "WRONG_SESSION wanted, got OK"),
+    "deaf-to-other-versions": ("version", "HELLO of version 2: HELLO_REPLY wanted, no answer"),
     "deaf-to-unknown": ("commands", "UNKNOWN_COMMAND wanted, no answer came"),
     "dies-on-garbage": ("garbage", "not answered STATUS since a stretch longer than any frame"),
     "fast-clock": ("clock", r"the clock drifts: \+[45]\d\d\d ppm"),
@@ -80,7 +81,17 @@ def test_a_relay_alone_breaks_nothing(laboratory):
 
 def test_every_broken_board_has_a_step_that_catches_it():
     assert CAUGHT.keys() == BROKEN_BOARDS.keys() - {"none"}
-    assert {step for step, _ in CAUGHT.values()} <= {step.name for step in BOARD_STEPS}
+
+
+def test_every_step_has_a_broken_board_that_it_catches():
+    # Every rate by ticks is what slow-samples fails as well, but then the long run is enough.
+    assert {step for step, _ in CAUGHT.values()} == {s.name for s in BOARD_STEPS} - {"each-rate"}
+
+
+def test_a_wrong_rate_is_seen_in_the_ticks_too(laboratory):
+    with relayed(laboratory.board, broken_board("slow-samples")) as line:
+        (result,) = check(line, "each-rate").steps
+    assert "51200 Hz asked for, 25600 Hz by its own ticks (-50.00 %)" in result.came
 
 
 @pytest.mark.parametrize("name", CAUGHT)

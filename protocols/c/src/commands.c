@@ -38,7 +38,6 @@ static ab_code configure(ab_board *board, const uint8_t *payload, size_t n, ab_t
     ab_forget_all_blocks(board);
     board->wanted = wanted;
     ab_capture_configure(board);
-    ab_preview_start(board);
     board->state = AB_CONFIGURED;
     return AB_OK;
 }
