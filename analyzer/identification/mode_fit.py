@@ -47,7 +47,10 @@ class MeasuredModes:
 
     def shapes(self) -> npt.NDArray[np.complex128]:
         """Return (n_resp, n_modes) measured shapes."""
-        return np.stack([mode.shape for mode in self.modes], axis=1)
+        shapes = np.zeros((len(self.index), len(self.modes)), dtype=np.complex128)
+        for column, mode in enumerate(self.modes):
+            shapes[:, column] = mode.shape
+        return shapes
 
 
 def pair_by_shape(measured: npt.ArrayLike, model: npt.ArrayLike) -> list[tuple[int, int, float]]:
@@ -80,7 +83,6 @@ def fit_to_frequencies(
     """
     first = np.log(structure.all_stiffness())
     log_k = first.copy()
-    n_joints = len(structure.joints)
     for _ in range(iterations):
         rows, rest = [np.eye(len(log_k)) / prior_std], [(first - log_k) / prior_std]
         for posture in postures:
@@ -96,8 +98,6 @@ def fit_to_frequencies(
         log_k = log_k + np.clip(step, -0.3, 0.3)
         if float(np.abs(step).max()) < 1e-6:
             break
-    if n_joints == 0:
-        return structure
     return _with_stiffness(structure, log_k)
 
 
