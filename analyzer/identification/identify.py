@@ -155,7 +155,7 @@ def _fit(
         return fit_frfs(superset, full, start_state(baseline, len(full))), ()
     _, at, mode = min(flagged)
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
-    if _explained_byjoint_results(superset, baseline, coarse):
+    if _explained_by_joints(superset, baseline, coarse):
         # A low joint share alone is no structure: the roving sensor's mass splits light modes.
         say("model fit, all lines")
         return fit_frfs(superset, full, start_state(baseline, len(full))), ()
@@ -164,7 +164,7 @@ def _fit(
     return fit_frfs(superset, full, best.state), rivals
 
 
-def _explained_byjoint_results(
+def _explained_by_joints(
     superset: Superset, baseline: Structure, data: tuple[PostureData, ...]
 ) -> bool:
     try:
