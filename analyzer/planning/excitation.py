@@ -48,6 +48,7 @@ class HitChoice:
     peak: float  # driving-point accelerance of the wanted mode at its resonance, m/(s² N)
     purity: float  # that peak over the sum of all modes' peaks
     share: Array  # (n_modes,) of each mode in that sum
+    effective_mass_kg: float  # that the hammer meets: a force F gives the acceleration F / m
     along_normal: bool  # the surface itself takes the hit; else it needs a block to hit sideways
 
 
@@ -82,19 +83,26 @@ def best_hits(
     elastic: ElasticJoints,
     modes: PostureModes,
     mode: int,
+    *,
+    least_mass_kg: float = 0.0,
 ) -> list[HitChoice]:
     """Hits at every moving point, each along the best of its sensor's axes; the best first.
 
-    A hit is ranked by purity times its peak over the largest peak any hit gives.
+    A hit is ranked by purity times its peak over the largest peak any hit gives; one that meets
+    less than `least_mass_kg` comes last, since it drives the accelerometer out of its range.
     """
     J, points = _elastic_jacobian(superset, dynamics, elastic)
+    flexibility = np.linalg.inv(modes.mass)
     choices = []
     for i in points:
         axes = dynamics.point_rotation[i]
         participation = axes.T @ J[i] @ modes.shape  # (3 axes, modes)
         peaks = participation**2 / (2 * modes.damping_ratio)
         purity = peaks[:, mode] / np.maximum(peaks.sum(axis=1), 1e-300)
-        axis = int(np.argmax(purity * peaks[:, mode]))
+        along = axes.T @ J[i]
+        mass = 1.0 / np.maximum(np.einsum("an,nm,am->a", along, flexibility, along), 1e-12)
+        merit = np.where(mass >= least_mass_kg, purity * peaks[:, mode], -1.0)
+        axis = int(np.argmax(merit))
         choices.append(
             HitChoice(
                 point=superset.arm.points[i].id,
@@ -102,11 +110,17 @@ def best_hits(
                 peak=float(peaks[axis, mode]),
                 purity=float(purity[axis]),
                 share=peaks[axis] / max(float(peaks[axis].sum()), 1e-300),
+                effective_mass_kg=float(mass[axis]),
                 along_normal=axis == _NORMAL,
             )
         )
     largest = max((choice.peak for choice in choices), default=1.0)
-    return sorted(choices, key=lambda c: c.purity * c.peak / largest, reverse=True)
+
+    def merit_of(choice: HitChoice) -> tuple[bool, float]:
+        gentle = choice.effective_mass_kg >= least_mass_kg
+        return gentle, choice.purity * choice.peak / largest
+
+    return sorted(choices, key=merit_of, reverse=True)
 
 
 def seeing_points(

@@ -32,7 +32,14 @@ class Instruments:
     impulse_n_s: float = 0.15  # of a hit
     acceleration_noise: float = 2e-3  # m/s²/sqrt(Hz)
     hits: int = 3
+    force_peak_n: float = 20.0  # of a hit well above the hammer's noise
+    acceleration_range: float = 100.0  # m/s² the accelerometer takes
     mounting: float = 0.01  # tilt of a mounting and aim of its hits, in parts of the motion
+
+    @property
+    def least_mass_kg(self) -> float:
+        """Mass a hit has to meet so that the accelerometer stays within its range."""
+        return self.force_peak_n / self.acceleration_range
 
 
 def information(

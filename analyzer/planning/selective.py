@@ -24,6 +24,7 @@ from analyzer.workspace.batch import ArmBatch
 from analyzer.workspace.postures import random_postures
 from analyzer.workspace.spectrum import ElasticJoints
 from protocols.arm.records import Arm
+from protocols.errors import EstimateError
 
 __all__ = ["GravityCheck", "PlannedTest", "SelectivePlan", "describe_tests", "plan_tests"]
 
@@ -101,13 +102,23 @@ def plan_tests(
     Raises
     ------
     EstimateError
-        If no posture is clear of floor and base.
+        If no posture is clear of floor and base, or no point takes a hit for every joint.
     """
     superset, batch = Superset(arm), ArmBatch(arm)
     tools, room = instruments or Instruments(), clearance or Clearance()
     found = isolating_postures(batch, elastic, room, rng, progress)
-    by_point = _candidates(superset, elastic, found)
-    covers = {point: _fewest(tests, elastic.joints) for point, tests in by_point.items()}
+    by_point = _candidates(superset, elastic, found, tools.least_mass_kg)
+    covers = {
+        point: _fewest(tests, elastic.joints)
+        for point, tests in by_point.items()
+        if {test.target for test in tests} == set(elastic.joints)
+    }
+    if not covers:
+        raise EstimateError(
+            f"no test point of arm '{arm.name}' takes a hit for every joint: a hit of "
+            f"{tools.force_peak_n:g} N would drive the accelerometer past "
+            f"{tools.acceleration_range:g} m/s²; add points on heavier links, or a softer hammer"
+        )
     hit_point = min(covers, key=lambda point: _cost(covers[point], elastic.joints))
     tests = covers[hit_point]
     served = {joint for test in tests for joint in test.serves}
@@ -131,7 +142,9 @@ def plan_tests(
         (test, told(test))
         for q in others
         for joint in elastic.joints
-        for test in describe_tests(superset, elastic, q, joint)
+        for test in describe_tests(
+            superset, elastic, q, joint, least_mass_kg=tools.least_mass_kg
+        )
         if test.hit.point == hit_point
     ]
     while len(tests) < n_tests:
@@ -162,6 +175,8 @@ def describe_tests(
     elastic: ElasticJoints,
     joints_rad: Array,
     target: int,
+    *,
+    least_mass_kg: float = 0.0,
 ) -> list[PlannedTest]:
     """Work out what a posture is good for, hit at every moving point, the best hit first.
 
@@ -169,6 +184,8 @@ def describe_tests(
     ----------
     target
         The joint (0-based, of the arm's) the test is for; one of the elastic ones.
+    least_mass_kg
+        Hits that meet less are left out: they overload the accelerometer.
     """
     dynamics = superset.posture(joints_rad)
     modes = posture_modes(superset, dynamics, elastic)
@@ -197,18 +214,23 @@ def describe_tests(
             points=points,
             gravity=gravity,
         )
-        for hit in best_hits(superset, dynamics, elastic, modes, mode)
+        for hit in best_hits(
+            superset, dynamics, elastic, modes, mode, least_mass_kg=least_mass_kg
+        )
+        if hit.effective_mass_kg >= least_mass_kg
     ]
 
 
 def _candidates(
-    superset: Superset, elastic: ElasticJoints, found: list[Array]
+    superset: Superset, elastic: ElasticJoints, found: list[Array], least_mass_kg: float
 ) -> dict[str, list[PlannedTest]]:
     """Tests by the point they hit: one plan hits one point."""
     by_point: dict[str, list[PlannedTest]] = {}
     for joint, postures in zip(elastic.joints, found, strict=True):
         for q in postures:
-            for test in describe_tests(superset, elastic, q, joint):
+            for test in describe_tests(
+                superset, elastic, q, joint, least_mass_kg=least_mass_kg
+            ):
                 by_point.setdefault(test.hit.point, []).append(test)
     return by_point
 

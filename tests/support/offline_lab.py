@@ -16,9 +16,11 @@ from protocols.session.records import Hit, JointReading, Session, SessionHeader,
 SETTLE = 200  # samples before the block, so that filters and noise are running
 
 
-def simulate_session(seed, *, plan="rv4frl-three-postures", plant=None, hits_per_point=None):
+def simulate_session(
+    seed, *, plan="rv4frl-three-postures", plant=None, arm=None, hits_per_point=None
+):
     """Every planned point measured with good hits; encoders as good as a millidegree."""
-    arm = load_arm("rv4frl")
+    arm = arm or load_arm("rv4frl")
     plan = load_plan(plan, arm)
     plant = plant or load_plant("rv4frl")
     streams = np.random.default_rng(seed).spawn(3)
@@ -57,7 +59,7 @@ def one_hit(source, plan, posture, point, hand, streams, number):
     source.read(SETTLE)
     counts = source.read(plan.sampling.samples)
     source.read(9000)  # rung out
-    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(6)
+    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(len(posture.joints_rad))
     reading = JointReading(
         joints_rad=angles, drive_state=2, held=True, age_s=0.004, host_s=float(number)
     )
