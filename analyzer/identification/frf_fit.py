@@ -44,7 +44,7 @@ class FrfFit:
     scatter: ParameterScatter  # of the parameters, from measurement scatter and priors
     cost: float  # half the weighted sum of squares, priors included
     n_data: int  # real numbers fitted
-    relative_residual: Array  # (n_postures,) rms residual over rms FRF
+    relative_residual: Array  # (n_postures,) rms residual over rms FRF, measured noise taken off
     iterations: int
 
 
@@ -87,7 +87,7 @@ def normal_equations(
         blocks.append(np.matmul(J.transpose(0, 2, 1), J))
         scores.append(np.matmul(J.transpose(0, 2, 1), r[..., None])[..., 0])
         cost += 0.5 * float((r**2).sum())
-        relative.append(float(np.linalg.norm(rest) / np.linalg.norm(data.values)))
+        relative.append(_unexplained(data, rest))
     cluster_hessian, cluster_g = np.concatenate(blocks), np.concatenate(scores)
     return _Normal(
         H=cluster_hessian.sum(axis=0),
@@ -97,6 +97,14 @@ def normal_equations(
         cluster_g=cluster_g,
         relative_residual=np.array(relative),
     )
+
+
+def _unexplained(data: PostureData, rest: npt.NDArray[np.complex128]) -> float:
+    """Part of the rms motion that neither model nor measured noise explains."""
+    noise = float(data.variance.sum())
+    left = float((np.abs(rest) ** 2).sum()) - noise
+    motion = float((np.abs(data.values) ** 2).sum()) - noise
+    return float(np.sqrt(max(left, 0.0) / motion)) if motion > 0.0 else np.inf
 
 
 def _cost(
