@@ -142,9 +142,7 @@ def plan_tests(
         (test, told(test))
         for q in others
         for joint in elastic.joints
-        for test in describe_tests(
-            superset, elastic, q, joint, least_mass_kg=tools.least_mass_kg
-        )
+        for test in describe_tests(superset, elastic, q, joint, least_mass_kg=tools.least_mass_kg)
         if test.hit.point == hit_point
     ]
     while len(tests) < n_tests:
@@ -214,9 +212,7 @@ def describe_tests(
             points=points,
             gravity=gravity,
         )
-        for hit in best_hits(
-            superset, dynamics, elastic, modes, mode, least_mass_kg=least_mass_kg
-        )
+        for hit in best_hits(superset, dynamics, elastic, modes, mode, least_mass_kg=least_mass_kg)
         if hit.effective_mass_kg >= least_mass_kg
     ]
 
@@ -228,9 +224,7 @@ def _candidates(
     by_point: dict[str, list[PlannedTest]] = {}
     for joint, postures in zip(elastic.joints, found, strict=True):
         for q in postures:
-            for test in describe_tests(
-                superset, elastic, q, joint, least_mass_kg=least_mass_kg
-            ):
+            for test in describe_tests(superset, elastic, q, joint, least_mass_kg=least_mass_kg):
                 by_point.setdefault(test.hit.point, []).append(test)
     return by_point
 

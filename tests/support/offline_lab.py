@@ -59,7 +59,9 @@ def one_hit(source, plan, posture, point, hand, streams, number):
     source.read(SETTLE)
     counts = source.read(plan.sampling.samples)
     source.read(9000)  # rung out
-    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(len(posture.joints_rad))
+    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(
+        len(posture.joints_rad)
+    )
     reading = JointReading(
         joints_rad=angles, drive_state=2, held=True, age_s=0.004, host_s=float(number)
     )
