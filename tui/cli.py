@@ -24,6 +24,7 @@ from protocols.plan import load_plan
 from protocols.session.hdf5 import read_session
 from protocols.session.recovery import rebuild
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
+from tui.arm_commands import app as arm_app
 from tui.check import app as check_app
 from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
@@ -38,6 +39,7 @@ USER_ERROR = 2
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(check_app, name="check")
+app.add_typer(arm_app)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
