@@ -32,7 +32,7 @@ STYLES = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.NOT_CHECKED: "yell
 
 app = typer.Typer(
     no_args_is_help=True,
-    help="Check a board, a controller or a measurement step by step: what was wanted, what came.\n\n"
+    help="Check a board, a controller or a measurement: what was wanted, what came.\n\n"
     "Example: armodal check board /dev/ttyACM0",
 )
 out = Console(highlight=False)
