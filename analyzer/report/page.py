@@ -54,7 +54,9 @@ def _content(session: Session, identification: Identification) -> dict[str, Any]
             frf_figure(frf, top_hz),
             indicator_figure(frf, model, dict(session.header.arm.groups), top_hz),
         ):
-            figures.append(figure.to_html(full_html=False, include_plotlyjs=not figures))
+            figures.append(
+                figure.to_html(full_html=False, include_plotlyjs=not figures, auto_play=False)
+            )
     rejected = Counter(
         reason for hit in session.hits for reason in hit.verdict.reasons if not hit.verdict.accepted
     )
