@@ -79,7 +79,7 @@ class Assembly:
     compliance: list[float] = field(default_factory=list)
     compliance_loss_s: list[float] = field(default_factory=list)
     compliance_of: dict[str, int] = field(default_factory=dict)  # by parameter
-    loss_of: dict[str, int] = field(default_factory=dict)
+    loss_of: dict[str, list[int]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)
@@ -110,7 +110,7 @@ class Assembly:
         at = self._add(parameter, column, compliance, loss_s)
         self.compliance_of[parameter] = at
         if loss_parameter is not None:
-            self.loss_of[loss_parameter] = at
+            self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
 
     def add_term(self, kind: str, i: int, j: int, value: float) -> None:
@@ -146,8 +146,9 @@ class Assembly:
         n = T.shape[1]
         link_motion = geometry.link_jacobian @ T
         inertia = np.stack(self.link_inertia)
+        flat = link_motion.reshape(-1, n)
         matrices = {
-            "mass": np.einsum("lan,lab,lbm->nm", link_motion, inertia, link_motion, optimize=True),
+            "mass": flat.T @ (inertia @ link_motion).reshape(-1, n),
             "damping": np.zeros((n, n)),
             "stiffness": T.T
             @ np.tensordot(np.stack(self.link_moments), geometry.gravity_per_mass, axes=2)
@@ -161,7 +162,8 @@ class Assembly:
         J = geometry.point_jacobian[lines.sensor_point] @ T
         R = geometry.point_rotation[lines.sensor_point]
         # a - g seen in axes turned by theta changes by theta x g.
-        weighed = np.cross(J[:, 3:], geometry.gravity_m_s2[:, None], axisa=1, axisb=0, axisc=1)
+        gx, gy, gz = geometry.gravity_m_s2
+        weighed = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]]) @ J[:, 3:]
         m = len(lines.sensor_point)
         return System(
             **matrices,
@@ -169,8 +171,8 @@ class Assembly:
             compliance_loss_s=np.array(self.compliance_loss_s),
             link_motion=link_motion,
             moved=J[:, :3],
-            seen=np.einsum("mji,mjn->min", R, J[:, :3]),
-            tilted=np.einsum("mji,mjn->min", R, weighed),
+            seen=R.swapaxes(1, 2) @ J[:, :3],
+            tilted=R.swapaxes(1, 2) @ weighed,
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
             hit=geometry.point_jacobian[lines.hit_point][:, :3] @ T,
             force=lines.hit_direction if self.force is None else self.force,

@@ -87,11 +87,11 @@ class Ordinary:
                 for what, s in zip(_INERTIAL, std, strict=True)
             ]
             found.append(
-                Parameter(
-                    name=f"encoder {joint.name}", mean=0.0, std=tolerances.encoder_offset_rad
-                )
+                Parameter(name=f"encoder {joint.name}", mean=0.0, std=tolerances.encoder_offset_rad)
             )
-        found += [Parameter(name=f"ln gain {a}", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"]
+        found += [
+            Parameter(name=f"ln gain {a}", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
+        ]
         found.append(Parameter(name="ln hammer", mean=0.0, std=tolerances.hammer_gain))
         found.append(Parameter(name="delay", mean=0.0, std=_DELAY_STD_S))
         for name in self.postures:
@@ -105,16 +105,17 @@ class Ordinary:
         """Return (n_joints,) what the arm's angles are beyond what was read."""
         return np.array([values[f"encoder {joint.name}"] for joint in self.arm.joints])
 
-    def link_inertias(self, link: int, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return (6, 6) inertia and (4,) mass and first moments of a link."""
+    def link_inertia(self, link: int, z: Array) -> tuple[Array, Array]:
+        """Return (6, 6) inertia and (4,) mass and first moments of a link.
+
+        `z` (10,): relative mass, shift of the centre in m, six relative entries of the tensor.
+        """
         body = self.arm.joints[link].link
-        z = [values[f"{what} {body.name}"] for what in _INERTIAL]
         mass = body.mass_kg * (1.0 + z[0])
-        center = body.center_m + np.array(z[1:4])
+        center = body.center_m + z[1:4]
         own = body.inertia_kg_m2
-        size = np.sqrt(np.outer(np.diag(own), np.diag(own)))
-        turn = np.array([[z[4], z[5], z[6]], [z[5], z[7], z[8]], [z[6], z[8], z[9]]])
-        inertia = (own + size * turn) * (1.0 + z[0])
+        size = np.sqrt(np.outer(own.diagonal(), own.diagonal()))
+        inertia = (own + size * z[4:][_FULL]) * (1.0 + z[0])
         return spatial_inertia(mass, center, inertia), mass * np.append(1.0, center)
 
     def inertia_names(self, link: int) -> tuple[str, ...]:
@@ -128,7 +129,8 @@ class Ordinary:
         assembly = Assembly(geometry=geometry, lines=lines)
         arm, superset = self.arm, self.superset
         for i, joint in enumerate(arm.joints):
-            inertia, moments = self.link_inertias(i, values)
+            z = np.array([values[name] for name in self.inertia_names(i)])
+            inertia, moments = self.link_inertia(i, z)
             assembly.link_inertia.append(inertia)
             assembly.link_moments.append(moments)
             column = assembly.unit(superset.joint_column(i))
@@ -138,11 +140,14 @@ class Ordinary:
                 assembly.add_term("loss", at, at, k * values["loss"])
         for i, joint in enumerate(arm.joints):
             turn = across(np.asarray(joint.axis))
+            # A soft bearing has a loss of its own, a sound one hardly shows it.
+            loss = f"bearing loss {joint.name}"
+            loss_s = values.get(loss, _BEARING_LOSS_S)
             for side, name in enumerate("ab"):
                 column = np.zeros(superset.n)
                 column[superset.interface_columns(i)][3:] = turn[:, side]
                 parameter = f"bearing {name} {joint.name}"
-                assembly.add_compliance(column, values[parameter], _BEARING_LOSS_S, parameter)
+                assembly.add_compliance(column, values[parameter], loss_s, parameter, loss)
         gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
         assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
         assembly.log_scale = -values["ln hammer"]
@@ -154,6 +159,7 @@ class Ordinary:
         return assembly
 
 
+_FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
 _INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 

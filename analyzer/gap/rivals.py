@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
@@ -20,9 +18,11 @@ from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
 
-_LOOKED_AT, _SHARPENED, _FINALISTS = 10, 6, 4
-_MOST_AXES = 4
+_FIRST_STEP, _COARSE, _MIDDLE, _FINALISTS = 20, 8, 5, 4
+_MOST_AXES = 6
 _WORTH = 4.0  # of cost on the broad lines; less is not worth a fit
+# Evidence behind the best at which a rival is dropped: the sharper lines weigh some five times more.
+_HOPELESS = 400.0
 
 Progress = Callable[[str], None]
 
@@ -58,31 +58,43 @@ def find_rivals(
     looked_at = _looked_at(broad, base, taken, start or {})
     coarse: list[Fit] = []
     for candidate in _most_promising(looked_at):
-        tell(candidate.instance.title)
         begin = base.values
         if candidate.instance.effect.name in ("flipped_axis", "swapped_axes"):
             begin = start or {}  # the fit without it went astray
         richer = replace(present, instances=(*present.instances, candidate.instance))
         coarse.append(
-            fit_hypothesis(broad, richer, start=begin, postures=postures, max_iterations=7)
+            fit_hypothesis(broad, richer, start=begin, postures=postures, max_iterations=1)
         )
-    coarse.sort(key=lambda f: f.evidence)
-    middle_fits = [
-        fit_hypothesis(middle, f.hypothesis, start=f.values, postures=postures, max_iterations=5)
-        for f in [base, *_distinct(coarse)[:_SHARPENED]]
-    ]
-    base, others = middle_fits[0], sorted(middle_fits[1:], key=lambda f: f.evidence)
+    coarse.sort(key=lambda f: f.cost)
+    best: list[Fit] = []
+    for f in coarse[:_COARSE]:
+        tell(f.hypothesis.name)
+        best.append(_further(broad, f, postures, 6))
+    best = [_further(middle, f, postures, 5) for f in _leading(_distinct(best))[:_MIDDLE]]
+    base = _further(middle, base, postures, 5)
     finals = []
-    for f in [base, *others[:_FINALISTS]]:
+    for f in _leading(best)[:_FINALISTS]:
         tell(f"sharply: {f.hypothesis.name}")
-        finals.append(
-            fit_hypothesis(sharp, f.hypothesis, start=f.values, postures=postures)
-        )
+        finals.append(_further(sharp, f, postures, 12))
+    tell(f"sharply: {present.name}")
+    finals.insert(0, _further(sharp, base, postures, 12))
     return Rivals(
         present=finals[0],
         rivals=tuple(sorted(finals[1:], key=lambda f: f.evidence)),
         looked_at=tuple(looked_at),
     )
+
+
+def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
+    return fit_hypothesis(
+        stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
+    )
+
+
+def _leading(fits: Sequence[Fit]) -> list[Fit]:
+    """By evidence, without those that are hopelessly behind."""
+    ordered = sorted(fits, key=lambda f: f.evidence)
+    return [f for f in ordered if f.evidence < ordered[0].evidence + _HOPELESS]
 
 
 def _looked_at(
@@ -111,7 +123,7 @@ def _most_promising(candidates: Sequence[Candidate]) -> list[Candidate]:
     chosen: list[Candidate] = []
     axes = 0
     for candidate in candidates:
-        if candidate.gain < _WORTH or len(chosen) == _LOOKED_AT:
+        if candidate.gain < _WORTH or len(chosen) == _FIRST_STEP:
             break
         if candidate.instance.effect.name == "link_axis":
             axes += 1
@@ -123,13 +135,7 @@ def _most_promising(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 def _distinct(fits: Sequence[Fit]) -> list[Fit]:
     """The best fit of every effect at every place."""
-    seen: set[tuple[tuple[str, str], ...]] = set()
-    kept = []
-    for fit in fits:
-        key = tuple(i.key for i in fit.hypothesis.instances)
-        if key not in seen and np.isfinite(fit.evidence):
-            seen.add(key)
-            kept.append(fit)
-    return kept
-
-
+    kept: dict[tuple[tuple[str, str], ...], Fit] = {}
+    for fit in sorted(fits, key=lambda f: f.evidence):
+        kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
+    return list(kept.values())

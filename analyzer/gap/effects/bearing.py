@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from analyzer.gap.effects.compliance import compliance_parameter
+from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import BEARING_LIMIT, Ordinary
 from analyzer.gap.space import Parameter
@@ -36,6 +36,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=joint.name,
+                parameters=(loss_parameter(f"bearing loss {joint.name}"),),
                 relaxes=relaxed,
                 size=names[0],
                 sizes=tuple(names),
