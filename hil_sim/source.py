@@ -13,6 +13,7 @@ from scipy import signal
 from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
 from hil_sim.hand import Blow
 from hil_sim.newton_euler import rotation
+from hil_sim.piecewise import one_sided_response
 from hil_sim.plant import BASE, Plant
 from hil_sim.small_motion import Mounting, SmallMotion, force_torque, linearise
 
@@ -22,6 +23,7 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
 RING_DOWN = 1e-6  # a response is followed until it has decayed to this part
+CRACK_RING_DOWN = 1e-4  # the same with a one-sided hinge, stepped finely to the end: below noise
 
 
 def draw_mounting(plant: Plant, point_id: str, rng: np.random.Generator) -> Mounting:
@@ -147,7 +149,7 @@ class SensorSource:
         PlantError
             If the point is unknown.
         """
-        plant, fine_hz = self._plant, self._front.fine_hz
+        plant = self._plant
         if self._motion is None:
             self._motion = linearise(plant, self._joints, self._mounting)
         motion = self._motion
@@ -157,9 +159,33 @@ class SensorSource:
             position = position + motion.at.R[point.body].T @ blow.offset_m
         torque = force_torque(plant, motion.at, point.body, position, blow.direction)
         first = int(np.floor(at_sample))
+        begin_s = (at_sample - first) / float(self._rate_hz)
+        counts = self._late(motion, blow, torque, begin_s)
+        counts = counts @ plant.sensing.gains(self._mounting and self._mounting.point_id).T
+        if first < self._next:
+            counts, first = counts[self._next - first :], self._next
+        self._ringing.append(_Ringing(first=first, counts=counts))
+
+    def _late(self, motion: SmallMotion, blow: Blow, torque: Array, begin_s: float) -> Array:
+        """Counts (n, 4) before gains, each channel as late as it is."""
+        delays = self._plant.sensing.delay_s
+        runs = {d: self._ring(motion, blow, torque, begin_s + d) for d in sorted(set(delays))}
+        n = min(len(run) for run in runs.values())
+        return np.column_stack([runs[delay][:n, i] for i, delay in enumerate(delays)])
+
+    def _ring(self, motion: SmallMotion, blow: Blow, torque: Array, begin_s: float) -> Array:
+        """Counts (n, 4) of a hit that begins `begin_s` after the first sample."""
+        fine_hz = self._front.fine_hz
         slowest = float(np.min(-motion.poles.real))
         last_pulse = max(pulse.delay_s + pulse.width_s for pulse in blow.pulses)
-        begin_s = (at_sample - first) / float(self._rate_hz)
+        if self._plant.one_sided is not None:
+            n_force = int((begin_s + last_pulse) * fine_hz) + 2
+            n_fine = n_force + int(np.log(1.0 / CRACK_RING_DOWN) / slowest * fine_hz)
+            force = force_history(blow, begin_s, fine_hz, n_fine)
+            felt = one_sided_response(
+                self._plant, motion, torque, force[:n_force], fine_hz, n_fine
+            )
+            return self._front.sample_all(np.column_stack([force, felt]))
         # Fine samples while the hammer touches, and one filter length more; then free decay.
         n_fine = int((begin_s + last_pulse) * fine_hz) + self._front.span + 2
         force = force_history(blow, begin_s, fine_hz, n_fine)
@@ -170,10 +196,12 @@ class SensorSource:
         free[:, 1:] = states[:, -1:] * amplitudes
         ratio = np.exp(motion.poles[motion.poles.imag >= 0.0] / fine_hz)
         n = int((np.log(1.0 / RING_DOWN) / slowest + last_pulse) * float(self._rate_hz))
-        counts = self._front.sample(np.column_stack([force, felt]), free, ratio, n)
-        if first < self._next:
-            counts, first = counts[self._next - first :], self._next
-        self._ringing.append(_Ringing(first=first, counts=counts))
+        return self._front.sample(np.column_stack([force, felt]), free, ratio, n)
+
+    def rest(self) -> None:
+        """Wait until every hit has rung out; the noise goes on as if no time had passed."""
+        self._next = max([self._next, *(r.first + len(r.counts) for r in self._ringing)])
+        self._ringing = []
 
     def read(self, n: int) -> npt.NDArray[np.int32]:
         """Return the next (n, 4) counts."""
