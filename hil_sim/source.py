@@ -127,6 +127,11 @@ class SensorSource:
         self._flicker_counts = per_unit * [hammer.flicker_n, *(sensor.flicker_m_s2,) * 3]
         self._vibration_counts = per_unit * [0.0, *(sensor.moving_vibration_m_s2,) * 3]
 
+    @property
+    def next_sample(self) -> int:
+        """Index of the sample that the next read begins with."""
+        return self._next
+
     def set_posture(self, joints_rad: npt.ArrayLike) -> None:
         """Put the arm at rest in a posture."""
         self._joints = np.array(joints_rad, dtype=np.float64)
