@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-# Matrices here are small: one BLAS thread is faster than many, and numpy reads this at import.
-for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")
+import typer
+from rich.console import Console
+from rich.table import Table
 
-import typer  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.table import Table  # noqa: E402
-
-from analyzer.arm.superset import Superset  # noqa: E402
-from analyzer.identification.identify import estimate_frfs, identify  # noqa: E402
-from analyzer.report import write_report  # noqa: E402
-from daq.events import Event  # noqa: E402
-from daq.settings import AcquisitionSettings  # noqa: E402
-from hil_sim.lab import start_laboratory  # noqa: E402
-from protocols.arm.files import load_arm  # noqa: E402
-from protocols.errors import ArmodalError, SessionError  # noqa: E402
-from protocols.plan import load_plan  # noqa: E402
-from protocols.session.hdf5 import read_session  # noqa: E402
-from protocols.session.recovery import rebuild  # noqa: E402
-from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe  # noqa: E402
-from tui.arm_commands import app as arm_app  # noqa: E402
-from tui.check import app as check_app  # noqa: E402
-from tui.check import broken_lines  # noqa: E402
-from tui.demo import DEMO_TIME_SCALE, run_demo  # noqa: E402
-from tui.fit import fit_session  # noqa: E402
-from tui.results import identification_json, identification_tables  # noqa: E402
+from analyzer.arm.superset import Superset
+from analyzer.identification.identify import estimate_frfs, identify
+from analyzer.report import write_report
+from daq.events import Event
+from daq.settings import AcquisitionSettings
+from hil_sim.lab import start_laboratory
+from protocols.arm.files import load_arm
+from protocols.errors import ArmodalError, SessionError
+from protocols.plan import load_plan
+from protocols.session.hdf5 import read_session
+from protocols.session.recovery import rebuild
+from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
+from tui.arm_commands import app as arm_app
+from tui.check import app as check_app
+from tui.check import broken_lines
+from tui.demo import DEMO_TIME_SCALE, run_demo
+from tui.exchange import add_exchange_commands
+from tui.fit import fit_session
+from tui.results import identification_json, identification_tables
 
 __all__ = ["main"]
 
@@ -187,7 +183,7 @@ def acquire_command(
     person: Operator = (
         PersonAtTerminal(err.input)
         if operator is None
-        else ScriptedOperator(operator, the_plan, time_scale=time_scale)
+        else ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
     )
     settings = AcquisitionSettings(
         board_port=board,
@@ -227,16 +223,24 @@ def acquire_command(
 
 
 @app.command()
-def fit(session: SessionPath, as_json: Json = False) -> None:
+def fit(
+    session: SessionPath,
+    band: Annotated[
+        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Fit modes in every posture of a session.
 
-    Example: armodal fit session.h5 --json
+    Example: armodal fit session.h5 --band 3 400 --json
     """
-    value, table = fit_session(read_session(session))
+    value, table = fit_session(read_session(session), band_hz=band)
     if as_json:
         _print_json(value)
-    else:
-        out.print(table)
+        return
+    out.print(table)
+    for note in value["warnings"]:
+        out.print(f"note: {note}", markup=False)
 
 
 @app.command("identify")
@@ -306,6 +310,9 @@ def recover(
         return
     for name, value in summary.items():
         out.print(f"{name:<16}{value}", markup=False)
+
+
+add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
 
 
 def main() -> None:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.identify import estimate_frfs
 from analyzer.identification.mode_fit import MeasuredModes
 from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from analyzer.modal import fit_modes
+from analyzer.modal import ModalModel, fit_modes
 from protocols.session.records import Session
 
 __all__ = ["fit_session"]
 
+SAME_F, SAME_DAMPING = 0.01, 0.05  # relative, between consecutive orders: the usual criterion
 
-def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
+
+def fit_session(
+    session: Session, *, band_hz: tuple[float, float] | None = None
+) -> tuple[dict[str, Any], Table]:
     """Fit the modes of every posture; return them as plain values and as a table."""
     superset = Superset(session.header.arm)
     table = Table(title="Modes")
@@ -26,17 +32,16 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
     errors: dict[str, float] = {}
     stabilisation: dict[str, Any] = {}
     for frf in estimate_frfs(session, superset):
-        model = fit_modes(frf)
+        model = fit_modes(frf, band_hz=band_hz)
         errors[frf.posture] = model.synthesis_error
-        stabilisation[frf.posture] = {"band_hz": list(model.band_hz)}
+        stabilisation[frf.posture] = _stabilisation(model)
         if frf.joints_rad is None:
             continue
-        measured = MeasuredModes(
-            superset, superset.posture(frf.joints_rad), model.modes, frf.responses
-        )
-        for mode in model.modes:
-            share = joint_share(superset, measured, mode.shape)
-            structural = share < STRUCTURAL_SHARE
+        measured = MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
+        for mode, shape in zip(model.modes, measured.shapes.T, strict=True):
+            # Without an arm there are no joints to share a mode with.
+            share = joint_share(superset, measured, shape) if superset.n_joints else None
+            structural = share is not None and share < STRUCTURAL_SHARE
             modes.append(
                 {
                     "posture": frf.posture,
@@ -57,8 +62,41 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
                 f"{100 * mode.damping_ratio:.2f}",
                 f"{100 * mode.damping_std:.2f}",
                 f"{mode.mpc:.3f}",
-                f"{share:.2f}",
+                "-" if share is None else f"{share:.2f}",
                 "structural" if structural else "",
             )
-    value = {"modes": modes, "synthesis_error": errors, "stabilisation": stabilisation}
+    value = {
+        "modes": modes,
+        "synthesis_error": errors,
+        "stabilisation": stabilisation,
+        "warnings": list(session.warnings),
+    }
     return value, table
+
+
+def _stabilisation(model: ModalModel) -> dict[str, Any]:
+    """Poles over model orders; stable where the order before has one of the same f and damping."""
+    found = model.stabilisation
+    f_hz, damping = found.f_hz, found.damping_ratio
+    stable = np.zeros(len(f_hz), dtype=bool)
+    for before, order in pairwise(found.orders):
+        new, old = found.order == order, found.order == before
+        near_f = np.abs(f_hz[new][:, None] - f_hz[old]) <= SAME_F * f_hz[new][:, None]
+        near_damping = (
+            np.abs(damping[new][:, None] - damping[old])
+            <= SAME_DAMPING * np.abs(damping[new])[:, None]
+        )
+        stable[new] = (near_f & near_damping).any(axis=1)
+    return {
+        "band_hz": list(model.band_hz),
+        "orders": list(found.orders),
+        "poles": [
+            {
+                "order": int(order),
+                "f_hz": float(f),
+                "damping_ratio": float(ratio),
+                "stable": bool(same),
+            }
+            for order, f, ratio, same in zip(found.order, f_hz, damping, stable, strict=True)
+        ],
+    }

@@ -37,7 +37,7 @@ def axis_starts(
     omega = 2 * np.pi * measured.modes[mode].f_hz
     lines: list[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]] = []
     with suppress(EstimateError):  # too few points beyond the link: the link's directions remain
-        mozzi = mozzi_of_shape(superset, measured, measured.modes[mode].shape, link)
+        mozzi = mozzi_of_shape(superset, measured, measured.shapes[:, mode], link)
         if mozzi is not None:
             lines.append(to_link(measured.dynamics, link, mozzi))
     joint = superset.arm.joints[link]

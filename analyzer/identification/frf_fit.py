@@ -150,7 +150,8 @@ def fit_frfs(
         H = normal.H + np.diag(precision)
         gradient = normal.gradient - precision * parameter_vector(state)
         step = np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
-        step *= min(1.0, 1.0 / float(np.abs(step).max()))  # no log or angle moves by more than 1
+        largest = float(np.abs(step).max())
+        step *= min(1.0, 1.0 / largest) if largest > 0.0 else 1.0  # no log or angle beyond 1
         trial = step_state(state, np.asarray(step, dtype=np.float64))
         trial_cost = _cost(superset, postures, weights, trial, precision)
         if np.isfinite(trial_cost) and trial_cost < cost:
@@ -159,7 +160,9 @@ def fit_frfs(
             state, cost, damping = trial, trial_cost, max(damping / 10, 1e-9)
             normal = normal_equations(superset, postures, weights, state)
         else:
-            converged = float(gradient @ step) < 1e-7 * cost
+            # What the undamped step promises is nothing beside the scatter of chi squared.
+            promised = float(gradient @ np.linalg.solve(H, gradient))
+            converged = promised < 1e-7 * cost + 1e-6
             damping *= 10
             if damping > 1e12:
                 break

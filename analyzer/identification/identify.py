@@ -30,7 +30,7 @@ from analyzer.identification.result_rows import (
     mode_results,
     validation_results,
 )
-from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from analyzer.identification.structural import joint_share
 from analyzer.modal import ModalModel, fit_modes, posture_frf
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
@@ -45,9 +45,14 @@ SEARCH_STRIDE = 4  # lines skipped while axes are searched
 
 
 def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyResponse, ...]:
-    """Accelerance of every planned posture with accepted hits, in plan order."""
+    """FRFs of every planned posture with accepted hits or given FRFs, in plan order."""
     frfs = []
+    given = {frf.posture: frf for frf in session.frfs}
+    n_axes = response_channels(session)
     for posture in session.header.plan.postures:
+        if posture.name in given:
+            frfs.append(given[posture.name])
+            continue
         if not session.accepted(posture.name):
             continue
         measured = [
@@ -57,9 +62,19 @@ def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyRespon
             if reading.joints_rad is not None
         ]
         rotation = superset.posture(np.mean(measured, axis=0)).point_rotation
-        directions = {p: rotation[i] for p, i in superset.point_index.items()}
+        directions = {p: rotation[i][:, :n_axes] for p, i in superset.point_index.items()}
         frfs.append(posture_frf(session, posture.name, directions))
     return tuple(frfs)
+
+
+def response_channels(session: Session) -> int:
+    """Return how many axes of the sensor were recorded."""
+    header = session.header
+    return sum(
+        channel.quantity == "acceleration"
+        for i, channel in enumerate(header.dictionary.channels)
+        if header.channel_mask >> i & 1
+    )
 
 
 def identify(session: Session, progress: Callable[[str], None] | None = None) -> Identification:
@@ -74,6 +89,11 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
     """
     say = progress or (lambda _: None)
     superset = Superset(session.header.arm)
+    if not superset.n_joints:
+        raise EstimateError(
+            "the session is of a structure without an arm: joints cannot be identified; "
+            "`armodal fit` gives its modes"
+        )
     validation = {p.name for p in session.header.plan.postures if p.validation}
     say("FRFs")
     frfs = estimate_frfs(session, superset)
@@ -87,7 +107,12 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
     say("modes")
     models = tuple(fit_modes(frf) for frf in fitted)
     measured = _measured(superset, fitted, models)
-    shares = [[joint_share(superset, m, mode.shape) for mode in m.modes] for m in measured]
+    if not any(model.modes for model in models):
+        raise EstimateError(
+            "no posture shows a mode: nothing can be identified; look at the FRFs with "
+            "`armodal fit`, and hit harder or nearer to where the arm moves"
+        )
+    shares = [[joint_share(superset, m, shape) for shape in m.shapes.T] for m in measured]
     mass_kg = session.header.plan.sensor.mass_kg
     top_hz = BAND_ABOVE * max(mode.f_hz for model in models for mode in model.modes)
     banded = [_band(frf, top_hz) for frf in fitted]
@@ -144,21 +169,13 @@ def _fit(
         )
     baseline = fit_to_frequencies(superset, believed, tuple(measured))
     full = _data(superset, banded, mass_kg, 1)
-    flagged = [
-        (share, at, mode)
-        for at, posture in enumerate(shares)
-        for mode, share in enumerate(posture)
-        if share < STRUCTURAL_SHARE
-    ]
-    if not flagged:
-        say("model fit")
-        return fit_frfs(superset, full, start_state(baseline, len(full))), ()
-    _, at, mode = min(flagged)
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
     if _explained_by_joints(superset, baseline, coarse):
-        # A low joint share alone is no structure: the roving sensor's mass splits light modes.
         say("model fit, all lines")
         return fit_frfs(superset, full, start_state(baseline, len(full))), ()
+    _, at, mode = min(
+        (share, at, mode) for at, posture in enumerate(shares) for mode, share in enumerate(posture)
+    )
     best, rivals = best_axis_fit(superset, baseline, coarse, measured, (at, mode), say)
     say("model fit, all lines")
     return fit_frfs(superset, full, best.state), rivals
@@ -178,7 +195,7 @@ def _measured(
     superset: Superset, frfs: tuple[FrequencyResponse, ...], models: tuple[ModalModel, ...]
 ) -> list[MeasuredModes]:
     return [
-        MeasuredModes(superset, superset.posture(_angles(frf)), model.modes, frf.responses)
+        MeasuredModes.of(superset, superset.posture(_angles(frf)), model)
         for frf, model in zip(frfs, models, strict=True)
     ]
 

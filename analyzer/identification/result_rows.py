@@ -92,7 +92,7 @@ def _pairs(posture: MeasuredModes, predicted: PredictedModes) -> list[tuple[int,
     if not posture.modes:
         return []
     shapes = posture.rows(predicted.model.point_jacobian) @ predicted.modes.shape
-    return pair_by_shape(posture.shapes(), shapes)
+    return pair_by_shape(posture.shapes, shapes)
 
 
 def mode_results(
@@ -155,10 +155,10 @@ def fit_notes(
 ) -> tuple[str, ...]:
     """What has to be said of a fit before its numbers are used."""
     flagged = sum(share < STRUCTURAL_SHARE for posture in shares for share in posture)
-    if not flagged:
-        first = "every measured mode is explained by joint rotations; no structural axis was sought"
-    elif fit.state.structure.axes:
+    if fit.state.structure.axes:
         first = f"{flagged} measured mode(s) are not explained by joint rotations"
+    elif not flagged:
+        first = "every measured mode is explained by joint rotations; no structural axis was sought"
     else:
         first = (
             f"{flagged} measured mode(s) have a low joint share, yet the joints alone explain the "

@@ -70,7 +70,7 @@ def arm_text_of_urdf(name, urdf_name, chain, *, n_elastic=3, seed=0):
         f'urdf = "{urdf_name}"',
     ]
     for i, joint in enumerate(chain.joints):
-        low, high = np.rad2deg(joint.range_rad)
+        low, _ = joint.range_rad
         lines += ["[[joints]]", f'name = "{joint.name}"']
         if not np.isfinite(low):
             lines.append("range_deg = [-180.0, 180.0]")

@@ -4,7 +4,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from device import SESSION, C, Device, dictionary_of, sealed
+from c_device import SESSION, C, Device, dictionary_of, sealed
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,6 +16,8 @@ from protocols.board import (
     SequenceTracker,
     Slope,
     decode_reply,
+    decode_samples,
+    dictionary_hash,
     encode_configuration,
     encode_release,
     encode_resend,
@@ -170,6 +172,28 @@ def test_release_takes_back_what_is_queued_of_its_block_and_nothing_else():
     assert {f.payload[4] for f in device.of(FrameType.BLOCK_DATA)} == {2}
 
 
+def test_release_takes_the_ranges_of_its_block_out_of_the_queue_and_no_others():
+    device = in_state(BoardState.RUNNING)
+    device.feed(HIT * 2)
+    device.poll()
+    device.frames.clear()
+    # One answer a turn: the first frame of data that is sent again waits on the line.
+    for kind, payload in [
+        (FrameType.RESEND, encode_resend(2, 0, 10)),
+        (FrameType.RESEND, encode_resend(1, 0, 10)),
+        (FrameType.RESEND, encode_resend(2, 20, 10)),
+        (FrameType.RELEASE, encode_release(1)),
+    ]:
+        waiting = device.board.transmit_end - device.board.transmit_at
+        device.room = waiting + wire_size(2)
+        device.receive(sealed(1, kind, payload))
+    device.room = None
+    device.poll()
+    sent = [decode_samples(frame) for frame in device.of(FrameType.BLOCK_DATA)]
+    assert [samples.block_id for samples in sent] == [2, 2]
+    assert sent[1].first_sample - sent[0].first_sample == 20
+
+
 def test_a_resend_range_is_checked_against_the_block():
     device = in_state(BoardState.RUNNING)
     device.feed(HIT)
@@ -178,7 +202,7 @@ def test_a_resend_range_is_checked_against_the_block():
         (99, 1, OK),
         (100, 0, OK),
         (99, 2, ReplyCode.BAD_VALUE),
-        (2**32 - 1, 2**32 - 1, ReplyCode.BAD_VALUE),
+        (2**32 - 1, 2, ReplyCode.BAD_VALUE),
     ]:
         assert device.code(FrameType.RESEND, encode_resend(1, first, count)) is code
 
@@ -281,3 +305,17 @@ def test_a_dictionary_with_other_channels_is_refused_and_the_old_one_stays():
     other = Device(dictionary_of(3)).encoded
     assert C.ab_set_dictionary(device.board, other, len(other)) == C.AB_INIT_DICTIONARY
     assert join_hello([f.payload for f in device.ask(FrameType.HELLO)]) == device.encoded
+
+
+def test_two_dictionaries_are_never_mixed_in_one_answer():
+    device = Device(BIG)
+    device.room = 0
+    device.receive(sealed(1, FrameType.HELLO, tag=3))  # its first fragment waits for the line
+    other = Device(dictionary_of(32, board_id="y" * 255)).encoded
+    assert C.ab_set_dictionary(device.board, other, len(other)) == C.AB_INIT_OK
+    device.room = None
+    device.poll()
+    assert len(device.frames) == 1
+    replies = device.ask(FrameType.HELLO, tag=4)
+    assert join_hello([frame.payload for frame in replies]) == other
+    assert replies[0].header.dictionary_hash == dictionary_hash(other)
