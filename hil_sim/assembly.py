@@ -11,7 +11,7 @@ import numpy.typing as npt
 from hil_sim.newton_euler import Body, skew
 from protocols.errors import PlantError
 
-__all__ = ["Assembly", "Inertial", "OneSided", "Segment", "Spring"]
+__all__ = ["Assembly", "Inertial", "Segment", "Spring"]
 
 Array = npt.NDArray[np.float64]
 
@@ -54,15 +54,6 @@ class Inertial:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OneSided:
-    """A hinge that is stiff on one side only: beyond `opening_rad` its stiffness is another."""
-
-    hinge: str
-    opening_rad: float  # the hinge is open where its angle is larger
-    k_open: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Segment:
     """A body behind its hinge; without a spring the hinge is rigid while held."""
 
@@ -101,7 +92,6 @@ class Assembly:
     carrier: Mapping[str, str]
     points: Mapping[str, tuple[str, Array]]  # link and place in its frame, m
     perch: Mapping[str, str] = field(default_factory=dict)
-    one_sided: OneSided | None = None
 
     def index(self, label: str) -> int:
         """Place of a segment in the chain."""
@@ -137,9 +127,7 @@ class Assembly:
     def replaced(self, segment: Segment) -> Assembly:
         """The same with another segment of that name."""
         i = self.index(segment.label)
-        return replace(
-            self, segments=(*self.segments[:i], segment, *self.segments[i + 1 :])
-        )
+        return replace(self, segments=(*self.segments[:i], segment, *self.segments[i + 1 :]))
 
     def split(
         self,

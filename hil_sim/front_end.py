@@ -119,7 +119,9 @@ class FrontEnd:
         return sampled
 
 
-def _decay(amplitudes: ComplexArray, logs: ComplexArray, steps: Array, stride: int) -> Array:
+def _decay(
+    amplitudes: ComplexArray, logs: ComplexArray, steps: npt.NDArray[np.int_], stride: int
+) -> Array:
     """Sum of exponentials at evenly spaced steps, its real part.
 
     Powers of a step within a block times powers of whole blocks: two short tables and a product.

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hil_sim.assembly import Spring
+from hil_sim.elements import Element
 from hil_sim.newton_euler import Chain, Placement, point_jacobian
 from protocols.errors import PlantError
 
@@ -47,6 +48,8 @@ class LinearTerms:
     C: Array
     K: Array
     maxwell: list[MaxwellElement] = field(default_factory=list)
+    elements: list[Element] = field(default_factory=list)
+    load: dict[str, float] = field(default_factory=dict)  # joint -> gravity torque at rest, N m
 
     def index(self, label: str) -> int:
         """Row of a coordinate.
@@ -65,7 +68,8 @@ class LinearTerms:
 
     def row(self, label: str) -> Array:
         """(n,) unit row of a coordinate."""
-        return np.eye(len(self.labels))[self.index(label)]
+        row: Array = np.eye(len(self.labels))[self.index(label)]
+        return row
 
     def stretch_of(self, joint: str) -> Array:
         """(n,) row of the coordinates by which a joint's spring is stretched."""
@@ -78,7 +82,8 @@ class LinearTerms:
         row = np.zeros((1, self.chain.n))
         turns = self.at.turns[:body, 0]
         row[0, :body] = turns * (self.at.axis[:body] @ self.at.axis[body])
-        return self.full(row)[0]
+        result: Array = self.full(row)[0]
+        return result
 
     def full(self, of_hinges: Array) -> Array:
         """Columns (m, n) of all coordinates from (m, n_bodies) of all hinges of the chain."""

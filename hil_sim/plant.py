@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.assembly import Assembly, OneSided, Segment, Spring
+from hil_sim.assembly import Assembly, Segment, Spring
 from hil_sim.newton_euler import Body, Chain
 from hil_sim.plant_file import HiddenAxisTruth, PlantFile, load_plant_file
 from hil_sim.sensing import Sensing
@@ -54,7 +54,6 @@ class Plant:
     bodies: dict[str, int]  # hinge name -> body; a joint's hinge is called as the joint
     carrier: dict[str, str]  # link -> name of its far end's hinge
     coordinates: tuple[str, ...]  # hinges that give way, then degrees of freedom of effects
-    one_sided: OneSided | None
     sensing: Sensing
 
     def hinge_angles(self, joints_rad: npt.ArrayLike) -> Array:
@@ -151,7 +150,6 @@ def build_plant(truth: PlantFile) -> Plant:
         bodies=bodies,
         carrier=carrier,
         coordinates=coordinates,
-        one_sided=assembly.one_sided,
         sensing=sensing,
     )
 

@@ -28,6 +28,7 @@ __all__ = [
     "load_plant_file",
 ]
 
+
 class LinkTruth(Truth):
     """A link with the joint that moves it; a joint without stiffness is rigid when held."""
 
@@ -134,7 +135,7 @@ class BoardTruth(Truth):
 
     range_v: Positive  # largest magnitude of the 24-bit converter
     filter_delay_samples: Annotated[int, Field(ge=8, le=256)]
-    oversampling: Annotated[int, Field(ge=16, le=256)]
+    oversampling: Annotated[int, Field(ge=8, le=256)]
 
 
 class HandTruth(Truth):

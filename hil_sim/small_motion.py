@@ -16,11 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from hil_sim.assembly import Spring
+from hil_sim.elements import Element
 from hil_sim.linear import LinearTerms
 from hil_sim.newton_euler import (
     Chain,
     Placement,
     gravity_stiffness,
+    gravity_torque,
     mass_matrix,
     place,
     point_jacobian,
@@ -62,6 +64,7 @@ class SmallMotion:
     inverse_modes: ComplexArray  # (s, s)
     sensed: Array  # (3, s) specific force in sensor axes per unit state
     sensed_direct: Array  # (3, n) the same per unit of torque
+    elements: tuple[Element, ...] = ()  # what is not linear
 
     def natural_frequencies_hz(self) -> Array:
         """|pole| / 2 pi of the oscillating modes, ascending."""
@@ -131,6 +134,7 @@ def linear_terms(plant: Plant, at: Placement, chain: Chain, q: Array) -> LinearT
     joints = {
         link.joint: hinge_of[link.joint] for link in plant.truth.links if link.joint in hinge_of
     }
+    joint_names = [link.joint for link in plant.truth.links]
     terms = LinearTerms(
         chain=chain,
         at=at,
@@ -146,6 +150,9 @@ def linear_terms(plant: Plant, at: Placement, chain: Chain, q: Array) -> LinearT
         M=M,
         C=C,
         K=K,
+        load=dict(
+            zip(joint_names, gravity_torque(heavy, q)[list(plant.joints)].tolist(), strict=True)
+        ),
     )
     # Effects with coordinates of their own come first: others act on the springs they divide.
     for effect in sorted(plant.truth.effects, key=lambda e: not e.coordinates()):
@@ -156,7 +163,7 @@ def linear_terms(plant: Plant, at: Placement, chain: Chain, q: Array) -> LinearT
 def linearise(plant: Plant, joints_rad: npt.ArrayLike, mounting: Mounting | None) -> SmallMotion:
     """Linearise the arm about a posture, with the accelerometer's mass where it sits.
 
-    A hinge that is stiff on one side only is closed.
+    What effects add beyond that is in `elements`.
 
     Raises
     ------
@@ -168,7 +175,7 @@ def linearise(plant: Plant, joints_rad: npt.ArrayLike, mounting: Mounting | None
     chain = plant.chain
     point = None if mounting is None else plant.point(mounting.point_id)
     if point is not None and point.body != BASE:
-        mass_kg = plant.truth.accelerometer.mass_kg
+        mass_kg = plant.truth.accelerometer.mass_kg + plant.sensing.extra_sensor_kg
         chain = with_point_mass(chain, point.body, point.position_m, mass_kg)
     terms = linear_terms(plant, at, chain, q)
     A = state_matrix(terms)
@@ -193,6 +200,7 @@ def linearise(plant: Plant, joints_rad: npt.ArrayLike, mounting: Mounting | None
         inverse_modes=np.linalg.inv(modes).astype(np.complex128),
         sensed=sensed,
         sensed_direct=acceleration @ np.linalg.inv(terms.M),
+        elements=tuple(terms.elements),
     )
 
 

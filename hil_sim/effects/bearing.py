@@ -40,8 +40,6 @@ class Bearing(BaseEffect):
         for i, direction in enumerate(across(axis)):
             label = f"bearing {i + 1} of {self.joint}"
             spring = Spring(k=self.stiffness_n_m_per_rad[i], c=self.damping_n_m_s_per_rad[i])
-            assembly = assembly.split(
-                at, label, hinge_m=np.zeros(3), axis=direction, spring=spring
-            )
+            assembly = assembly.split(at, label, hinge_m=np.zeros(3), axis=direction, spring=spring)
             at = label
         return assembly

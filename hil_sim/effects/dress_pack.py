@@ -32,9 +32,7 @@ class DressPack(BaseEffect):
 
     def weights(self) -> tuple[Weight, ...]:
         """The whole of it hangs on the link."""
-        return (
-            Weight(link=self.link, position_m=np.array(self.position_m), mass_kg=self.mass_kg),
-        )
+        return (Weight(link=self.link, position_m=np.array(self.position_m), mass_kg=self.mass_kg),)
 
     def act(self, terms: LinearTerms) -> None:
         """Add the mass and its springs."""

@@ -1,17 +1,17 @@
-"""A crack or a bolt that opens one way: outside the first library."""
+"""A crack or a bolt that opens one way: outside the library."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from hil_sim.assembly import Assembly, OneSided, Spring
+from hil_sim.assembly import Assembly, Spring
 from hil_sim.effects.effect import BaseEffect
+from hil_sim.elements import OneSided
+from hil_sim.linear import LinearTerms
 from hil_sim.truth import NotNegative, Positive, Vector
-from protocols.errors import PlantError
 
 __all__ = ["OneSidedCrack"]
 
@@ -38,18 +38,21 @@ class OneSidedCrack(BaseEffect):
         return self
 
     def assemble(self, assembly: Assembly) -> Assembly:
-        """Cut the link, closed, and note how it opens."""
-        if assembly.one_sided is not None:
-            raise PlantError("effects: one one_sided effect at most; correct the plant file")
-        label = f"crack in {self.link}"
-        cut = assembly.split(
+        """Cut the link, closed."""
+        return assembly.split(
             assembly.carrier_of(self.link).label,
-            label,
+            f"crack in {self.link}",
             hinge_m=np.array(self.point_m),
             axis=np.array(self.direction),
             spring=Spring(k=self.stiffness_closed_n_m_per_rad, c=self.damping_n_m_s_per_rad),
         )
-        opening = OneSided(
-            hinge=label, opening_rad=self.opening_rad, k_open=self.stiffness_open_n_m_per_rad
+
+    def act(self, terms: LinearTerms) -> None:
+        """Let it open."""
+        terms.elements.append(
+            OneSided(
+                row=terms.row(f"crack in {self.link}"),
+                lost=self.stiffness_closed_n_m_per_rad - self.stiffness_open_n_m_per_rad,
+                opening=self.opening_rad,
+            )
         )
-        return replace(cut, one_sided=opening)

@@ -21,9 +21,9 @@ class Payload(BaseEffect):
     link: str
     mass_kg: Positive
     center_m: Vector
-    inertia_kg_m2: Annotated[
-        tuple[float, ...], Field(strict=False, min_length=6, max_length=6)
-    ] = (0.0,) * 6
+    inertia_kg_m2: Annotated[tuple[float, ...], Field(strict=False, min_length=6, max_length=6)] = (
+        0.0,
+    ) * 6
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Add the body to the link's far end."""
