@@ -102,6 +102,14 @@ class LinearTerms:
         point = self.at.origin_m[body] + self.at.R[body] @ position_m
         return self.full(point_jacobian(self.at, body, point))
 
+    def end_of(self, link: str, position_m: Array) -> tuple[Array, Array]:
+        """Place (3,) and velocity (3, n) of a point on a link, or on the "floor", base axes."""
+        if link == "floor" or (link == "base" and "base" not in self.carrier):
+            return position_m, np.zeros((3, len(self.labels)))
+        v = self.motion_of(link, position_m)[:3]
+        body = self.bodies[self.carrier[link]]
+        return self.at.origin_m[body] + self.at.R[body] @ position_m, v
+
     def spring(self, rows: Array, k: float, c: float) -> None:
         """Add a spring and a damper that resist each of `rows` (m, n) of motion."""
         self.K = self.K + k * rows.T @ rows

@@ -127,7 +127,9 @@ def build_plant(truth: PlantFile) -> Plant:
             id=point.id,
             link=point.link,
             body=bodies.get(assembly.perch.get(point.id) or carrier.get(point.link, ""), BASE),
-            position_m=frozen_array(point.position_m, np.float64),
+            position_m=frozen_array(
+                np.array(point.position_m) + sensing.moved.get(point.id, 0.0), np.float64
+            ),
             R_link_sensor=frozen_array(
                 np.column_stack((point.x_axis, np.cross(point.normal, point.x_axis), point.normal)),
                 np.float64,
@@ -193,7 +195,8 @@ def _hidden(assembly: Assembly, weak: HiddenAxisTruth | None) -> Assembly:
 
 def _check_names(truth: PlantFile, assembly: Assembly, sensing: Sensing) -> None:
     joints = [link.joint for link in truth.links]
-    for point in (*sensing.at_point, *assembly.perch):
+    named = (*sensing.at_point, *sensing.moved, *sensing.stands_at, *assembly.perch)
+    for point in named:
         if point not in assembly.points:
             raise PlantError(
                 f"effects: no test point is called {point!r}; wanted one of "

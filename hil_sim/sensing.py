@@ -22,9 +22,10 @@ class Sensing:
     `everywhere` acts on the three accelerometer channels at every point, `at_point` at one, after
     it. Delays are of (hammer, acc_x, acc_y, acc_z). A joint truly stands at what its encoder
     reads minus `encoder_rad`. Where a point is asked for that `stands_at` names, the sensor stands
-    at the other. Every hit's direction is turned by `hit_turn` (base axes). The accelerometer is
-    heavier than its file says by `extra_sensor_kg`. Records are multiplied by an exponential that
-    falls to `window_end` over the block; only sessions made block by block know it.
+    at the other; points in `moved` are off by a vector of their link's frame. Every hit's direction
+    is turned by `hit_turn` (base axes). The accelerometer is heavier than its file says by
+    `extra_sensor_kg`. Records are multiplied by an exponential that falls to `window_end` over the
+    block; only sessions made block by block know it.
     """
 
     hammer_gain: float = 1.0
@@ -33,6 +34,7 @@ class Sensing:
     delay_s: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     encoder_rad: Mapping[str, float] = field(default_factory=dict)
     stands_at: Mapping[str, str] = field(default_factory=dict)
+    moved: Mapping[str, Array] = field(default_factory=dict)
     hit_turn: Array = field(default_factory=lambda: np.eye(3))
     extra_sensor_kg: float = 0.0
     window_end: float = 1.0

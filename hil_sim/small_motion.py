@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hil_sim.assembly import Spring
+from hil_sim.effects import BaseEffect
 from hil_sim.elements import Element
 from hil_sim.linear import LinearTerms
 from hil_sim.newton_euler import (
@@ -155,9 +156,13 @@ def linear_terms(plant: Plant, at: Placement, chain: Chain, q: Array) -> LinearT
         ),
     )
     # Effects with coordinates of their own come first: others act on the springs they divide.
-    for effect in sorted(plant.truth.effects, key=lambda e: not e.coordinates()):
+    for effect in sorted(plant.truth.effects, key=_first_to_act):
         effect.act(terms)
     return terms
+
+
+def _first_to_act(effect: BaseEffect) -> tuple[bool, bool]:
+    return not effect.coordinates(), not effect.winds_springs
 
 
 def linearise(plant: Plant, joints_rad: npt.ArrayLike, mounting: Mounting | None) -> SmallMotion:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +29,8 @@ class Weight:
 
 class BaseEffect(Truth):
     """A table of `[[effects]]`; whatever an effect does not do stays as it is here."""
+
+    winds_springs: ClassVar[bool] = False  # changes what others find a spring stretched by
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Change bodies, hinges and their springs."""

@@ -15,7 +15,7 @@ from hil_sim.study import (
 )
 from hil_sim.study.places import ArmPlaces, Hidden
 
-__all__ = ["LEVELLED", "LIBRARY", "MAGNITUDES", "OUTSIDE", "Maker"]
+__all__ = ["FIRST", "LEVELLED", "LIBRARY", "MAGNITUDES", "OUTSIDE", "Maker"]
 
 Maker = Callable[[ArmPlaces, np.random.Generator, float], Hidden]
 
@@ -37,12 +37,30 @@ LIBRARY: dict[str, Maker] = {
     "hammer_gain": hide_measurement.hammer_gain,
     "delay": hide_measurement.delay,
     "encoder_offset": hide_measurement.encoder_offset,
+    "link_bending": hide_structure.link_bending,
+    "link_torsion": hide_structure.link_torsion,
+    "wrist_coupling": hide_drive.wrist_coupling,
+    "gravity_compensator": hide_drive.gravity_compensator,
+    "sensor_mass": hide_drive.sensor_mass,
+    "nonproportional": hide_damping.nonproportional,
+    "load_damping": hide_damping.load_damping,
+    "friction": hide_damping.friction,
+    "microslip": hide_damping.microslip,
+    "softening": hide_damping.softening,
+    "backlash": hide_damping.backlash,
+    "wrong_point": hide_measurement.wrong_point,
+    "hit_direction": hide_measurement.hit_direction,
+    "exponential_window": hide_measurement.exponential_window,
 }
 
 OUTSIDE: dict[str, Maker] = {
     "dress_pack": hide_outside.dress_pack,
     "one_sided": hide_outside.one_sided,
+    "parallelogram_bar": hide_outside.parallelogram_bar,
 }
 
-LEVELLED = frozenset({"one_sided"})
+FIRST = tuple(LIBRARY)[:15]
+"""The first library of the gap workflow."""
+
+LEVELLED = frozenset({"friction", "microslip", "softening", "backlash", "one_sided"})
 """Effects that show in how the response depends on the hit's level."""

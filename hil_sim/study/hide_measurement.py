@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from hil_sim.study.places import ArmPlaces, Hidden, about, hidden
+from hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
 
 __all__ = [
     "channel_gain",
     "delay",
     "encoder_offset",
+    "exponential_window",
     "flipped_axis",
     "hammer_gain",
+    "hit_direction",
     "swapped_axes",
+    "wrong_point",
 ]
 
 CHANNEL_GAIN = 0.25
 HAMMER_GAIN = 0.16
 DELAY_S = 6e-4
 ENCODER_DEG = 4.0
+HIT_DEG = 12.0
+WINDOW = 1.4  # minus the logarithm of its end
+MOVED_M = 0.12
 
 Rng = np.random.Generator
 
@@ -72,6 +78,39 @@ def encoder_offset(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     offset = float(rng.choice([-1.0, 1.0]) * ENCODER_DEG * magnitude * about(rng))
     table = {"kind": "encoder_offset", "joint": joint, "offset_deg": offset}
     return hidden("encoder_offset", joint, table, offset_deg=offset)
+
+
+def wrong_point(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
+    """Two points of a link exchanged when clear; else one point off its place."""
+    links = [name for name in places.structural() if name != list(places.links)[-1]]
+    link = str(rng.choice(links))
+    points = [point["id"] for point in places.points[link]]
+    if magnitude >= 1.0:
+        pair = sorted(str(name) for name in rng.choice(points, 2, replace=False))
+        table = {"kind": "exchanged_points", "points": tuple(pair)}
+        return hidden("wrong_point", pair, table, exchanged=pair)
+    point = str(rng.choice(points))
+    by = MOVED_M * magnitude * about(rng) * unit(rng)
+    moved = {"kind": "moved_point", "point": point, "by_m": plain(by)}
+    return hidden("wrong_point", [point], moved, by_m=places.in_file(link, by))
+
+
+def hit_direction(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
+    """All hits turned alike, about an axis across the first posture's."""
+    wanted = places.study.plan.postures[0].hit_direction
+    across = np.cross(np.array([0.0, 0.0, 1.0]) if wanted is None else wanted, unit(rng))
+    degrees = HIT_DEG * magnitude * about(rng)
+    turn = degrees * across / np.linalg.norm(across)
+    table = {"kind": "hit_direction", "turn_deg": plain(turn)}
+    return hidden("hit_direction", "hammer", table, turn_deg=list(plain(turn)))
+
+
+def exponential_window(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
+    """A front end's window that nobody corrects."""
+    del places
+    end = float(np.exp(-WINDOW * magnitude * about(rng)))
+    table = {"kind": "exponential_window", "end": end}
+    return hidden("exponential_window", "all", table, end=end)
 
 
 def _points(places: ArmPlaces, rng: Rng, magnitude: float) -> tuple[str, ...]:

@@ -6,11 +6,12 @@ import numpy as np
 
 from hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
 
-__all__ = ["dress_pack", "one_sided"]
+__all__ = ["dress_pack", "one_sided", "parallelogram_bar"]
 
 PACK = 0.045  # of the arm's mass
 CRACK = 1.9  # open, of the arm's joint compliance
 LOSS_S = 4e-5
+BAR = 0.6  # of the far joint's stiffness, where bar and tail are square
 
 Rng = np.random.Generator
 
@@ -47,3 +48,23 @@ def one_sided(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "opening_rad": float(rng.uniform(0.0, 3e-6)),
     }
     return hidden("one_sided", link, table, stiffness_open_n_m_per_rad=opened)
+
+
+def parallelogram_bar(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
+    """A bar beside the second link, from a crank to the third link's tail."""
+    near, far = places.elastic[1:3]
+    axis = np.array(places.joints[far]["axis"])
+    tail = np.cross(axis, unit(rng))
+    tail *= 0.1 / np.linalg.norm(tail)
+    k = places.joints[far]["stiffness_n_m_per_rad"] * BAR * magnitude * about(rng) / 0.1**2
+    table = {
+        "kind": "parallelogram",
+        "joint": near,
+        "joint_after": far,
+        "tail_m": plain(tail),
+        "stiffness_n_per_m": float(k),
+        "damping_n_s_per_m": float(LOSS_S * k),
+        "mass_kg": float(rng.uniform(0.5, 1.5)),
+    }
+    place = [near, far]
+    return hidden("parallelogram_bar", place, table, stiffness_n_per_m=float(k))

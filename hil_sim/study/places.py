@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.newton_euler import mass_matrix
+from hil_sim.newton_euler import gravity_torque, mass_matrix
+from hil_sim.small_motion import force_torque, linearise
 from hil_sim.study.arms import StudyArm
 from hil_sim.study.model_error import Tables, plant_of_tables
 from hil_sim.study.plant_of_arm import rotations
@@ -78,6 +79,11 @@ class ArmPlaces:
         """Links with two points at least: what bends in them can be seen."""
         return [name for name in self.links if len(self.points.get(name, ())) > 1]
 
+    def before(self, link: str) -> str:
+        """The link that carries a link's joint."""
+        names = ["base", *self.links]
+        return names[names.index(link) - 1]
+
     def main_joint(self, rng: np.random.Generator) -> str:
         """One of the first three joints that give way."""
         return str(rng.choice(self.elastic[:3]))
@@ -109,6 +115,37 @@ class ArmPlaces:
         q = plant.hinge_angles(self.study.plan.postures[0].joints_rad)
         hinge = plant.bodies[joint]
         return float(mass_matrix(plant.chain, q)[hinge, hinge])
+
+    def swing(self, joint: str) -> float:
+        """Largest turn of a joint's spring in rad after a hit of middle level, mean of postures."""
+        plant = plant_of_tables(self.tables)
+        low, high = plant.truth.hand.width_s
+        impulse = np.sqrt(np.prod(self.study.peak_n)) * (low + high) / np.pi
+        times = np.arange(0.0, 0.4, 1e-3)
+        largest = []
+        for posture in self.study.plan.postures:
+            motion = linearise(plant, posture.joints_rad, None)
+            point = plant.point(self.study.plan.fixed_point)
+            direction = posture.hit_direction
+            if direction is None:
+                continue
+            torque = force_torque(plant, motion.at, point.body, point.position_m, direction)
+            n = len(motion.mass)
+            start = np.zeros(len(motion.poles))
+            start[n : 2 * n] = np.linalg.solve(motion.mass, torque) * impulse
+            row = motion.modes[plant.coordinates.index(joint)] * (motion.inverse_modes @ start)
+            turns = (row @ np.exp(np.outer(motion.poles, times))).real
+            largest.append(float(np.max(np.abs(turns))))
+        return float(np.mean(largest))
+
+    def loads(self, joint: str) -> list[float]:
+        """Gravity torque of a joint in each posture, N m."""
+        plant = plant_of_tables(self.tables)
+        hinge = plant.bodies[joint]
+        return [
+            float(gravity_torque(plant.chain, plant.hinge_angles(posture.joints_rad))[hinge])
+            for posture in self.study.plan.postures
+        ]
 
 
 def about(rng: np.random.Generator) -> float:
