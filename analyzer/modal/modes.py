@@ -103,11 +103,12 @@ def synthesise(
     s = laplace_lines(freq_hz, decay_rad_s)
     total = model.residual_terms @ residual_terms(model.form, s).T
     power = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}[model.form]
-    for mode in model.modes:
+    if model.modes:
         # Fitted as (p^d R)/(s - p); the polynomial rest of s^d R/(s - p) is in the residual terms.
-        pole = mode.pole_rad_s
-        residues = mode.residues[..., None] * pole**power
-        total = total + residues / (s - pole) + residues.conj() / (s - pole.conjugate())
+        poles = np.array([mode.pole_rad_s for mode in model.modes])
+        residues = np.stack([mode.residues for mode in model.modes], axis=-1) * poles**power
+        both = np.concatenate([residues, residues.conj()], axis=-1)
+        total += both @ (1.0 / (s - np.concatenate([poles, poles.conj()])[:, None]))
     result: npt.NDArray[np.complex128] = total
     return result
 

@@ -39,7 +39,8 @@ class ModalData:
     values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`
-
+    weighted_real: npt.NDArray[np.float64]  # (n_frf, n_freq), Re of weight times values
+    weighted_imag: npt.NDArray[np.float64]  # (n_frf, n_freq)
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
 
 
@@ -74,7 +75,16 @@ def modal_data(
     if np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0):
         weight = np.ascontiguousarray(weight[:1])
     energy = row * np.sum(weight * np.abs(flat) ** 2, axis=1)
-    return ModalData(form=form, s=s, values=flat, weight=weight, row_weight=row, energy=energy)
+    return ModalData(
+        form=form,
+        s=s,
+        values=flat,
+        weight=weight,
+        row_weight=row,
+        weighted_real=weight * flat.real,
+        weighted_imag=weight * flat.imag,
+        energy=energy,
+    )
 
 
 def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
@@ -110,8 +120,7 @@ def _gram(
         G = np.empty((packed.shape[0], q, q))
         G[:, upper[0], upper[1]] = packed
         G[:, upper[1], upper[0]] = packed
-    weighted = data.weight * data.values
-    b = weighted.real @ real + weighted.imag @ imag
+    b = data.weighted_real @ real + data.weighted_imag @ imag
     return G, b
 
 

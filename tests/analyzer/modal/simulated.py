@@ -46,6 +46,15 @@ def record(values, freq_hz, *, variance=None, form=FrfForm.ACCELERANCE, decay=0.
     )
 
 
+def noisy_record(rng, clean, freq_hz, *, form, level, axes=1):
+    """Complex white noise of `level` times each FRF's RMS, its variance stated."""
+    sigma = level * np.sqrt(np.mean(np.abs(clean) ** 2, axis=-1, keepdims=True))
+    noise = rng.standard_normal((2, *clean.shape)) / np.sqrt(2.0)
+    variance = np.broadcast_to(sigma**2, clean.shape)
+    values = clean + sigma * (noise[0] + 1j * noise[1])
+    return record(values, freq_hz, variance=variance, form=form, axes=axes)
+
+
 EIGHT_HZ = np.array([9.0, 13.0, 13.4, 34.0, 37.0, 55.0, 66.0, 107.0])
 
 
@@ -60,8 +69,4 @@ def eight_modes(rng, *, form=FrfForm.RECEPTANCE, n_resp=30, complex_shapes=False
     residues = shapes * part / (2j * poles.imag[:, None, None])
     freq = np.arange(1, 1601) * 0.25
     clean = modal_frf(poles, residues, freq, form)
-    sigma = 0.01 * np.sqrt(np.mean(np.abs(clean) ** 2, axis=-1, keepdims=True))
-    noise = rng.standard_normal((2, *clean.shape)) / np.sqrt(2.0)
-    values = clean + sigma * (noise[0] + 1j * noise[1])
-    variance = np.broadcast_to(sigma**2, clean.shape)
-    return record(values, freq, variance=variance, form=form), poles
+    return noisy_record(rng, clean, freq, form=form, level=0.01), poles
