@@ -27,6 +27,7 @@ from protocols.frf_records import FrequencyResponse, FrfForm
 __all__ = ["fit_modes"]
 
 _POWER = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
+_ZOOM_ORDER_STEP = 3  # orders of a zoomed band: some fifteen suffice, each is an eigenvalue problem
 
 
 def _check(frf: FrequencyResponse) -> None:
@@ -112,6 +113,7 @@ def _candidates(
             decay_rad_s=decay,
             weight=weight[:, lines],
             max_order=min(zoom_order, int(np.count_nonzero(lines)) // 2),
+            order_step=_ZOOM_ORDER_STEP,
         )
         found, share = candidate_poles(table, (low, high))
         poles.append(found)
