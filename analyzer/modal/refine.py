@@ -11,12 +11,13 @@ import numpy.typing as npt
 
 from analyzer.modal.regression import ModalData, Regression, regress
 
-__all__ = ["refine_poles"]
+__all__ = ["admissible", "refine_poles"]
 
 _MOST_DAMPING = 0.6
 
 
-def _admissible(poles: npt.NDArray[np.complex128]) -> bool:
+def admissible(poles: npt.NDArray[np.complex128]) -> bool:
+    """Whether all poles decay, oscillate, and are damped less than a structure can be."""
     return bool(
         np.all(poles.real < 0.0)
         and np.all(poles.imag > 0.0)
@@ -62,7 +63,7 @@ def refine_poles(
         normal = A * scale[:, None] * scale[None, :] + damping * np.eye(g.size)
         step = np.linalg.solve(normal, g * scale) * scale
         moved = current.poles + step[0::2] + 1j * step[1::2]
-        if _admissible(moved):
+        if admissible(moved):
             trial = regress(data, moved)
             reached = float(trial.cost.sum())
         else:

@@ -23,7 +23,15 @@ import numpy.typing as npt
 
 from protocols.frf_records import FrfForm
 
-__all__ = ["N_RESIDUAL", "ModalData", "Regression", "modal_data", "regress", "residual_terms"]
+__all__ = [
+    "N_RESIDUAL",
+    "ModalData",
+    "Regression",
+    "gram_system",
+    "modal_data",
+    "regress",
+    "residual_terms",
+]
 
 N_RESIDUAL = 3
 _DERIVATIVE = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
@@ -124,6 +132,31 @@ def _gram(
     return G, b
 
 
+def gram_system(
+    data: ModalData, poles: npt.NDArray[np.complex128], *, pole_terms: bool = True
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Sums over the lines of all products of two regressors, and of regressor and FRF.
+
+    Regressors are those of the residues (2 n_modes), of the residual terms (3), and, with
+    `pole_terms`, of the poles' derivatives 1/(s - p)^2 (2 n_modes); each divided by its RMS.
+
+    Returns
+    -------
+    G, b, size
+        (n_frf or 1, q, q) and (n_frf, q) without `row_weight`, and (q,) the RMS divided by.
+    """
+    s = data.s[:, None]
+    direct, mirrored = 1.0 / (s - poles), 1.0 / (s - poles.conj())
+    parts = [_pair(direct, mirrored), residual_terms(data.form, data.s)]
+    if pole_terms:
+        parts.append(_pair(direct**2, mirrored**2))
+    Phi = np.concatenate(parts, axis=1)
+    size = np.sqrt(np.mean(np.abs(Phi) ** 2, axis=0))
+    Phi /= size
+    G, b = _gram(Phi, data)
+    return G, b, size
+
+
 def regress(
     data: ModalData, poles: npt.NDArray[np.complex128], *, pole_terms: bool = True
 ) -> Regression:
@@ -143,15 +176,7 @@ def regress(
     Regression
     """
     n_modes, n_frf = poles.size, data.values.shape[0]
-    s = data.s[:, None]
-    direct, mirrored = 1.0 / (s - poles), 1.0 / (s - poles.conj())
-    parts = [_pair(direct, mirrored), residual_terms(data.form, data.s)]
-    if pole_terms:
-        parts.append(_pair(direct**2, mirrored**2))
-    Phi = np.concatenate(parts, axis=1)
-    size = np.sqrt(np.mean(np.abs(Phi) ** 2, axis=0))
-    Phi /= size
-    G, b = _gram(Phi, data)
+    G, b, size = gram_system(data, poles, pole_terms=pole_terms)
     p = 2 * n_modes + N_RESIDUAL
 
     diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)
