@@ -25,6 +25,7 @@ from daq.commands import Command, Ready, Retake, Skip, Stop
 from daq.events import BoardFound, Failed, Finished, SessionOpened
 from daq.joint_state import JointState
 from daq.journal_writer import JournalWriter
+from daq.judge import prepare_judge
 from daq.losses import LossTally
 from daq.outbox import Outbox
 from daq.serial_port import SerialPort
@@ -68,6 +69,7 @@ def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]
     int
         Exit code: 0, or 2 after a `Failed` event.
     """
+    prepare_judge()
     outbox = Outbox(channel)
     journal = _Journal()
     try:

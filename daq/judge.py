@@ -1,10 +1,6 @@
-r"""Is the captured record one good hit? Judged in the time domain, on what was measured.
+"""Is the captured record one good hit? Judged in the time domain, on what was measured.
 
-An anti-alias filter makes a short pulse ring close to its cut-off, some 0.3 to 0.49 of the
-sampling rate, with lobes up to 20 % of the peak. The binomial kernel (1, 4, 6, 4, 1)/16 has the
-gain :math:`\cos^4(\pi f / f_s)`, 12 % at 0.3 and 1 % at 0.4 of the rate: behind it the lobes of
-Chebyshev, elliptic, Butterworth and FIR filters stay below 4 % of the peak for half-sines from
-1.5 ms at 1652 Hz, so that a second peak of 6 % is a second pulse.
+The limits, and what they let through, are in `docs/hit-judge.md`.
 """
 
 from __future__ import annotations
@@ -13,23 +9,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import find_peaks
 
 from daq.blocks import CapturedBlock
+from daq.judge_anti_alias import templates
+from daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, unsettled
+from daq.judge_pulses import FEWEST_QUIET, Pulses, find_pulses
 from protocols.board.records import BoardDictionary, Channel
-from protocols.board.samples import COUNT_MAX
 from protocols.plan_records import Sampling, Trigger
 from protocols.session.records import Verdict
 
-__all__ = ["FORCE", "JudgeLimits", "channels_of", "force_column", "judge_record"]
-
-FORCE = "force"
+__all__ = ["FORCE", "JudgeLimits", "channels_of", "force_column", "judge_record", "prepare_judge"]
 
 Signal = npt.NDArray[np.float64]
 
-_KERNEL = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
 _RINGING_REACH = 16  # samples before the trigger that a linear-phase filter may already move
-_FEWEST_QUIET = 16
+_NAMED = 4  # pulses named in a note
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,22 +31,39 @@ class JudgeLimits:
     """Where the judge draws the line.
 
     double : second peak over the highest, both smoothed.
-    noise : peaks below this many standard deviations of the pre-trigger are noise.
+    contact : force between two pulses, over the lower one, above which it is a bounce.
+    narrow : half width in samples below which a pulse shows the filter rather than itself.
+    noise : peaks below this many standard deviations of the smoothed noise are noise.
+    noise_floor : lowest peak force, in standard deviations of the force before and after.
+    hidden : second pulse that the noise may hide without a note, over the highest.
     clip : share of an input's full scale that counts as overloaded; a converter's filter smears
         a clipped top, so it lies a little below 1.
     soft : lowest peak force, in trigger levels.
     late_s : longest time from trigger to peak; five samples are always allowed.
+    cut : force over the peak that the pulse must fall to on either side within the record.
     settled : largest pre-trigger vibration (rms) over the peak of the response.
+    decayed : largest vibration at the record's end over the peak of the response, windowed.
     moved : largest change of a joint from before to after, in tolerances of the posture.
     """
 
     double: float = 0.06
+    contact: float = 0.25
+    narrow: float = 2.2
     noise: float = 6.0
+    noise_floor: float = 10.0
+    hidden: float = 0.10
     clip: float = 0.98
     soft: float = 2.0
     late_s: float = 0.02
+    cut: float = 0.05
     settled: float = 0.15
+    decayed: float = 0.05
     moved: float = 0.25
+
+
+def prepare_judge() -> None:
+    """Make the anti-alias templates, some 80 ms once a process, before a hit waits for them."""
+    templates()
 
 
 def channels_of(dictionary: BoardDictionary, channel_mask: int) -> tuple[Channel, ...]:
@@ -74,6 +85,8 @@ def judge_record(
     sampling: Sampling,
     trigger: Trigger,
     limits: JudgeLimits | None = None,
+    *,
+    exponential_end: float = 1.0,
 ) -> Verdict:
     """Judge the samples of one block; posture and motion are judged elsewhere.
 
@@ -83,130 +96,153 @@ def judge_record(
         Counts (n, n_channels).
     channels
         One for each column.
+    exponential_end
+        Value at the record's end of the window the analysis applies; 1 is none.
 
     Returns
     -------
     Verdict
-        `width_s` is the full width at half the peak, by straight lines between samples.
+        `width_s` is the full width at half the peak, by straight lines between samples. `notes`
+        say why a hit is rejected, and warn of what does not reject it.
     """
     limits = limits or JudgeLimits()
-    reasons: list[str] = []
-    notes: list[str] = []
+    found = _Findings(limits)
     if block.missing:
-        reasons.append("gap")
-        notes.append(f"{block.missing} of {block.info.length} samples never came")
+        found.reject("gap", f"{block.missing} of {block.info.length} samples never came")
     if not block.counts.shape[0]:
-        return _verdict(reasons, notes, float("nan"), float("nan"))
+        return found.verdict(float("nan"), float("nan"))
     rate_hz = float(sampling.rate_hz)
+    start = block.info.trigger_sample - block.first_sample
+    force_n = _force(block, channels, start, rising=trigger.rising)
+    pulses = find_pulses(
+        force_n,
+        rate_hz,
+        highpass_hz=channels[force_column(channels)].highpass_hz,
+        double=limits.double,
+        noise=limits.noise,
+        contact=limits.contact,
+    )
+    if overloaded := clipped(block.counts, channels, limits.clip):
+        found.reject("overload", "at the end of the range: " + ", ".join(overloaded))
+    found.strength(pulses, abs(trigger.level_n))
+    found.number(pulses, start, rate_hz)
+    found.place(pulses, force_n, start, rate_hz, None if block.missing else sampling.pretrigger)
+    quiet = start - _RINGING_REACH
+    if vibrating := unsettled(block.counts, channels, quiet, start, limits.settled):
+        found.reject("not-settled", "still vibrating before the hit: " + ", ".join(vibrating))
+    found.width(pulses)
+    found.responses(block.counts, channels, quiet, start, exponential_end)
+    return found.verdict(pulses.peak_n, pulses.half_width / rate_hz)
+
+
+def _force(
+    block: CapturedBlock, channels: tuple[Channel, ...], start: int, *, rising: bool
+) -> Signal:
+    """Force in N, pulses upwards, about zero before the hit."""
     column = force_column(channels)
     force_n: Signal = block.counts[:, column] * np.float64(channels[column].scale)
-    start = block.info.trigger_sample - block.first_sample
     quiet = force_n[: max(min(start, len(force_n)) - _RINGING_REACH, 0)]
-    if quiet.size >= _FEWEST_QUIET:
-        force_n = force_n - np.float64(np.median(quiet))
-    if not trigger.rising:
-        force_n = -force_n
-    peak_at = int(np.argmax(force_n))
-    peak_n = float(force_n[peak_at])
-    clipped = _clipped(block.counts, channels, limits.clip)
-    if clipped:
-        reasons.append("overload")
-        notes.append("at the end of the range: " + ", ".join(clipped))
-    if peak_n < limits.soft * abs(trigger.level_n):
-        reasons.append("soft")
-        notes.append(f"peak {peak_n:.3g} N, wanted {limits.soft * abs(trigger.level_n):.3g} N")
-    doubles = _other_peaks(force_n, quiet, limits)
-    if doubles:
-        reasons.append("double")
-        notes.append(
-            "more than one pulse, at "
-            + ", ".join(f"{1e3 * (i - start) / rate_hz:.1f} ms" for i in doubles[:4])
+    # A pulse is short beside its record, so the median of all is near zero force as well.
+    force_n = force_n - np.float64(np.median(quiet if quiet.size >= FEWEST_QUIET else force_n))
+    return force_n if rising else -force_n
+
+
+class _Findings:
+    """Reasons and notes as they come up."""
+
+    def __init__(self, limits: JudgeLimits) -> None:
+        self._limits = limits
+        self._reasons: list[str] = []
+        self._notes: list[str] = []
+
+    def reject(self, reason: str, note: str) -> None:
+        self._reasons.append(reason)
+        self._notes.append(note)
+
+    def strength(self, pulses: Pulses, level_n: float) -> None:
+        """Soft hits, and those that do not stand clear of the noise."""
+        wanted_n = self._limits.soft * level_n
+        if pulses.peak_n < wanted_n:
+            self.reject("soft", f"peak {pulses.peak_n:.3g} N, wanted {wanted_n:.3g} N")
+        if pulses.peak_n < self._limits.noise_floor * pulses.noise_n:
+            self.reject(
+                "noise",
+                f"peak {pulses.peak_n:.3g} N, wanted {self._limits.noise_floor:.3g} times the "
+                f"force's noise of {pulses.noise_n:.3g} N rms; hit harder or look at the cable",
+            )
+        elif pulses.hidden > self._limits.hidden:
+            self._notes.append(
+                f"a second pulse below {100 * pulses.hidden:.0f} % would be lost in the noise"
+            )
+
+    def number(self, pulses: Pulses, start: int, rate_hz: float) -> None:
+        """Double hits, and bounces in which the hammer never let go."""
+        for reason, released, words in (
+            ("double", True, "more than one pulse, at "),
+            ("bounce", False, "the hammer bounced without letting go, at "),
+        ):
+            others = [p for p in pulses.others if p.released == released]
+            if others:
+                self.reject(
+                    reason,
+                    words
+                    + ", ".join(
+                        f"{1e3 * (p.at - start) / rate_hz:.1f} ms ({100 * p.share:.0f} %)"
+                        for p in others[:_NAMED]
+                    ),
+                )
+
+    def place(
+        self, pulses: Pulses, force_n: Signal, start: int, rate_hz: float, pretrigger: int | None
+    ) -> None:
+        """Pulses that come late, or lie partly outside the record."""
+        after = pulses.peak_at - start
+        if pretrigger is not None and (
+            abs(start - pretrigger) > 1
+            or not -2 <= after <= max(5.0, self._limits.late_s * rate_hz)
+        ):
+            self.reject("late", f"peak {1e3 * after / rate_hz:.1f} ms after the trigger")
+        least_n = self._limits.cut * pulses.peak_n
+        sides = (("before", force_n[: pulses.peak_at]), ("after", force_n[pulses.peak_at + 1 :]))
+        cut = [word for word, side in sides if side.min(initial=np.inf) > least_n]
+        if cut:
+            self.reject("cut-off", f"part of the pulse lies {' and '.join(cut)} the record")
+
+    def width(self, pulses: Pulses) -> None:
+        """Say what a narrow pulse does not tell."""
+        if pulses.half_width < self._limits.narrow:
+            self._notes.append(
+                f"cannot tell: the pulse is {pulses.half_width:.1f} samples wide at half its peak, "
+                "less than the anti-alias filter shows; a second one close behind it would not be "
+                "seen, nor are its height and width its own"
+            )
+
+    def responses(
+        self,
+        counts: npt.NDArray[np.int32],
+        channels: tuple[Channel, ...],
+        quiet: int,
+        start: int,
+        exponential_end: float,
+    ) -> None:
+        """Warn of responses that never rise from the noise, or have not decayed."""
+        if lost := lost_in_noise(counts, channels, quiet, start):
+            self._notes.append("no more than noise after the hit: " + ", ".join(lost))
+        ringing = still_ringing(
+            counts, channels, quiet, start, self._limits.decayed / exponential_end
         )
-    if not block.missing and (
-        abs(start - sampling.pretrigger) > 1
-        or not -2 <= peak_at - start <= max(5.0, limits.late_s * rate_hz)
-    ):
-        reasons.append("late")
-        notes.append(f"peak {1e3 * (peak_at - start) / rate_hz:.1f} ms after the trigger")
-    unsettled = _unsettled(block.counts, channels, start, limits.settled)
-    if unsettled:
-        reasons.append("not-settled")
-        notes.append("still vibrating before the hit: " + ", ".join(unsettled))
-    return _verdict(reasons, notes, peak_n, _half_width(force_n, peak_at) / rate_hz)
+        if ringing:
+            self._notes.append(
+                "still ringing at the record's end: "
+                + ", ".join(f"{name} {100 * share:.0f} % of its peak" for name, share in ringing)
+                + "; record longer or let the exponential window fall further"
+            )
 
-
-def _verdict(reasons: list[str], notes: list[str], peak_n: float, width_s: float) -> Verdict:
-    return Verdict(
-        accepted=not reasons,
-        reasons=tuple(reasons),
-        notes=tuple(notes),
-        peak_n=peak_n,
-        width_s=width_s,
-    )
-
-
-def _clipped(
-    counts: npt.NDArray[np.int32], channels: tuple[Channel, ...], share: float
-) -> list[str]:
-    extremes = np.maximum(counts.max(axis=0), -counts.min(axis=0).astype(np.int64))
-    return [
-        channel.name
-        for channel, extreme in zip(channels, extremes, strict=True)
-        if extreme >= share * min(channel.full_scale / abs(channel.scale), COUNT_MAX)
-    ]
-
-
-def _other_peaks(
-    force_n: npt.NDArray[np.float64], quiet: npt.NDArray[np.float64], limits: JudgeLimits
-) -> list[int]:
-    """Return the samples of pulses beside the highest."""
-    if len(force_n) < len(_KERNEL):
-        return []
-    smooth = np.convolve(force_n, _KERNEL, mode="same")
-    highest = int(np.argmax(smooth))
-    least = limits.double * float(smooth[highest])
-    if quiet.size >= _FEWEST_QUIET:
-        least = max(least, limits.noise * float(quiet.std()))
-    if least <= 0.0:
-        return []
-    peaks, _ = find_peaks(smooth, height=least, prominence=least)
-    return [int(peak) for peak in peaks if peak != highest]
-
-
-def _half_width(force_n: npt.NDArray[np.float64], peak_at: int) -> float:
-    """Full width at half the peak in samples; nan where the record ends before."""
-    half = 0.5 * force_n[peak_at]
-    below = np.flatnonzero(force_n < half)
-    left = below[below < peak_at]
-    right = below[below > peak_at]
-    if half <= 0.0 or not left.size or not right.size:
-        return float("nan")
-    i, j = int(left[-1]), int(right[0])
-    rise = i + (half - force_n[i]) / (force_n[i + 1] - force_n[i])
-    fall = j - (half - force_n[j]) / (force_n[j - 1] - force_n[j])
-    return float(fall - rise)
-
-
-def _unsettled(
-    counts: npt.NDArray[np.int32], channels: tuple[Channel, ...], start: int, share: float
-) -> list[str]:
-    """Name the responses that vibrate before the hit, clearly above their own noise.
-
-    Differences of neighbouring samples hold the noise but hardly the slow vibration of an arm:
-    rms of the pre-trigger many times theirs is motion.
-    """
-    n_quiet = start - _RINGING_REACH
-    if n_quiet < _FEWEST_QUIET:
-        return []
-    responses = [i for i, channel in enumerate(channels) if channel.quantity != FORCE]
-    scaled = counts[:, responses] * np.array([channels[i].scale for i in responses])
-    before = scaled[:n_quiet] - scaled[:n_quiet].mean(axis=0)
-    rms = np.sqrt(np.mean(before**2, axis=0))
-    noise = np.diff(before, axis=0).std(axis=0) / np.sqrt(2.0)
-    # One direction may hardly answer the hit: the largest of all is the measure of each.
-    largest = float(np.abs(scaled[start:]).max(initial=0.0))
-    return [
-        channels[i].name
-        for i, level, floor in zip(responses, rms, noise, strict=True)
-        if level > share * largest and level > 3.0 * floor
-    ]
+    def verdict(self, peak_n: float, width_s: float) -> Verdict:
+        return Verdict(
+            accepted=not self._reasons,
+            reasons=tuple(self._reasons),
+            notes=tuple(self._notes),
+            peak_n=peak_n,
+            width_s=width_s,
+        )

@@ -252,7 +252,12 @@ class SessionLoop:
         plan = self._settings.plan
         verdict = with_posture(
             judge_record(
-                block, self._board.channels, plan.sampling, plan.trigger, self._settings.limits
+                block,
+                self._board.channels,
+                plan.sampling,
+                plan.trigger,
+                self._settings.limits,
+                exponential_end=plan.windows.exponential_end,
             ),
             judge_posture(
                 before,

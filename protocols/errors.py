@@ -13,6 +13,7 @@ __all__ = [
     "DeviceLostError",
     "DeviceTimeoutError",
     "EstimateError",
+    "ForeignFileError",
     "FrameError",
     "JournalError",
     "PlanError",
@@ -64,6 +65,10 @@ class JournalError(ArmodalError, ValueError):
 
 class SessionError(ArmodalError, ValueError):
     """A session file that cannot be used."""
+
+
+class ForeignFileError(ArmodalError, ValueError):
+    """A file of another program, or an import manifest, that cannot be used."""
 
 
 class PlantError(ArmodalError, ValueError):

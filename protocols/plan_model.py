@@ -92,7 +92,7 @@ class PostureTable(FileModel):
     """One posture and the points to measure there, in order."""
 
     name: Name
-    joints_deg: Annotated[list[float], Field(min_length=1, max_length=32)]
+    joints_deg: Annotated[list[float], Field(max_length=32)]
     tolerance_deg: Annotated[float, Field(gt=0.0, le=5.0)]
     points: Annotated[list[PointId], Field(min_length=1, max_length=1000)]
     hit_direction: Vector3 | None = None

@@ -32,6 +32,7 @@ from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, d
 from tui.check import app as check_app  # noqa: E402
 from tui.check import broken_lines  # noqa: E402
 from tui.demo import DEMO_TIME_SCALE, run_demo  # noqa: E402
+from tui.exchange import add_exchange_commands  # noqa: E402
 from tui.fit import fit_session  # noqa: E402
 from tui.results import identification_json, identification_tables  # noqa: E402
 
@@ -225,16 +226,24 @@ def acquire_command(
 
 
 @app.command()
-def fit(session: SessionPath, as_json: Json = False) -> None:
+def fit(
+    session: SessionPath,
+    band: Annotated[
+        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Fit modes in every posture of a session.
 
-    Example: armodal fit session.h5 --json
+    Example: armodal fit session.h5 --band 3 400 --json
     """
-    value, table = fit_session(read_session(session))
+    value, table = fit_session(read_session(session), band_hz=band)
     if as_json:
         _print_json(value)
-    else:
-        out.print(table)
+        return
+    out.print(table)
+    for note in value["warnings"]:
+        out.print(f"note: {note}", markup=False)
 
 
 @app.command("identify")
@@ -304,6 +313,9 @@ def recover(
         return
     for name, value in summary.items():
         out.print(f"{name:<16}{value}", markup=False)
+
+
+add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
 
 
 def main() -> None:

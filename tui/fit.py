@@ -16,7 +16,9 @@ from protocols.session.records import Session
 __all__ = ["fit_session"]
 
 
-def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
+def fit_session(
+    session: Session, *, band_hz: tuple[float, float] | None = None
+) -> tuple[dict[str, Any], Table]:
     """Fit the modes of every posture; return them as plain values and as a table."""
     superset = Superset(session.header.arm)
     table = Table(title="Modes")
@@ -26,17 +28,16 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
     errors: dict[str, float] = {}
     stabilisation: dict[str, Any] = {}
     for frf in estimate_frfs(session, superset):
-        model = fit_modes(frf)
+        model = fit_modes(frf, band_hz=band_hz)
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = {"band_hz": list(model.band_hz)}
         if frf.joints_rad is None:
             continue
-        measured = MeasuredModes(
-            superset, superset.posture(frf.joints_rad), model.modes, frf.responses
-        )
-        for mode in model.modes:
-            share = joint_share(superset, measured, mode.shape)
-            structural = share < STRUCTURAL_SHARE
+        measured = MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
+        for mode, shape in zip(model.modes, measured.shapes.T, strict=True):
+            # Without an arm there are no joints to share a mode with.
+            share = joint_share(superset, measured, shape) if superset.n_joints else None
+            structural = share is not None and share < STRUCTURAL_SHARE
             modes.append(
                 {
                     "posture": frf.posture,
@@ -57,8 +58,13 @@ def fit_session(session: Session) -> tuple[dict[str, Any], Table]:
                 f"{100 * mode.damping_ratio:.2f}",
                 f"{100 * mode.damping_std:.2f}",
                 f"{mode.mpc:.3f}",
-                f"{share:.2f}",
+                "-" if share is None else f"{share:.2f}",
                 "structural" if structural else "",
             )
-    value = {"modes": modes, "synthesis_error": errors, "stabilisation": stabilisation}
+    value = {
+        "modes": modes,
+        "synthesis_error": errors,
+        "stabilisation": stabilisation,
+        "warnings": list(session.warnings),
+    }
     return value, table

@@ -123,7 +123,8 @@ class Superset:
         gravity = np.array(pin.computeGeneralizedGravityDerivatives(model, data, q))
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        T_base_link = np.stack([data.oMi[i].homogeneous for i in self._links])
+        poses = [data.oMi[i].homogeneous for i in self._links]
+        T_base_link = np.stack(poses) if poses else np.zeros((0, 4, 4))
         jacobian, rotation, position = self._points(data, T_base_link)
         return PostureDynamics(
             joints_rad=frozen_array(angles, np.float64),

@@ -98,11 +98,11 @@ def _mozzi(
         shapes = posture.rows(predicted.model.point_jacobian) @ predicted.modes.shape
         if not posture.modes:
             continue
-        pairs = {i: j for i, j, _ in pair_by_shape(posture.shapes(), shapes)}
+        pairs = {i: j for i, j, _ in pair_by_shape(posture.shapes, shapes)}
         for i, mode in enumerate(posture.modes):
             if share[i] >= STRUCTURAL_SHARE or i not in pairs:
                 continue
-            found = mozzi_of_shape(superset, posture, mode.shape, axis.link)
+            found = mozzi_of_shape(superset, posture, posture.shapes[:, i], axis.link)
             expected = mozzi_of_shape(superset, posture, shapes[:, pairs[i]], axis.link)
             if found is None or expected is None:
                 continue
@@ -112,6 +112,7 @@ def _mozzi(
             line = to_link(posture.dynamics, axis.link, expected)
             expected_f_hz = float(predicted.modes.f_hz[pairs[i]])
             expected_k, _ = _equation_one(superset, posture, axis, line, expected_f_hz)
+            off_m = line_distance_m(_near_joint(superset, axis), line[1], line[0])
             results.append(
                 MozziOfMode(
                     posture=frf.posture,
@@ -122,11 +123,20 @@ def _mozzi(
                     inertia_kg_m2=inertia,
                     k_eq1_n_m_per_rad=k,
                     predicted_bias_deg=float(np.rad2deg(line_angle_rad(line[0], axis.direction))),
-                    predicted_bias_mm=1e3 * line_distance_m(axis.point_m, line[1], line[0]),
+                    predicted_bias_mm=1e3 * off_m,
                     predicted_bias_k=expected_k / axis.stiffness_n_m_per_rad - 1.0,
                 )
             )
     return tuple(results)
+
+
+def _near_joint(superset: Superset, axis: Axis) -> Array:
+    """Point of an axis nearest the joint at its link's far end: there distances are taken."""
+    beyond = axis.link + 1
+    if beyond == superset.n_joints:
+        return axis.point_m
+    joint_m = superset.arm.joints[beyond].T_parent_joint[:3, 3]
+    return np.asarray(axis.point_m + axis.direction * (axis.direction @ joint_m))
 
 
 def _equation_one(

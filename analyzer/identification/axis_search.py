@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -35,9 +36,10 @@ def axis_starts(
     """Axes to start from: the mode's Mozzi axis, and the link's own directions at its middle."""
     omega = 2 * np.pi * measured.modes[mode].f_hz
     lines: list[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]] = []
-    mozzi = mozzi_of_shape(superset, measured, measured.modes[mode].shape, link)
-    if mozzi is not None:
-        lines.append(to_link(measured.dynamics, link, mozzi))
+    with suppress(EstimateError):  # too few points beyond the link: the link's directions remain
+        mozzi = mozzi_of_shape(superset, measured, measured.shapes[:, mode], link)
+        if mozzi is not None:
+            lines.append(to_link(measured.dynamics, link, mozzi))
     joint = superset.arm.joints[link]
     center = joint.link.center_m
     lines += [

@@ -44,7 +44,7 @@ class FrfFit:
     scatter: ParameterScatter  # of the parameters, from measurement scatter and priors
     cost: float  # half the weighted sum of squares, priors included
     n_data: int  # real numbers fitted
-    relative_residual: Array  # (n_postures,) rms residual over rms FRF
+    relative_residual: Array  # (n_postures,) rms residual over rms FRF, measured noise taken off
     iterations: int
 
 
@@ -87,7 +87,7 @@ def normal_equations(
         blocks.append(np.matmul(J.transpose(0, 2, 1), J))
         scores.append(np.matmul(J.transpose(0, 2, 1), r[..., None])[..., 0])
         cost += 0.5 * float((r**2).sum())
-        relative.append(float(np.linalg.norm(rest) / np.linalg.norm(data.values)))
+        relative.append(_unexplained(data, rest))
     cluster_hessian, cluster_g = np.concatenate(blocks), np.concatenate(scores)
     return _Normal(
         H=cluster_hessian.sum(axis=0),
@@ -97,6 +97,14 @@ def normal_equations(
         cluster_g=cluster_g,
         relative_residual=np.array(relative),
     )
+
+
+def _unexplained(data: PostureData, rest: npt.NDArray[np.complex128]) -> float:
+    """Part of the rms motion that neither model nor measured noise explains."""
+    noise = float(data.variance.sum())
+    left = float((np.abs(rest) ** 2).sum()) - noise
+    motion = float((np.abs(data.values) ** 2).sum()) - noise
+    return float(np.sqrt(max(left, 0.0) / motion)) if motion > 0.0 else np.inf
 
 
 def _cost(
@@ -142,7 +150,8 @@ def fit_frfs(
         H = normal.H + np.diag(precision)
         gradient = normal.gradient - precision * parameter_vector(state)
         step = np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
-        step *= min(1.0, 1.0 / float(np.abs(step).max()))  # no log or angle moves by more than 1
+        largest = float(np.abs(step).max())
+        step *= min(1.0, 1.0 / largest) if largest > 0.0 else 1.0  # no log or angle beyond 1
         trial = step_state(state, np.asarray(step, dtype=np.float64))
         trial_cost = _cost(superset, postures, weights, trial, precision)
         if np.isfinite(trial_cost) and trial_cost < cost:
@@ -151,7 +160,9 @@ def fit_frfs(
             state, cost, damping = trial, trial_cost, max(damping / 10, 1e-9)
             normal = normal_equations(superset, postures, weights, state)
         else:
-            converged = float(gradient @ step) < 1e-7 * cost
+            # What the undamped step promises is nothing beside the scatter of chi squared.
+            promised = float(gradient @ np.linalg.solve(H, gradient))
+            converged = promised < 1e-7 * cost + 1e-6
             damping *= 10
             if damping > 1e12:
                 break

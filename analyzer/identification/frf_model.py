@@ -56,16 +56,14 @@ def posture_data(
     Raises
     ------
     EstimateError
-        If the posture's joint angles are unknown, the form is not accelerance, or a response is
-        not one of a sensor's axes x, y, z.
+        If the posture's joint angles are unknown, or a response is not one of three
+        perpendicular axes x, y, z.
     """
     if frf.joints_rad is None:
         raise EstimateError(
             f"posture '{frf.posture}' has no measured joint angles, so no model can be set "
             "beside it; measure it with the controller's angles on the bus"
         )
-    if frf.form is not FrfForm.ACCELERANCE:
-        raise EstimateError(f"wanted accelerance for the model fit, got {frf.form}; convert it")
     points = list(dict.fromkeys(dof.point for dof in frf.responses))
     rows = {(dof.point, dof.label): i for i, dof in enumerate(frf.responses)}
     try:
@@ -76,13 +74,22 @@ def posture_data(
             "a triaxial sensor gives x, y and z at each point"
         ) from missing
     lines = slice(None, None, stride)
-    values = np.moveaxis(frf.values[order][..., lines], 1, 2)
-    variance = np.moveaxis(frf.variance[order][..., lines], 1, 2)
+    dynamics = superset.posture(frf.joints_rad)
+    sensor_point = np.array([superset.point_index[point] for point in points])
+    s = frf.decay_rad_s + 2j * np.pi * frf.freq_hz[lines]
+    # Accelerance is s² times receptance, s times mobility, exactly on any line s.
+    factor = s ** {FrfForm.RECEPTANCE: 2, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 0}[frf.form]
+    values = np.moveaxis(frf.values[order][..., lines] * factor, 1, 2)
+    variance = np.moveaxis(frf.variance[order][..., lines] * np.abs(factor) ** 2, 1, 2)
+    turn = _to_sensor_axes(frf, order, dynamics.point_rotation[sensor_point])
+    if turn is not None:
+        values = np.einsum("mij,mrjl->mril", turn, values)
+        variance = np.einsum("mij,mrjl->mril", turn**2, variance)
     return PostureData(
         name=frf.posture,
-        dynamics=superset.posture(frf.joints_rad),
-        s_rad_s=frf.decay_rad_s + 2j * np.pi * frf.freq_hz[lines],
-        sensor_point=np.array([superset.point_index[point] for point in points]),
+        dynamics=dynamics,
+        s_rad_s=s,
+        sensor_point=sensor_point,
         hit_point=np.array([superset.point_index[dof.point] for dof in frf.references]),
         hit_direction=np.array([dof.direction for dof in frf.references]),
         values=values,
@@ -90,6 +97,26 @@ def posture_data(
         sensor_mass_kg=sensor_mass_kg,
         one_direction=len(frf.references) == 1,
     )
+
+
+def _to_sensor_axes(
+    frf: FrequencyResponse, order: npt.NDArray[np.int64], rotation: Array
+) -> Array | None:
+    """Rotations (n_mountings, 3, 3) from the measured axes to the sensors'; None if the same.
+
+    Imported FRFs may lie along the axes of base or link instead of the sensor's.
+    """
+    directions = np.array([[frf.responses[i].direction for i in row] for row in order])
+    turn: Array = np.einsum("mji,mkj->mik", rotation, directions)
+    unit = np.eye(3)
+    if np.allclose(turn, unit, atol=1e-9):
+        return None
+    if not np.allclose(turn @ turn.transpose(0, 2, 1), unit, atol=1e-6):
+        raise EstimateError(
+            f"posture '{frf.posture}': wanted three perpendicular responses at each point, got "
+            "others; measure x, y and z"
+        )
+    return turn
 
 
 def predict(superset: Superset, data: PostureData, state: FitState, posture: int) -> ComplexArray:

@@ -18,7 +18,7 @@ import scipy.optimize
 from analyzer.arm.reduced import ReducedModel, reduce_model
 from analyzer.arm.structure import Structure
 from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.modal import Mode
+from analyzer.modal import ModalModel, Mode
 from protocols.frf_records import Dof
 
 __all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape", "shape_at"]
@@ -27,7 +27,13 @@ Array = npt.NDArray[np.float64]
 
 
 class MeasuredModes:
-    """Modes of a posture with the rows of the model that belong to their shapes."""
+    """Modes of a posture with the rows of the model that belong to their shapes.
+
+    Parameters
+    ----------
+    shapes
+        (n_dofs, n_modes) of the modes along `dofs`; their own at the responses when omitted.
+    """
 
     def __init__(
         self,
@@ -35,22 +41,35 @@ class MeasuredModes:
         dynamics: PostureDynamics,
         modes: tuple[Mode, ...],
         dofs: tuple[Dof, ...],
+        shapes: npt.NDArray[np.complex128] | None = None,
     ) -> None:
         self.dynamics = dynamics
         self.modes = modes
+        if shapes is None:
+            shapes = np.zeros((len(dofs), len(modes)), dtype=np.complex128)
+            for column, mode in enumerate(modes):
+                shapes[:, column] = mode.shape
+        self.shapes = shapes
         self.index = np.array([superset.point_index[dof.point] for dof in dofs])
         self.directions = np.array([dof.direction for dof in dofs])
 
-    def rows(self, jacobian: Array) -> Array:
-        """Return (n_resp, n) motion along the measured directions for each freedom."""
-        return np.asarray(np.einsum("ri,rin->rn", self.directions, jacobian[self.index][:, :3]))
+    @classmethod
+    def of(cls, superset: Superset, dynamics: PostureDynamics, model: ModalModel) -> MeasuredModes:
+        """Take the shapes where they were measured at more points.
 
-    def shapes(self) -> npt.NDArray[np.complex128]:
-        """Return (n_resp, n_modes) measured shapes."""
-        shapes = np.zeros((len(self.index), len(self.modes)), dtype=np.complex128)
-        for column, mode in enumerate(self.modes):
-            shapes[:, column] = mode.shape
-        return shapes
+        With a roving hammer that is where it hit: by reciprocity a mode's participation is its
+        shape along the hits.
+        """
+        hits = {dof.point for dof in model.references}
+        roving_hammer = len(hits) > len({dof.point for dof in model.responses})
+        if not roving_hammer or not model.modes:
+            return cls(superset, dynamics, model.modes, model.responses)
+        shapes = np.stack([mode.participation for mode in model.modes], axis=1)
+        return cls(superset, dynamics, model.modes, model.references, shapes)
+
+    def rows(self, jacobian: Array) -> Array:
+        """Return (n_dofs, n) motion along the measured directions for each freedom."""
+        return np.asarray(np.einsum("ri,rin->rn", self.directions, jacobian[self.index][:, :3]))
 
 
 def pair_by_shape(measured: npt.ArrayLike, model: npt.ArrayLike) -> list[tuple[int, int, float]]:
@@ -89,7 +108,7 @@ def fit_to_frequencies(
             model = reduce_model(superset, posture.dynamics, _with_stiffness(structure, log_k))
             squares, vectors = scipy.linalg.eigh(model.stiffness, model.mass)
             share = np.exp(log_k)[:, None] * vectors**2 / squares
-            for i, j, mac in pair_by_shape(posture.shapes(), shape_at(posture, model, vectors)):
+            for i, j, mac in pair_by_shape(posture.shapes, shape_at(posture, model, vectors)):
                 weight = mac**2 / 0.02  # a pair of equal shape: one per cent of f
                 target = np.log((2 * np.pi * posture.modes[i].f_hz) ** 2 / squares[j])
                 rows.append(weight * share[None, :, j])

@@ -1,8 +1,10 @@
 """What the tolerance of the inertias and encoders does to the fitted parameters.
 
 The fit cannot see that a link is heavier than believed: k is proportional to inertia. Each
-uncertain quantity is moved by one standard deviation, and the fit answers by one Gauss-Newton
-step, dθ = -H⁻¹ Jᵀ W dy; the steps of independent quantities add as variances.
+uncertain quantity p is moved a little, and the fit answers by one Gauss-Newton step,
+dθ = -H⁻¹ Jᵀ W dy; the steps of independent quantities, dθ/dp times the standard deviation of p, add
+as variances. The move is small because FRFs are sharp: a link heavier by its whole tolerance shifts
+a resonance by as much as its width, where one step no longer tells what a fit would find.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from protocols.arm.records import Arm, InertialLink
 __all__ = ["model_error_std"]
 
 Array = npt.NDArray[np.float64]
+
+STEP = 1e-5  # of a standard deviation; rounding then costs 1e-7 of the answer
 
 
 def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: FrfFit) -> Array:
@@ -42,16 +46,17 @@ def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: 
             moved = replace(data, dynamics=other.posture(data.dynamics.joints_rad + angles))
             y = predict(other, moved, fit.state, i)
             gradient -= (weighted_J[i] @ (y.ravel() - base[i])).real
-        variance += np.linalg.solve(H, gradient) ** 2
+        variance += (np.linalg.solve(H, gradient) / STEP) ** 2
     return np.sqrt(variance)
 
 
 def _perturbations(arm: Arm) -> Iterator[tuple[Arm, Array]]:
+    """Arms and encoder offsets, each with one quantity off by `STEP` standard deviations."""
     tolerances = arm.tolerances
     still = np.zeros(len(arm.joints))
     for i, joint in enumerate(arm.joints):
         link = joint.link
-        heavier = 1.0 + tolerances.mass
+        heavier = 1.0 + STEP * tolerances.mass
         changes = [
             replace(
                 link,
@@ -60,16 +65,17 @@ def _perturbations(arm: Arm) -> Iterator[tuple[Arm, Array]]:
             )
         ]
         changes += [
-            replace(link, center_m=link.center_m + tolerances.center_m * side) for side in np.eye(3)
+            replace(link, center_m=link.center_m + STEP * tolerances.center_m * side)
+            for side in np.eye(3)
         ]
-        changes += list(_principal(link, tolerances.inertia))
+        changes += list(_principal(link, STEP * tolerances.inertia))
         for changed in changes:
             joints = list(arm.joints)
             joints[i] = replace(joint, link=changed)
             yield replace(arm, joints=tuple(joints)), still
     for i in range(len(arm.joints)):
         angles = still.copy()
-        angles[i] = tolerances.encoder_offset_rad
+        angles[i] = STEP * tolerances.encoder_offset_rad
         yield arm, angles
 
 

@@ -46,7 +46,8 @@ class JointResult:
 class MozziOfMode:
     """The Mozzi axis of a structural mode, and k of file 000, Eq. (1), with their bias.
 
-    The bias is what the fitted model predicts for the same computation on its own mode.
+    The bias is what the fitted model predicts for the same computation on its own mode. Its
+    distance is perpendicular, from the point of the fitted axis nearest the next joint's origin.
     """
 
     posture: str

@@ -193,7 +193,8 @@ class ArmFile(FileModel):
     gravity_m_s2: Annotated[
         list[Annotated[float, Field(ge=-100.0, le=100.0)]], Field(min_length=3, max_length=3)
     ] = Field(default=[0.0, 0.0, -9.80665])
-    joints: Annotated[list[JointTable], Field(min_length=1, max_length=32)]
+    # No joints: a plain structure, all of whose points are on its base.
+    joints: Annotated[list[JointTable], Field(max_length=32)]
     points: Annotated[list[PointTable], Field(min_length=1, max_length=1000)]
     groups: Annotated[
         dict[Name, Annotated[list[str], Field(min_length=1)]], Field(max_length=100)

@@ -29,7 +29,7 @@ from protocols.session.hdf5_header import (
 from protocols.session.hdf5_hits import read_hits, read_losses, write_hits, write_losses
 from protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts, open_tree
 from protocols.session.journal_payloads import hit_model, loss_model
-from protocols.session.membership import check_membership
+from protocols.session.membership import check_frf_membership, check_membership
 from protocols.session.records import Session
 
 __all__ = [
@@ -62,7 +62,8 @@ def write_session(
     path
         Where the file shall be. The temporary file lies in the same folder.
     frfs
-        FRF matrices to store with it, one a posture.
+        FRF matrices derived from its hits, one a posture, to store with it. Those the session
+        was given instead of hits are stored in any case.
     provenance
         What the session was derived from; without it, the software of the session itself and
         no journal.
@@ -133,8 +134,10 @@ def _check(session: Session, frfs: Sequence[FrequencyResponse], target: Path) ->
             previous = hit
         for loss in session.losses:
             loss_model(loss)
-        for frf in frfs:
+        for frf in (*session.frfs, *frfs):
             check_frf(frf)
+        for frf in session.frfs:
+            check_frf_membership(frf, session)
     except ArmodalError as error:
         raise SessionError(f"{target} is not written: {error}") from error
 
@@ -154,9 +157,9 @@ def _write(
         add_texts(entry, "warnings", session.warnings)
         write_hits(entry, session.header, session.hits)
         write_losses(entry, session.losses)
-        write_frf_groups(entry, frfs)
+        write_frf_groups(entry, frfs, session.frfs)
         write_provenance(entry, provenance)
-        if frfs:
+        if frfs or session.frfs:
             entry.attrs["default"] = frf_name(0)
         elif session.hits:
             entry.attrs["default"] = "first_hit"
@@ -170,7 +173,7 @@ def _verify(
         entry = _entry(root)
         difference = (
             first_difference(_read_entry(entry), session, "session")
-            or first_difference(read_frf_groups(entry), tuple(frfs), "frfs")
+            or first_difference(read_frf_groups(entry), (*session.frfs, *frfs), "frfs")
             or first_difference(read_provenance_group(entry), provenance, "provenance")
         )
     if difference is not None:
@@ -195,13 +198,20 @@ def _entry(root: Tree) -> Tree:
 
 def _read_entry(entry: Tree) -> Session:
     header = read_header(entry)
-    return Session(
+    session = Session(
         header=header,
         hits=read_hits(entry, header),
         losses=read_losses(entry),
         complete=bool(entry.flags("complete", ())),
         warnings=entry.texts("warnings"),
+        frfs=read_frf_groups(entry, given_only=True),
     )
+    for frf in session.frfs:
+        try:
+            check_frf_membership(frf, session)
+        except SessionError as error:
+            entry.refuse("frf_count", "FRFs that belong to the session", str(error))
+    return session
 
 
 def _sync(path: Path) -> None:

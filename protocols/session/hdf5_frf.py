@@ -15,7 +15,10 @@ from protocols.errors import SessionError
 from protocols.frf_records import Dof, FrequencyResponse, FrfForm
 from protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts
 
-__all__ = ["check_frf", "frf_name", "read_frf_groups", "write_frf_groups"]
+__all__ = ["GIVEN", "check_frf", "frf_name", "read_frf_groups", "write_frf_groups"]
+
+GIVEN = "given"  # origin of an FRF matrix that came without hits
+DERIVED = "hits"
 
 UNITS = {
     FrfForm.RECEPTANCE: "m/N",
@@ -35,8 +38,11 @@ def frf_name(index: int) -> str:
     return f"frf_{index + 1:03d}"
 
 
-def write_frf_groups(entry: h5py.Group, frfs: Sequence[FrequencyResponse]) -> None:
-    """Write `frf_count` and one NXdata a posture."""
+def write_frf_groups(
+    entry: h5py.Group, derived: Sequence[FrequencyResponse], given: Sequence[FrequencyResponse]
+) -> None:
+    """Write `frf_count` and one NXdata a posture, those without hits first."""
+    frfs = [*given, *derived]
     add_array(entry, "frf_count", np.array(len(frfs), dtype=np.int64))
     for index, frf in enumerate(frfs):
         unit = UNITS[frf.form]
@@ -51,6 +57,7 @@ def write_frf_groups(entry: h5py.Group, frfs: Sequence[FrequencyResponse]) -> No
         add_text(group, "title", f"{frf.form} at {frf.posture}, magnitude")
         add_text(group, "posture", frf.posture)
         add_text(group, "form", frf.form)
+        add_text(group, "origin", GIVEN if index < len(given) else DERIVED)
         name = f"{frf.form} ({unit})"
         spectrum = {"interpretation": "spectrum"}
         add_array(group, "magnitude", np.abs(frf.values), units=unit, long_name=name, **spectrum)
@@ -67,10 +74,23 @@ def write_frf_groups(entry: h5py.Group, frfs: Sequence[FrequencyResponse]) -> No
         _write_dofs(add_group(group, "references", "NXcollection"), frf.references)
 
 
-def read_frf_groups(entry: Tree) -> tuple[FrequencyResponse, ...]:
-    """Read every FRF matrix of the file."""
+def read_frf_groups(entry: Tree, *, given_only: bool = False) -> tuple[FrequencyResponse, ...]:
+    """Read every FRF matrix of the file, or only those that came without hits."""
     count = entry.integer("frf_count", 0, MAX_FRFS)
-    return tuple(_read_frf(entry, frf_name(index)) for index in range(count))
+    names = [frf_name(index) for index in range(count)]
+    if given_only:
+        names = [name for name in names if _origin(entry, name) == GIVEN]
+    return tuple(_read_frf(entry, name) for name in names)
+
+
+def _origin(entry: Tree, name: str) -> str:
+    group = entry.group(name)
+    if not group.has("origin"):  # optional: a file without it derived all from hits
+        return DERIVED
+    origin = group.text("origin", limit=64)
+    if origin not in {GIVEN, DERIVED}:
+        group.refuse("origin", f"{GIVEN!r} or {DERIVED!r}", repr(origin))
+    return origin
 
 
 def check_frf(frf: FrequencyResponse) -> None:

@@ -1,11 +1,12 @@
-"""Whether a hit belongs to the session it is found in."""
+"""Whether a hit, or an FRF matrix given instead of hits, belongs to its session."""
 
 from __future__ import annotations
 
-from protocols.errors import JournalError
-from protocols.session.records import Hit, SessionHeader
+from protocols.errors import JournalError, SessionError
+from protocols.frf_records import FrequencyResponse
+from protocols.session.records import Hit, Session, SessionHeader
 
-__all__ = ["check_membership"]
+__all__ = ["check_frf_membership", "check_membership"]
 
 
 def check_membership(hit: Hit, header: SessionHeader, previous: Hit | None) -> None:
@@ -29,3 +30,23 @@ def check_membership(hit: Hit, header: SessionHeader, previous: Hit | None) -> N
             raise JournalError(
                 f"{what}: the arm has {len(header.arm.joints)} joints, {len(joints)} angles came"
             )
+
+
+def check_frf_membership(frf: FrequencyResponse, session: Session) -> None:
+    """Raise SessionError unless given FRFs fit plan and arm and stand in for hits."""
+    what = f"FRFs of {frf.posture!r}"
+    arm, plan = session.header.arm, session.header.plan
+    if all(posture.name != frf.posture for posture in plan.postures):
+        raise SessionError(f"{what}: the plan has no such posture")
+    if sum(other.posture == frf.posture for other in session.frfs) > 1:
+        raise SessionError(f"{what}: one FRF matrix a posture was wanted, several came")
+    if any(hit.posture == frf.posture for hit in session.hits):
+        raise SessionError(f"{what}: FRFs were given for a posture that has hits")
+    known = {point.id for point in arm.points}
+    for dof in (*frf.responses, *frf.references):
+        if dof.point not in known:
+            raise SessionError(f"{what}: the arm has no point {dof.point!r}")
+    if frf.joints_rad is not None and len(frf.joints_rad) != len(arm.joints):
+        raise SessionError(
+            f"{what}: the arm has {len(arm.joints)} joints, {len(frf.joints_rad)} angles came"
+        )

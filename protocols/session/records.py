@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from protocols.arm.records import Arm
 from protocols.board.records import BoardDictionary
+from protocols.frf_records import FrequencyResponse
 from protocols.plan_records import Plan
 
 __all__ = ["Hit", "JointReading", "Loss", "Session", "SessionHeader", "Verdict"]
@@ -89,13 +90,18 @@ class SessionHeader:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Session:
-    """A whole session in memory."""
+    """A whole session in memory.
+
+    `frfs` are FRF matrices that were given instead of hits, one a posture: averaged elsewhere
+    and imported. A posture has either hits or such an FRF matrix.
+    """
 
     header: SessionHeader
     hits: tuple[Hit, ...]
     losses: tuple[Loss, ...]
     complete: bool  # every planned point has its accepted hits
     warnings: tuple[str, ...] = field(default=())
+    frfs: tuple[FrequencyResponse, ...] = field(default=())
 
     def accepted(self, posture: str | None = None) -> tuple[Hit, ...]:
         """Return the accepted hits, of one posture or of all."""

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,7 +78,7 @@ def channels(fakes):
 def judge(channels, plan):
     sampling = Sampling(rate_hz=plan.sampling.rate_hz, samples=N, pretrigger=PRETRIGGER)
     trigger = Trigger(level_n=LEVEL_N, rising=True)
-    return lambda block: judge_record(block, channels, sampling, trigger)
+    return lambda block, **settings: judge_record(block, channels, sampling, trigger, **settings)
 
 
 @pytest.mark.parametrize("kind", FILTERS)
@@ -171,6 +172,61 @@ def test_a_block_with_a_hole_is_rejected_and_an_empty_one_too(judge):
             )
         )
         assert verdict.reasons == ("gap",)
+
+
+def test_a_hit_that_hardly_rises_from_the_noise_is_rejected_for_it(judge):
+    rng = np.random.default_rng(13)
+    force = filtered_force([(0.1, 4e-3, 40.0)]) + rng.normal(0.0, 5.0, N)
+    verdict = judge(block_of(force, rng))
+    assert "noise" in verdict.reasons
+
+
+def test_noise_that_may_hide_a_second_hit_is_noted(judge):
+    rng = np.random.default_rng(14)
+    force = filtered_force([(0.1, 4e-3, 40.0)]) + rng.normal(0.0, 1.8, N)
+    # Six deviations of smoothed noise are 6 x 1.8 N x sqrt(70)/16 = 5.6 N of 40.
+    verdict = judge(block_of(force, rng))
+    assert verdict.accepted
+    assert any("lost in the noise" in note for note in verdict.notes)
+
+
+@pytest.mark.parametrize(("kept", "word"), [(slice(105, None), "before"), (slice(0, 104), "after")])
+def test_a_pulse_that_the_record_cuts_is_named(judge, kept, word):
+    block = block_of(filtered_force([(0.1, 8e-3, 150.0)]), np.random.default_rng(15))
+    cut = replace(block, counts=block.counts[kept], first_sample=1000 + (kept.start or 0))
+    verdict = judge(cut)
+    assert "cut-off" in verdict.reasons
+    assert any(word in note for note in verdict.notes)
+
+
+def test_a_hammer_that_does_not_let_go_bounces(judge):
+    force = filtered_force([(0.1, 8e-3, 150.0), (0.106, 8e-3, 100.0)])
+    verdict = judge(block_of(force, np.random.default_rng(16)))
+    assert verdict.reasons == ("bounce",)
+
+
+def test_ringing_at_the_end_warns_unless_the_window_takes_it(judge):
+    block = block_of(filtered_force([(0.1, 3e-3, 150.0)]), np.random.default_rng(17))
+    t = (np.arange(N) - PRETRIGGER) / RATE_HZ
+    long = np.where(t > 0.0, 3.0 * np.exp(-0.5 * t) * np.sin(2 * np.pi * 12.0 * t), 0.0)
+    counts = block.counts.copy()
+    counts[:, 1] = np.round(long / 1e-5)
+    ringing = replace(block, counts=counts)
+    # exp(-0.5 * 1.18 s) = 0.55 of the peak is left; a window to 0.03 leaves 1.7 %.
+    verdict = judge(ringing)
+    assert verdict.accepted
+    assert any("still ringing" in note and "acc_x" in note for note in verdict.notes)
+    assert judge(ringing, exponential_end=0.03).notes == ()
+
+
+def test_a_response_of_mere_noise_is_noted(judge):
+    rng = np.random.default_rng(18)
+    block = block_of(filtered_force([(0.1, 3e-3, 150.0)]), rng)
+    counts = block.counts.copy()
+    counts[:, 2] = np.round(rng.normal(0.0, 300.0, N))
+    verdict = judge(replace(block, counts=counts))
+    assert verdict.accepted
+    assert verdict.notes == ("no more than noise after the hit: acc_y",)
 
 
 def test_a_verdict_takes_a_few_milliseconds(judge):

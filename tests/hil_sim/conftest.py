@@ -115,3 +115,11 @@ def start_known_laboratory(tmp_path):
         line.close()
     for laboratory in started:
         laboratory.close()
+
+
+@pytest.fixture(scope="module")
+def shared_bench():
+    """A bench for properties: what one example leaves behind, the next must bear."""
+    made = Bench()
+    yield made
+    made.close()

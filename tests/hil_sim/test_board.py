@@ -1,11 +1,14 @@
 import itertools
 import os
 import select
+import struct
+import zlib
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
+from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_laboratory import PEAK_COUNTS, ramp
@@ -233,6 +236,36 @@ def test_a_malformed_payload_is_a_bad_value(bench):
     assert code(bench.host.ask(FrameType.CONFIGURE, b"\x01\x02")) is ReplyCode.BAD_VALUE
 
 
+def test_an_unknown_command_is_answered_and_so_is_a_hello_of_another_version(bench):
+    connect(bench)
+    body = struct.pack("<BBHIIHHQQ", 1, 0x42, 0, bench.host.session, 0, 0, 5, 0, 0)
+    sealed = cobs.encode(body + zlib.crc32(body).to_bytes(4, "little"))
+    bench.host.write(b"\x00" + sealed + b"\x00")
+    # The Python decoder knows no reply of this type and says so.
+    bench.host.until(lambda: "0xc2" in bench.host.decoder.last_error)
+    hello_2 = struct.pack("<BBHIIHHQQ", 2, FrameType.HELLO, 0, 0, 0, 0, 6, 0, 0)
+    sealed = cobs.encode(hello_2 + zlib.crc32(hello_2).to_bytes(4, "little"))
+    bench.host.write(b"\x00" + sealed + b"\x00")
+    bench.host.until(lambda: hello(bench, 6) is not None)
+
+
+def test_what_goes_wrong_in_the_converter_is_not_lost_in_c(bench, monkeypatch):
+    connect(bench)
+    configure(bench)
+    # The source is unknown until the converter starts: making it fails.
+    monkeypatch.setattr(bench.cell, "_make_source", lambda rate_hz: 1 / 0)
+    bench.host.send(FrameType.START)
+    with pytest.raises(ZeroDivisionError):
+        bench.board.step()
+
+
+def test_a_dictionary_with_other_channels_is_refused(bench):
+    fewer = replace(bench.firmware.dictionary, channels=bench.firmware.dictionary.channels[:2])
+    with pytest.raises(ValueError, match="as many channels"):
+        bench.firmware.set_dictionary(fewer)
+    assert len(connect(bench).channels) == 4
+
+
 @given(garbage=st.binary(max_size=300))
 def test_the_board_answers_after_any_garbage(shared_bench, garbage):
     shared_bench.host.write(garbage)
@@ -240,15 +273,6 @@ def test_the_board_answers_after_any_garbage(shared_bench, garbage):
     # The zero ends whatever stretch the garbage began.
     shared_bench.host.write(b"\x00")
     connect(shared_bench)
-
-
-@pytest.fixture(scope="module")
-def shared_bench():
-    from conftest import Bench  # noqa: PLC0415
-
-    made = Bench()
-    yield made
-    made.close()
 
 
 def test_sequence_numbers_have_no_gap(bench):

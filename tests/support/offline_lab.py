@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from analyzer.arm.superset import Superset
 from hil_sim.board_dictionary import board_dictionary
 from hil_sim.hand import blow
 from hil_sim.plant import load_plant
@@ -11,14 +12,17 @@ from hil_sim.source import SensorSource
 from protocols.arm.files import load_arm
 from protocols.board.messages import encode_dictionary
 from protocols.plan import load_plan
+from protocols.plan_records import Mode
 from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 SETTLE = 200  # samples before the block, so that filters and noise are running
 
 
-def simulate_session(seed, *, plan="rv4frl-three-postures", plant=None, hits_per_point=None):
+def simulate_session(
+    seed, *, plan="rv4frl-three-postures", plant=None, arm=None, hits_per_point=None
+):
     """Every planned point measured with good hits; encoders as good as a millidegree."""
-    arm = load_arm("rv4frl")
+    arm = arm or load_arm("rv4frl")
     plan = load_plan(plan, arm)
     plant = plant or load_plant("rv4frl")
     streams = np.random.default_rng(seed).spawn(3)
@@ -29,10 +33,20 @@ def simulate_session(seed, *, plan="rv4frl-three-postures", plant=None, hits_per
     hits = []
     for posture in plan.postures:
         source.set_posture(posture.joints_rad)
+        normals = Superset(arm).posture(posture.joints_rad).point_rotation[:, :, 2]
         for point in posture.points:
-            source.mount(point)
+            roving_hammer = plan.mode is Mode.ROVING_HAMMER
+            sensor, hit = (plan.fixed_point, point) if roving_hammer else (point, plan.fixed_point)
+            source.mount(sensor)
+            # Without a planned direction the hammer goes along minus the surface's normal.
+            planned = posture.hit_direction
+            normal = normals[[p.id for p in arm.points].index(hit)]
+            direction = -normal if planned is None else planned
             for _ in range(hits_per_point or plan.hits_per_point):
-                hits.append(one_hit(source, plan, posture, point, good, streams, len(hits) + 1))
+                number = len(hits) + 1
+                hits.append(
+                    one_hit(source, plan, posture, (sensor, hit, direction), good, streams, number)
+                )
     dictionary = board_dictionary(plant.truth, tick_hz=1_000_000)
     header = SessionHeader(
         session_id="0" * 32,
@@ -48,16 +62,19 @@ def simulate_session(seed, *, plan="rv4frl-three-postures", plant=None, hits_per
     return Session(header=header, hits=tuple(hits), losses=(), complete=True)
 
 
-def one_hit(source, plan, posture, point, hand, streams, number):
+def one_hit(source, plan, posture, where, hand, streams, number):
+    sensor, hit, direction = where
     _, swings, encoders = streams
     delay = 20
     at = SETTLE + plan.sampling.pretrigger - delay + swings.uniform()
     begin = source._next
-    source.strike(begin + at, blow(hand, swings, plan.fixed_point, posture.hit_direction))
+    source.strike(begin + at, blow(hand, swings, hit, direction))
     source.read(SETTLE)
     counts = source.read(plan.sampling.samples)
     source.read(9000)  # rung out
-    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(6)
+    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(
+        len(posture.joints_rad)
+    )
     reading = JointReading(
         joints_rad=angles, drive_state=2, held=True, age_s=0.004, host_s=float(number)
     )
@@ -65,9 +82,9 @@ def one_hit(source, plan, posture, point, hand, streams, number):
     return Hit(
         number=number,
         posture=posture.name,
-        sensor_point=point,
-        hit_point=plan.fixed_point,
-        hit_direction=posture.hit_direction,
+        sensor_point=sensor,
+        hit_point=hit,
+        hit_direction=direction,
         first_sample=begin + SETTLE,
         trigger_sample=begin + SETTLE + plan.sampling.pretrigger,
         trigger_host_s=float(number),

@@ -73,8 +73,7 @@ static ab_code stop(ab_board *board)
 
 static ab_code refuse_block(const char *before, uint32_t id, const char *after, ab_text *reason)
 {
-    ab_text_add(reason, before);
-    ab_text_number(reason, id);
+    ab_text_say(reason, before, id);
     ab_text_add(reason, after);
     return AB_UNKNOWN_BLOCK;
 }
@@ -88,11 +87,9 @@ static ab_code resend(ab_board *board, const uint8_t *payload, size_t n, ab_text
     if (ab_find_block(board, range.block_id) == NULL)
         return refuse_block("block ", range.block_id, " is not held", reason);
     if ((uint64_t)range.first + range.count > board->wanted.block_length) {
-        ab_text_number(reason, range.count);
-        ab_text_add(reason, " samples from ");
-        ab_text_number(reason, range.first);
-        ab_text_add(reason, " wanted of a block of ");
-        ab_text_number(reason, board->wanted.block_length);
+        ab_text_say(reason, "", range.count);
+        ab_text_say(reason, " samples from ", range.first);
+        ab_text_say(reason, " wanted of a block of ", board->wanted.block_length);
         return AB_BAD_VALUE;
     }
     if (board->n_resend == AB_RESEND_QUEUE) {

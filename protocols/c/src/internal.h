@@ -27,7 +27,8 @@ typedef struct {
 
 ab_text ab_text_begin(char *buffer, size_t size);
 void ab_text_add(ab_text *text, const char *words);
-void ab_text_number(ab_text *text, uint64_t value);
+/* Words and a number after them. */
+void ab_text_say(ab_text *text, const char *words, uint64_t value);
 void ab_text_signed(ab_text *text, int32_t value);
 void ab_text_hex(ab_text *text, uint32_t value);
 

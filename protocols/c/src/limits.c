@@ -32,11 +32,9 @@ static ab_code bad_value(const ab_configuration *wanted, uint8_t n_channels, ab_
     if (mask == 0 || (n_channels < 32 && mask >> n_channels != 0)) {
         ab_text_add(reason, "channel mask ");
         ab_text_hex(reason, mask);
-        ab_text_add(reason, " must name some of the channels and no other; there are ");
-        ab_text_number(reason, n_channels);
+        ab_text_say(reason, " must name some of the channels and no other; there are ", n_channels);
     } else if (wanted->trigger_channel >= n_channels || !(mask >> wanted->trigger_channel & 1)) {
-        ab_text_add(reason, "trigger channel ");
-        ab_text_number(reason, wanted->trigger_channel);
+        ab_text_say(reason, "trigger channel ", wanted->trigger_channel);
         ab_text_add(reason, " is not in channel mask ");
         ab_text_hex(reason, mask);
     } else if (level < -LARGEST_COUNT || level > LARGEST_COUNT) {
@@ -44,10 +42,8 @@ static ab_code bad_value(const ab_configuration *wanted, uint8_t n_channels, ab_
         ab_text_signed(reason, level);
         ab_text_add(reason, " counts is outside -8388607...8388607");
     } else if (wanted->pretrigger >= wanted->block_length) {
-        ab_text_add(reason, "pre-trigger ");
-        ab_text_number(reason, wanted->pretrigger);
-        ab_text_add(reason, " must be shorter than the block of ");
-        ab_text_number(reason, wanted->block_length);
+        ab_text_say(reason, "pre-trigger ", wanted->pretrigger);
+        ab_text_say(reason, " must be shorter than the block of ", wanted->block_length);
         ab_text_add(reason, " samples");
     } else {
         return AB_OK;
@@ -66,13 +62,10 @@ ab_code ab_refusal(const ab_configuration *wanted, const ab_dictionary_head *hea
         return AB_BAD_VALUE;
     bytes = (uint64_t)wanted->block_length * (3u * columns);
     if (bytes > head->block_capacity) {
-        ab_text_number(reason, wanted->block_length);
-        ab_text_add(reason, " samples x ");
-        ab_text_number(reason, columns);
-        ab_text_add(reason, " channels x 3 B = ");
-        ab_text_number(reason, bytes);
-        ab_text_add(reason, " B, block buffer ");
-        ab_text_number(reason, head->block_capacity);
+        ab_text_say(reason, "", wanted->block_length);
+        ab_text_say(reason, " samples x ", columns);
+        ab_text_say(reason, " channels x 3 B = ", bytes);
+        ab_text_say(reason, " B, block buffer ", head->block_capacity);
         ab_text_add(reason, " B");
         return AB_CAPACITY;
     }
@@ -81,10 +74,9 @@ ab_code ab_refusal(const ab_configuration *wanted, const ab_dictionary_head *hea
     frame = AB_WIRE_BYTES(4u + 3u * columns * n);
     per_numerator = wanted->rate_numerator * frame;
     if (wanted->stream && (per_numerator - 1) / ((uint64_t)wanted->rate_denominator * n) >= link) {
-        ab_text_add(reason, "stream takes ");
-        ab_text_number(reason, per_numerator / ((uint64_t)wanted->rate_denominator * n));
-        ab_text_add(reason, " B/s, link ");
-        ab_text_number(reason, link);
+        ab_text_say(reason, "stream takes ",
+                    per_numerator / ((uint64_t)wanted->rate_denominator * n));
+        ab_text_say(reason, " B/s, link ", link);
         ab_text_add(reason, " B/s");
         return AB_LINK;
     }
@@ -92,10 +84,8 @@ ab_code ab_refusal(const ab_configuration *wanted, const ab_dictionary_head *hea
     wire = (uint64_t)(wanted->block_length / n) * AB_WIRE_BYTES(8u + 3u * columns * n);
     wire += left == 0 ? 0 : AB_WIRE_BYTES(8u + 3u * columns * left);
     if (wire > (uint64_t)TRANSFER_LIMIT_S * link) {
-        ab_text_add(reason, "block takes ");
-        ab_text_number(reason, wire);
-        ab_text_add(reason, " B on the wire, link ");
-        ab_text_number(reason, link);
+        ab_text_say(reason, "block takes ", wire);
+        ab_text_say(reason, " B on the wire, link ", link);
         ab_text_add(reason, " B/s: longer than 10 s");
         return AB_LINK;
     }

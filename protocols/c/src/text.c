@@ -15,11 +15,12 @@ void ab_text_add(ab_text *text, const char *words)
     *text->at = '\0';
 }
 
-void ab_text_number(ab_text *text, uint64_t value)
+void ab_text_say(ab_text *text, const char *words, uint64_t value)
 {
     char digits[21];
     char *at = digits + sizeof digits - 1;
 
+    ab_text_add(text, words);
     *at = '\0';
     do {
         *--at = (char)('0' + (int)(value % 10));
@@ -30,9 +31,7 @@ void ab_text_number(ab_text *text, uint64_t value)
 
 void ab_text_signed(ab_text *text, int32_t value)
 {
-    if (value < 0)
-        ab_text_add(text, "-");
-    ab_text_number(text, value < 0 ? 0u - (uint32_t)value : (uint32_t)value);
+    ab_text_say(text, value < 0 ? "-" : "", value < 0 ? 0u - (uint32_t)value : (uint32_t)value);
 }
 
 void ab_text_hex(ab_text *text, uint32_t value)

@@ -151,16 +151,48 @@ def test_rows_are_arranged_by_mounting_and_sensor_axis(superset):
     assert data.one_direction
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"joints_rad": None}, "no measured joint angles"),
-        ({"form": FrfForm.MOBILITY}, "wanted accelerance"),
-    ],
-)
-def test_frfs_that_no_model_can_be_set_beside_are_refused(superset, changes, said):
-    with pytest.raises(EstimateError, match=said):
-        posture_data(superset, response(superset, **changes), sensor_mass_kg=0.01)
+def test_frfs_without_joint_angles_are_refused(superset):
+    with pytest.raises(EstimateError, match="no measured joint angles"):
+        posture_data(superset, response(superset, joints_rad=None), sensor_mass_kg=0.01)
+
+
+@pytest.mark.parametrize(("form", "power"), [(FrfForm.MOBILITY, 1), (FrfForm.RECEPTANCE, 2)])
+def test_other_forms_are_brought_to_accelerance_on_their_own_line(superset, form, power):
+    frf = response(superset)
+    s = frf.decay_rad_s + 2j * np.pi * frf.freq_hz
+    other = replace(
+        frf,
+        form=form,
+        values=frf.values / s**power,
+        variance=frf.variance / np.abs(s) ** (2 * power),
+    )
+    one, two = (posture_data(superset, x, sensor_mass_kg=0.01) for x in (frf, other))
+    # machine epsilon of a product and a quotient
+    np.testing.assert_allclose(two.values, one.values, rtol=1e-14)
+    np.testing.assert_allclose(two.variance, one.variance, rtol=1e-14)
+
+
+def test_responses_along_the_axes_of_the_base_are_turned_into_the_sensor_s(superset):
+    frf = response(superset)
+    D = np.array([dof.direction for dof in frf.responses])  # rows: sensor axes z, x, y in base
+    in_base = replace(
+        frf,
+        values=np.einsum("kb,krl->brl", D, frf.values),
+        responses=tuple(Dof(point="5", label="xyz"[i], direction=np.eye(3)[i]) for i in range(3)),
+    )
+    one, two = (posture_data(superset, x, sensor_mass_kg=0.01) for x in (frf, in_base))
+    np.testing.assert_allclose(two.values, one.values, atol=1e-14 * np.abs(one.values).max())
+
+
+def test_responses_that_are_not_perpendicular_are_refused(superset):
+    frf = response(superset)
+    skewed = replace(frf.responses[0], direction=frf.responses[1].direction)
+    with pytest.raises(EstimateError, match="perpendicular"):
+        posture_data(
+            superset,
+            replace(frf, responses=(skewed, *frf.responses[1:])),
+            sensor_mass_kg=0.01,
+        )
 
 
 def test_a_missing_sensor_axis_is_named(superset):

@@ -139,7 +139,7 @@ def test_the_axis_takes_part(superset):
 def test_a_posture_without_modes_says_nothing(superset):
     truth = undamped(true_structure())
     empty = MeasuredModes(superset, superset.posture(POSTURES[1]), (), ())
-    assert empty.shapes().shape == (0, 0)
+    assert empty.shapes.shape == (0, 0)
     measured = made_modes(superset, POSTURES[0], truth)
     silent = MeasuredModes(superset, measured.dynamics, (), dofs(superset, measured))
     guess = guessed(truth, [0.8, 1.2, 0.8])

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from device import C, Device, dictionary_of
+from c_device import C, Device, dictionary_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -136,6 +136,24 @@ def test_a_buffer_freed_while_all_were_held_takes_a_block_once_its_pretrigger_is
     device.poll()
     infos = [info for info, _ in blocks_of(device)]
     assert [(info.block_id, info.trigger_sample) for info in infos] == [(1, 3), (2, 22)]
+
+
+def test_after_a_missed_trigger_crossings_count_again_once_its_block_would_have_ended():
+    device = Device(dictionary_of(block_capacity=6 * 4))  # one block of four samples
+    device.run(wanted(1, 4, 1))
+    # Blocks from 1 (held), from 5 (missed, until 8) and from 8 (missed).
+    device.feed([[value, 0] for value in (0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0)])
+    assert device.status().triggers_missed == 2
+
+
+def test_no_sample_is_compared_with_one_before_a_jump():
+    device = Device()
+    device.run(wanted(0, 3, 1))
+    device.feed([[0, 0]])
+    C.ab_lost(device.board, 5)
+    device.feed([[1, 0], [0, 0], [1, 0], [0, 0], [0, 0]])
+    device.poll()
+    assert [info.trigger_sample for info, _ in blocks_of(device)] == [8]
 
 
 def test_the_pretrigger_of_a_block_may_lie_in_the_block_before():

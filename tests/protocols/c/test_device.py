@@ -4,7 +4,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from device import SESSION, C, Device, dictionary_of, sealed
+from c_device import SESSION, C, Device, dictionary_of, sealed
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,6 +16,7 @@ from protocols.board import (
     SequenceTracker,
     Slope,
     decode_reply,
+    decode_samples,
     encode_configuration,
     encode_release,
     encode_resend,
@@ -168,6 +169,28 @@ def test_release_takes_back_what_is_queued_of_its_block_and_nothing_else():
     device.room = None
     device.poll()
     assert {f.payload[4] for f in device.of(FrameType.BLOCK_DATA)} == {2}
+
+
+def test_release_takes_the_ranges_of_its_block_out_of_the_queue_and_no_others():
+    device = in_state(BoardState.RUNNING)
+    device.feed(HIT * 2)
+    device.poll()
+    device.frames.clear()
+    # One answer a turn: the first frame of data that is sent again waits on the line.
+    for kind, payload in [
+        (FrameType.RESEND, encode_resend(2, 0, 10)),
+        (FrameType.RESEND, encode_resend(1, 0, 10)),
+        (FrameType.RESEND, encode_resend(2, 20, 10)),
+        (FrameType.RELEASE, encode_release(1)),
+    ]:
+        waiting = device.board.transmit_end - device.board.transmit_at
+        device.room = waiting + wire_size(2)
+        device.receive(sealed(1, kind, payload))
+    device.room = None
+    device.poll()
+    sent = [decode_samples(frame) for frame in device.of(FrameType.BLOCK_DATA)]
+    assert [samples.block_id for samples in sent] == [2, 2]
+    assert sent[1].first_sample - sent[0].first_sample == 20
 
 
 def test_a_resend_range_is_checked_against_the_block():

@@ -1,7 +1,7 @@
 """The C codec against the shared vectors and against the Python codec, both ways."""
 
 import numpy as np
-from device import FFI, VECTORS, C, entries
+from c_device import FFI, VECTORS, C, entries
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 from functools import partial
 
 import pytest
-from device import FFI, VECTORS, C, configuration_fields, entries
+from c_device import FFI, VECTORS, C, configuration_fields, entries
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -23,7 +23,7 @@ from protocols.board import (
 )
 from protocols.c.library import device_library
 
-VECTOR_FILE = Path(__file__).resolve().parents[2] / "vectors" / "board-v1.json"
+VECTOR_FILE = Path(__file__).resolve().parents[1] / "vectors" / "board-v1.json"
 VECTORS = json.loads(VECTOR_FILE.read_text(encoding="utf-8"))
 SESSION = 0x5EED1234
 FFI, C = device_library()

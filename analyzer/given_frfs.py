@@ -1,0 +1,68 @@
+"""What the coherence of FRFs averaged elsewhere says about their scatter.
+
+With n averages the H1 estimate leaves sum|X - H F|^2 = (1 - gamma^2) sum|X|^2, so that its scatter
+is
+
+    sum|X - H F|^2 / ((n - 1) sum|F|^2) = |H|^2 (1 - gamma^2) / (gamma^2 (n - 1)),
+
+the very quantity that single hits give, and it is smoothed and drawn towards a model alike.
+
+References
+----------
+Bendat and Piersol, Random Data, 4th ed. (2010), Eqs. (6.59), (9.73).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from analyzer.modal.noise import hit_scatter_variance, independent_line_share, smooth_lines
+from protocols.arrays import frozen_array
+from protocols.frf_records import FrequencyResponse
+from protocols.session.records import Session
+
+__all__ = ["with_variance", "with_variances"]
+
+_LEAST_COHERENCE = 1e-6
+_FLOOR = 1e-10  # of |H|^2: five digits are as good as any analyser's calibration
+_HALF_WIDTH = 4  # lines, as the scatter of hits is smoothed
+_FEWEST = 2  # averages that a coherence below one needs
+
+
+def with_variances(session: Session) -> Session:
+    """Return the session with the variance of its given FRFs from their coherence."""
+    return replace(session, frfs=tuple(with_variance(frf) for frf in session.frfs))
+
+
+def with_variance(frf: FrequencyResponse) -> FrequencyResponse:
+    """Return FRFs with the variance that coherence and number of averages tell.
+
+    Parameters
+    ----------
+    frf
+        FRFs with coherence NaN where it is not told and `n_hits` 0 where the averages are not.
+
+    Returns
+    -------
+    FrequencyResponse
+        Variance as for two averages (an upper bound) where their number is not told; of FRFs
+        without a coherence the relative one of those that have it, smoothed over lines; 0 (not
+        told) where none has one, or there was a single average.
+    """
+    told = np.isfinite(frf.coherence).all(axis=-1) & (frf.n_hits != 1)
+    if not told.any():
+        return frf
+    n_hits = np.where(frf.n_hits == 0, _FEWEST, frf.n_hits)
+    coherence = np.where(told[..., None], frf.coherence, 1.0)
+    coherence = np.clip(coherence, _LEAST_COHERENCE, 1.0)
+    magnitude = np.abs(frf.values) ** 2
+    several = np.maximum(n_hits - 1, 1)[..., None]
+    scatter = magnitude * (1.0 - coherence) / (coherence * several)
+    share = independent_line_share(frf.decay_rad_s, float(np.min(np.diff(frf.freq_hz))))
+    variance = hit_scatter_variance(scatter, _FLOOR * magnitude, magnitude, n_hits, share)
+    relative = np.median(variance[told].sum(axis=-1) / magnitude[told].sum(axis=-1))
+    like_the_others = relative * smooth_lines(magnitude, _HALF_WIDTH)
+    variance = np.where(told[..., None], variance, like_the_others)
+    return replace(frf, variance=frozen_array(variance, np.float64))

@@ -1,0 +1,1 @@
+"""Files of other programs: universal files, MATLAB, time records, and what they mean here."""

@@ -1,0 +1,187 @@
+"""One FRF matrix of a posture from the single FRFs of foreign files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from protocols.arrays import frozen_array
+from protocols.errors import ForeignFileError
+from protocols.foreign.manifest import PostureTable
+from protocols.foreign.measured import Content, ForeignFrf
+from protocols.foreign.placement import HIT, RESPONSE, SCALAR, Placement
+from protocols.frf_records import Dof, FrequencyResponse
+
+__all__ = ["frf_matrix"]
+
+_SAME_LINE = 1e-3  # of a line's spacing: programs round their frequency axes
+
+
+def frf_matrix(
+    contents: Sequence[Content], table: PostureTable, placement: Placement, said: list[str]
+) -> FrequencyResponse:
+    """Arrange FRFs as responses over references.
+
+    Parameters
+    ----------
+    contents
+        What the posture's files hold.
+    table
+        The posture in the manifest.
+    placement
+        Nodes and directions.
+    said
+        Sentences about what was left open are appended.
+
+    Returns
+    -------
+    FrequencyResponse
+        Variance 0 (not told): `analyzer` works it out from coherence and averages.
+
+    Raises
+    ------
+    ForeignFileError
+        If forms or lines differ, an FRF comes twice, or the matrix has holes.
+    """
+    what = f"posture {table.name!r}"
+    frfs = [frf for content in contents for frf in content.frfs]
+    first = frfs[0]
+    _check_alike(frfs, what)
+    references = _references(frfs, table, placement, said)
+    rows: dict[tuple[str, str], Dof] = {}
+    columns: dict[tuple[str, tuple[float, ...]], Dof] = {}
+    cells: dict[tuple[tuple[str, str], tuple[str, tuple[float, ...]]], ForeignFrf] = {}
+    for frf, reference in zip(frfs, references, strict=True):
+        response = _response(frf, placement, said)
+        row = (response.point, response.label)
+        column = (reference.point, tuple(reference.direction.tolist()))
+        rows.setdefault(row, response)
+        columns.setdefault(column, reference)
+        if (row, column) in cells:
+            raise ForeignFileError(
+                f"{what}: {frf.origin}: wanted each FRF once, point {row[0]} {row[1]} over "
+                f"{reference.point} came twice (first in {cells[row, column].origin}); leave one "
+                "out, or name the degrees of freedom with `responses` in the manifest"
+            )
+        cells[row, column] = frf
+    for row in rows:
+        for column in columns:
+            if (row, column) not in cells:
+                raise ForeignFileError(
+                    f"{what}: wanted every response over every reference, point {row[0]} {row[1]} "
+                    f"over {column[0]} is missing; make postures of their own of the complete parts"
+                )
+    shape = (len(rows), len(columns), len(first.freq_hz))
+    grid = [[cells[row, column] for column in columns] for row in rows]
+    coherence = np.full(shape, np.nan)
+    for i, line in enumerate(grid):
+        for j, frf in enumerate(line):
+            if frf.coherence is not None:
+                coherence[i, j] = frf.coherence
+    averages = _one(contents, "averages", table.averages, what)
+    decay = _one(contents, "decay_rad_s", table.window_decay_rad_s, what)
+    n_hits = 0 if averages is None else int(averages)
+    _say_uncertainty(coherence, n_hits, what, said)
+    return FrequencyResponse(
+        posture=table.name,
+        form=first.form,
+        freq_hz=first.freq_hz,
+        decay_rad_s=0.0 if decay is None else float(decay),
+        values=frozen_array([[frf.values for frf in line] for line in grid], np.complex128),
+        coherence=frozen_array(coherence, np.float64),
+        variance=frozen_array(np.zeros(shape), np.float64),
+        n_hits=frozen_array(np.full(shape[:2], n_hits), np.int64),
+        responses=tuple(rows.values()),
+        references=tuple(columns.values()),
+        joints_rad=frozen_array(placement.joints_rad, np.float64),
+    )
+
+
+def _check_alike(frfs: Sequence[ForeignFrf], what: str) -> None:
+    first = frfs[0]
+    for frf in frfs[1:]:
+        if frf.form is not first.form:
+            raise ForeignFileError(
+                f"{what}: wanted FRFs of one form, {frf.origin} is {frf.form}, {first.origin} is "
+                f"{first.form}; import them as postures of their own"
+            )
+        if not _same_lines(frf.freq_hz, first.freq_hz):
+            raise ForeignFileError(
+                f"{what}: wanted FRFs on the same lines, those of {frf.origin} are not those of "
+                f"{first.origin}; import them as postures of their own"
+            )
+
+
+def _same_lines(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64]) -> bool:
+    if len(a) != len(b):
+        return False
+    return bool(np.max(np.abs(a - b)) <= _SAME_LINE * float(np.min(np.diff(b))))
+
+
+def _response(frf: ForeignFrf, placement: Placement, said: list[str]) -> Dof:
+    point = placement.point(frf.response, RESPONSE, frf.origin)
+    direction = placement.direction(frf.response, point, RESPONSE, frf.origin)
+    if frf.response.direction is None:
+        said.append(f"{frf.origin}: the direction of the response is not told")
+    return Dof(point=point, label=frf.response.label or SCALAR, direction=direction)
+
+
+def _references(
+    frfs: Sequence[ForeignFrf], table: PostureTable, placement: Placement, said: list[str]
+) -> list[Dof]:
+    """Reference of each FRF: the manifest's hit where it gives one, else the file's."""
+    told = {(frf.reference.node, frf.reference.label) for frf in frfs}
+    what = f"posture {table.name!r}"
+    if table.hit_point is not None and len(told) > 1:
+        raise ForeignFileError(
+            f"{what}: hit_point is for one reference, the files have {len(told)}; leave it out"
+        )
+    dofs = []
+    for frf in frfs:
+        if table.hit_point is not None:
+            point = table.hit_point
+        else:
+            point = placement.point(frf.reference, HIT, frf.origin)
+        if table.hit_direction is not None:
+            vector = np.array(table.hit_direction)
+            direction = frozen_array(vector / np.linalg.norm(vector), np.float64)
+        else:
+            direction = placement.direction(frf.reference, point, HIT, frf.origin)
+            if frf.reference.direction is None:
+                said.append(f"{what}: the direction of the hit is not told")
+        dofs.append(Dof(point=point, label=HIT, direction=direction))
+    return dofs
+
+
+def _one(contents: Sequence[Content], name: str, told: float | None, what: str) -> float | None:
+    """Return what the manifest tells, else what all files tell alike, else None."""
+    if told is not None:
+        return told
+    found = {getattr(content, name) for content in contents if content.frfs}
+    if len(found) > 1:
+        raise ForeignFileError(
+            f"{what}: wanted files of one {name}, got {sorted(map(str, found))}; say it in the "
+            "manifest"
+        )
+    value: float | None = found.pop() if found else None
+    return value
+
+
+def _say_uncertainty(
+    coherence: npt.NDArray[np.float64], n_hits: int, what: str, said: list[str]
+) -> None:
+    untold = int(np.count_nonzero(np.isnan(coherence).any(axis=-1)))
+    if untold == coherence[..., 0].size:
+        said.append(f"{what}: no coherence: uncertainties come from the misfit alone")
+        return
+    if untold:
+        said.append(f"{what}: {untold} FRFs have no coherence: they weigh like the others")
+    if n_hits == 0:
+        said.append(
+            f"{what}: the number of averages is not told: the scatter is bounded as for two; say "
+            "`averages` in the manifest"
+        )
+    elif n_hits == 1:
+        said.append(f"{what}: one average: its coherence says nothing about scatter")

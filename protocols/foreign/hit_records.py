@@ -1,0 +1,205 @@
+"""Single hits of foreign files as the hits of a session: counts, channels, sampling."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from protocols.arrays import frozen_array
+from protocols.board.records import BoardDictionary, Channel, IepeState
+from protocols.errors import ForeignFileError
+from protocols.foreign.manifest import PostureTable
+from protocols.foreign.measured import AXES, ForeignHit
+from protocols.foreign.placement import HIT, RESPONSE, Placement
+from protocols.session.records import Hit, JointReading, Verdict
+
+__all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger"]
+
+_TRIGGER_SHARE = 0.05  # of the peak force: where the pulse begins
+_COUNTS = 2**30  # of the largest value: 256 times finer than a 24-bit converter at half range
+_ORTHOGONAL = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlacedHit:
+    """A hit on the arm: signals along the sensor's own axes."""
+
+    origin: str
+    posture: str
+    joints_rad: npt.NDArray[np.float64]
+    sensor_point: str
+    hit_point: str
+    hit_direction: npt.NDArray[np.float64]  # (3,) base frame
+    rate_hz: Fraction
+    signals: npt.NDArray[np.float64]  # (1 + n_axes, n): force N, acceleration m/s²
+
+
+def place_hits(
+    hits: Sequence[ForeignHit], table: PostureTable, placement: Placement, said: list[str]
+) -> list[PlacedHit]:
+    """Put the hits of one posture on the arm.
+
+    Raises
+    ------
+    ForeignFileError
+        If a hit's channels are at several points, or directions are missing or not square.
+    """
+    placed = []
+    for hit in hits:
+        points = {placement.point(dof, RESPONSE, hit.origin) for dof in hit.responses}
+        if len(points) != 1:
+            raise ForeignFileError(
+                f"{hit.origin}: wanted responses at one point, got {', '.join(sorted(points))}; "
+                "split the file"
+            )
+        point = points.pop()
+        hit_point = table.hit_point or placement.point(hit.hit, HIT, hit.origin)
+        if table.hit_direction is not None:
+            vector = np.array(table.hit_direction)
+            direction = frozen_array(vector / np.linalg.norm(vector), np.float64)
+        else:
+            direction = placement.direction(hit.hit, hit_point, HIT, hit.origin)
+            if hit.hit.direction is None:
+                said.append(f"posture {table.name!r}: the direction of the hit is not told")
+        along = _along_sensor_axes(hit, point, placement, said)
+        force = hit.force_n
+        if force.max() <= 0.0 or -force.min() > force.max():
+            said.append(f"{hit.origin}: the force pulse is negative; it is taken as it is")
+        placed.append(
+            PlacedHit(
+                origin=hit.origin,
+                posture=table.name,
+                joints_rad=frozen_array(placement.joints_rad, np.float64),
+                sensor_point=point,
+                hit_point=hit_point,
+                hit_direction=direction,
+                rate_hz=hit.rate_hz,
+                signals=frozen_array(np.concatenate([force[None], along]), np.float64),
+            )
+        )
+    return placed
+
+
+def _along_sensor_axes(
+    hit: ForeignHit, point: str, placement: Placement, said: list[str]
+) -> npt.NDArray[np.float64]:
+    """Accelerations along the sensor's axes at the point: (n_axes, n)."""
+    told = [dof.direction for dof in hit.responses]
+    if all(direction is None for direction in told):
+        if len(told) != 3 and not placement.plain:
+            raise ForeignFileError(
+                f"{hit.origin}: wanted the directions of {len(told)} responses; name them with "
+                "`responses` in the manifest"
+            )
+        said.append(
+            f"{hit.origin.split(':', maxsplit=1)[0]}: the directions of the responses are not "
+            "told; they are taken as the sensor's own axes in order"
+        )
+        return hit.acceleration_m_s2
+    D = np.stack(
+        [placement.direction(dof, point, RESPONSE, hit.origin) for dof in hit.responses], axis=1
+    )
+    R = placement.sensor_axes(point)
+    n = D.shape[1]
+    if np.allclose(D, R[:, :n], atol=1e-9):
+        return hit.acceleration_m_s2
+    if n != 3 or not np.allclose(D.T @ D, np.eye(3), atol=_ORTHOGONAL):
+        raise ForeignFileError(
+            f"{hit.origin}: wanted three perpendicular responses at point {point} (its sensor's "
+            f"axes differ from the file's), got {n} that are not; give FRFs, or a point of its own"
+        )
+    # a = D a_file in base, and a_sensor = R^T a.
+    turned: npt.NDArray[np.float64] = R.T @ D @ hit.acceleration_m_s2
+    return turned
+
+
+def pretrigger(signals: npt.NDArray[np.float64]) -> int:
+    """Return the sample at which the force first reaches a twentieth of its peak."""
+    size = np.abs(signals[0])
+    return int(np.argmax(size >= _TRIGGER_SHARE * size.max()))
+
+
+def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
+    """Return the channels of imported hits (or, without any, of imported FRFs)."""
+    n_axes = hits[0].signals.shape[0] - 1 if hits else 3
+    largest = np.ones(1 + n_axes)
+    if hits:
+        largest = np.max([np.abs(hit.signals).max(axis=1) for hit in hits], axis=0)
+        largest = np.where(largest > 0.0, largest, 1.0)
+    names = ["force", *(f"acceleration_{axis}" for axis in AXES[:n_axes])]
+    return BoardDictionary(
+        board_id="imported",
+        firmware="none",
+        link_bytes_per_s=1,
+        block_capacity=1,
+        tick_hz=1,
+        filter_group_delay_samples=0.0,
+        channels=tuple(
+            Channel(
+                name=name,
+                quantity="acceleration" if i else "force",
+                unit="m/s^2" if i else "N",
+                scale=float(largest[i]) / _COUNTS,
+                full_scale=2.0 * float(largest[i]),
+                iepe=IepeState.OFF,
+                highpass_hz=0.0,
+                serial_number="",
+                calibration_date="",
+                teds=b"",
+            )
+            for i, name in enumerate(names)
+        ),
+    )
+
+
+def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple[Hit, ...]:
+    """Return the hits of a session, not yet judged; all must share length, rate and channels.
+
+    Raises
+    ------
+    ForeignFileError
+        If one differs.
+    """
+    scale = np.array([channel.scale for channel in dictionary.channels])
+    records: list[Hit] = []
+    for i, hit in enumerate(hits):
+        if hit.signals.shape != hits[0].signals.shape or hit.rate_hz != hits[0].rate_hz:
+            raise ForeignFileError(
+                f"{hit.origin}: wanted {hits[0].signals.shape[0]} channels of "
+                f"{hits[0].signals.shape[1]} samples at {float(hits[0].rate_hz):g} Hz like "
+                f"{hits[0].origin}, got {hit.signals.shape[0]} of {hit.signals.shape[1]} at "
+                f"{float(hit.rate_hz):g} Hz; import them as a session of their own"
+            )
+        n = hit.signals.shape[1]
+        counts = np.rint(hit.signals.T / scale)
+        reading = JointReading(
+            joints_rad=hit.joints_rad, drive_state=None, held=True, age_s=0.0, host_s=float(i)
+        )
+        verdict = Verdict(
+            accepted=True,
+            reasons=(),
+            notes=(f"imported from {hit.origin[:200]}",),
+            peak_n=float(np.max(hit.signals[0])),
+            width_s=float("nan"),
+        )
+        records.append(
+            Hit(
+                number=i + 1,
+                posture=hit.posture,
+                sensor_point=hit.sensor_point,
+                hit_point=hit.hit_point,
+                hit_direction=hit.hit_direction,
+                first_sample=i * n,
+                trigger_sample=i * n + pretrigger(hit.signals),
+                trigger_host_s=float(i),
+                counts=frozen_array(counts, np.int32),
+                before=reading,
+                after=reading,
+                verdict=verdict,
+            )
+        )
+    return tuple(records)

@@ -1,0 +1,165 @@
+"""The import manifest: which foreign files are which posture of which arm.
+
+The format is specified in `docs/exchange.md`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from protocols.errors import ForeignFileError
+from protocols.foreign.measured import Hints, parse_dof
+from protocols.foreign.units import SI
+from protocols.frf_records import FrfForm
+from protocols.plan_model import WindowsTable
+from protocols.toml_reader import (
+    FileModel,
+    Name,
+    Vector3,
+    not_wanted,
+    parse_toml,
+    read_text,
+    validate,
+)
+
+__all__ = ["NO_ARM", "FileTable", "Manifest", "ManifestFile", "PostureTable", "load_manifest"]
+
+NO_ARM = "none"
+
+_LIMIT = 512 * 1024
+_UNIT_LENGTH = 1e-3  # a direction written with three decimals
+_MOST_FILES = 10_000
+
+PathText = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]*$")]
+PointId = Annotated[str, Field(min_length=1, max_length=16)]
+Dof = Annotated[str, Field(min_length=1, max_length=20)]
+Form = Literal["receptance", "mobility", "accelerance"]
+
+
+class UnitsTable(FileModel):
+    """Units of response and force where the files are silent or wrong."""
+
+    response: Annotated[str, Field(min_length=1, max_length=20)]
+    force: Annotated[str, Field(min_length=1, max_length=20)]
+
+
+Units = Literal["SI"] | UnitsTable
+
+
+class FileTable(FileModel):
+    """A file with what it does not tell itself."""
+
+    path: PathText
+    responses: Annotated[list[Dof], Field(max_length=32)] | None = None
+    reference: Dof | None = None
+    form: Form | None = None
+    units: Units | None = None
+    first_line_hz: Annotated[float, Field(ge=0.0, le=1e6)] | None = None
+    line_spacing_hz: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+
+
+class PostureTable(FileModel):
+    """One posture and the files measured there."""
+
+    name: Name
+    joints_deg: Annotated[list[float], Field(max_length=32)] = Field(default=[])
+    files: Annotated[list[PathText | FileTable], Field(min_length=1, max_length=_MOST_FILES)]
+    averages: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    hit_point: PointId | None = None
+    hit_direction: Vector3 | None = None
+    axes: Literal["base", "link"] | None = None
+    window_decay_rad_s: Annotated[float, Field(ge=0.0, le=1e4)] | None = None
+    validation: bool = False
+
+    @field_validator("hit_direction")
+    @classmethod
+    def _check_direction(cls, value: list[float] | None) -> list[float] | None:
+        if value is not None and abs(math.hypot(*value) - 1.0) > _UNIT_LENGTH:
+            raise not_wanted(f"a vector of length 1 (this one has {math.hypot(*value):.4g})")
+        return value
+
+
+class ManifestFile(FileModel):
+    """The whole file."""
+
+    format: Literal["armodal-import-1"] = "armodal-import-1"
+    arm: PathText
+    mode: Literal["roving-response", "roving-hammer"]
+    axes: Literal["base", "link"] = "base"
+    form: Form | None = None
+    units: Units | None = None
+    nodes: Annotated[dict[str, PointId], Field(max_length=10_000)] = Field(default={})
+    links: Annotated[dict[str, Name], Field(max_length=10_000)] = Field(default={})
+    sensor_mass_kg: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    windows: WindowsTable = WindowsTable()
+    postures: Annotated[list[PostureTable], Field(min_length=1, max_length=100)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manifest:
+    """A manifest with the folder its paths start from."""
+
+    file: ManifestFile
+    text: str
+    folder: Path
+    origin: str
+
+    def arm_source(self) -> str | Path:
+        """Return a shipped arm's name, or the path of an arm file or URDF."""
+        name = self.file.arm
+        plain = "/" not in name and "\\" not in name
+        if plain and Path(name).suffix.lower() not in {".toml", ".urdf"}:
+            return name
+        return self.folder / name
+
+    def files(self, posture: PostureTable) -> list[tuple[Path, Hints]]:
+        """Return each file of a posture with what the manifest says about it."""
+        found = []
+        for entry in posture.files:
+            table = entry if isinstance(entry, FileTable) else FileTable(path=entry)
+            units = table.units or self.file.units
+            form = table.form or self.file.form
+            response, force = _unit_names(units)
+            hints = Hints(
+                form=None if form is None else FrfForm(form),
+                response_unit=response,
+                force_unit=force,
+                responses=tuple(parse_dof(text, self.origin) for text in table.responses or ()),
+                reference=None
+                if table.reference is None
+                else parse_dof(table.reference, self.origin),
+                first_line_hz=table.first_line_hz,
+                line_spacing_hz=table.line_spacing_hz,
+            )
+            found.append((self.folder / table.path, hints))
+        return found
+
+
+def _unit_names(units: Units | None) -> tuple[str | None, str | None]:
+    if isinstance(units, UnitsTable):
+        return units.response, units.force
+    return (None, None) if units is None else (SI, SI)
+
+
+def load_manifest(path: str | Path) -> Manifest:
+    """Read an import manifest.
+
+    Raises
+    ------
+    ForeignFileError
+        If it cannot be read, or a value is not possible; the message has the key's path.
+    """
+    path = Path(path)
+    text = read_text(path, what="manifest", limit_bytes=_LIMIT, error=ForeignFileError)
+    origin = f"manifest {path.name}"
+    data = parse_toml(text, origin=origin, error=ForeignFileError)
+    file = validate(ManifestFile, data, origin=origin, error=ForeignFileError)
+    names = [posture.name for posture in file.postures]
+    if len(set(names)) != len(names):
+        raise ForeignFileError(f"{origin}: postures: wanted names that differ, got {names}")
+    return Manifest(file=file, text=text, folder=path.parent, origin=origin)

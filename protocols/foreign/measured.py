@@ -1,0 +1,229 @@
+"""Measurements as a file of another program gives them: FRFs and single hits, in SI.
+
+What a file does not tell (a point, a direction, a unit) is None here, never filled in.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from protocols.errors import ForeignFileError
+from protocols.foreign.uff_records import UffNodes, UffTraceLine
+from protocols.frf_records import FrfForm
+
+__all__ = [
+    "AXES",
+    "Content",
+    "ForeignFrf",
+    "ForeignHit",
+    "Hints",
+    "ToldDof",
+    "axis_direction",
+    "check_coherence",
+    "check_frf_values",
+    "exact_rate",
+    "parse_dof",
+]
+
+AXES = ("x", "y", "z")
+
+_DOF = re.compile(r"([^:]{1,16})(?::([+-]?)([xyz]))?", re.IGNORECASE)
+_MOST_DENOMINATOR = 1000
+_COHERENCE_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class ToldDof:
+    """A point by the file's name for it, and its direction in the file's axes."""
+
+    node: str | None
+    direction: npt.NDArray[np.float64] | None  # (3,) unit
+
+    @property
+    def label(self) -> str:
+        """Axis letter for a direction along an axis, else empty."""
+        if self.direction is None:
+            return ""
+        at = int(np.argmax(np.abs(self.direction)))
+        return AXES[at] if abs(abs(self.direction[at]) - 1.0) < 1e-6 else ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForeignFrf:
+    """One FRF in SI; the line at 0 Hz is left out."""
+
+    origin: str
+    form: FrfForm
+    response: ToldDof
+    reference: ToldDof
+    freq_hz: npt.NDArray[np.float64]  # (n,)
+    values: npt.NDArray[np.complex128]  # (n,)
+    coherence: npt.NDArray[np.float64] | None  # (n,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForeignHit:
+    """One hit: force and simultaneous accelerations in SI."""
+
+    origin: str
+    rate_hz: Fraction
+    force_n: npt.NDArray[np.float64]  # (n,)
+    acceleration_m_s2: npt.NDArray[np.float64]  # (k, n)
+    hit: ToldDof
+    responses: tuple[ToldDof, ...]  # k
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Content:
+    """Everything one file gives; `said` are sentences about what it left open."""
+
+    origin: str
+    frfs: tuple[ForeignFrf, ...] = ()
+    hits: tuple[ForeignHit, ...] = ()
+    nodes: UffNodes | None = None  # positions in m
+    trace_lines: tuple[UffTraceLine, ...] = ()
+    averages: int | None = None
+    decay_rad_s: float | None = None
+    said: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hints:
+    """What the manifest says about a file; None where it says nothing."""
+
+    form: FrfForm | None = None
+    response_unit: str | None = None
+    force_unit: str | None = None
+    responses: tuple[ToldDof, ...] = ()
+    reference: ToldDof | None = None
+    first_line_hz: float | None = None
+    line_spacing_hz: float | None = None
+
+
+def axis_direction(code: int) -> npt.NDArray[np.float64] | None:
+    """Return the unit vector of a direction code +-1, +-2, +-3; None for any other.
+
+    >>> axis_direction(-2).tolist()
+    [0.0, -1.0, 0.0]
+    """
+    if not 1 <= abs(code) <= 3:
+        return None
+    direction = np.zeros(3)
+    direction[abs(code) - 1] = np.sign(code)
+    return direction
+
+
+def parse_dof(text: str, origin: str) -> ToldDof:
+    """Read a degree of freedom such as `3:x`, `101:-z` or `3`.
+
+    Raises
+    ------
+    ForeignFileError
+        If it is none.
+    """
+    match = _DOF.fullmatch(text.strip())
+    if match is None:
+        raise ForeignFileError(
+            f"{origin}: wanted a point and a direction such as '3:x' or '101:-z', got {text!r}"
+        )
+    direction = None
+    if match[3]:
+        code = AXES.index(match[3].lower()) + 1
+        direction = axis_direction(-code if match[2] == "-" else code)
+    return ToldDof(match[1], direction)
+
+
+def exact_rate(
+    times_s: npt.NDArray[np.float64], origin: str, *, rounding: float = 1e-7
+) -> Fraction:
+    """Return the sampling rate of an even time axis: the simplest within its rounding.
+
+    Parameters
+    ----------
+    times_s
+        (n,) times of the samples.
+    origin
+        How messages name the file.
+    rounding
+        Relative; a step written with six digits, as universal files have it, is off by up to
+        5e-6, so that 4096 Hz would come back as 4095.994.
+
+    Raises
+    ------
+    ForeignFileError
+        If there are fewer than 64 samples, times are not finite, or do not rise evenly.
+    """
+    if len(times_s) < 64:
+        raise ForeignFileError(f"{origin}: wanted 64 samples or more, got {len(times_s)}")
+    steps = np.diff(times_s)
+    if not (np.isfinite(times_s).all() and (steps > 0).all()):
+        raise ForeignFileError(f"{origin}: wanted times that rise, got others; export it again")
+    mean = float(times_s[-1] - times_s[0]) / (len(times_s) - 1)
+    spread = float(np.max(np.abs(times_s - times_s[0] - mean * np.arange(len(times_s)))))
+    # Times printed with few digits jump, but they do not drift.
+    if spread > 0.5 * mean or not mean > 0.0:
+        raise ForeignFileError(
+            f"{origin}: wanted evenly sampled times, they stray by {spread / mean:.2g} samples; "
+            "resample the record"
+        )
+    rate = 1.0 / mean
+    for denominator in range(1, _MOST_DENOMINATOR + 1):
+        simple = Fraction(round(rate * denominator), denominator)
+        if abs(float(simple) / rate - 1.0) <= rounding:
+            return simple
+    return Fraction(round(rate * 1e6), 10**6)
+
+
+def check_frf_values(
+    freq_hz: npt.NDArray[np.float64], values: npt.NDArray[np.complex128], origin: str
+) -> npt.NDArray[np.bool_]:
+    """Return which lines to keep (all above 0 Hz), or refuse FRFs no fit could use.
+
+    Raises
+    ------
+    ForeignFileError
+        For frequencies that do not increase, NaN, fewer than two lines, or nothing but one value.
+    """
+    if freq_hz.shape != values.shape or freq_hz.ndim != 1:
+        raise ForeignFileError(
+            f"{origin}: wanted one value a line, got {values.shape} for {freq_hz.shape}"
+        )
+    if not np.isfinite(freq_hz).all() or (np.diff(freq_hz) <= 0).any() or (freq_hz < 0).any():
+        raise ForeignFileError(
+            f"{origin}: wanted frequencies from 0 Hz that increase, got others; export it again"
+        )
+    keep = freq_hz > 0.0
+    if np.count_nonzero(keep) < 2:
+        raise ForeignFileError(
+            f"{origin}: wanted two lines or more above 0 Hz, got {np.count_nonzero(keep)}; "
+            "export the whole band"
+        )
+    bad = int(np.count_nonzero(~np.isfinite(values[keep])))
+    if bad:
+        raise ForeignFileError(
+            f"{origin}: wanted finite numbers, got NaN or infinity on {bad} of "
+            f"{np.count_nonzero(keep)} lines; leave this FRF out or measure it again"
+        )
+    if not np.any(values[keep]) or np.all(values[keep] == values[keep][0]):
+        raise ForeignFileError(
+            f"{origin}: wanted a response, got the constant {values[keep][0]:.3g} on every line; "
+            "check the channel, or leave this FRF out"
+        )
+    result: npt.NDArray[np.bool_] = keep
+    return result
+
+
+def check_coherence(values: npt.NDArray[np.float64], origin: str) -> None:
+    """Refuse a coherence that is not finite or not between 0 and 1."""
+    if not np.isfinite(values).all():
+        raise ForeignFileError(f"{origin}: wanted a finite coherence, got NaN; leave it out")
+    if (values < -_COHERENCE_ROUNDING).any() or (values > 1.0 + _COHERENCE_ROUNDING).any():
+        raise ForeignFileError(
+            f"{origin}: wanted a coherence from 0 to 1, got {values.min():.4g} to "
+            f"{values.max():.4g}; export it again, or leave it out"
+        )

@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+
+from analyzer.given_frfs import with_variance
+from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+
+FREQ = np.arange(1.0, 101.0)
+
+
+def level_frfs(coherence, n_hits):
+    """Three FRFs of magnitude 2, so that smoothing over lines changes nothing."""
+    values = 2.0 * np.exp(1j * np.linspace(0, 3, 100)) * np.ones((3, 1, 1))
+    z = np.array([0.0, 0.0, 1.0])
+    return FrequencyResponse(
+        posture="one",
+        form=FrfForm.ACCELERANCE,
+        freq_hz=FREQ,
+        decay_rad_s=0.0,
+        values=values,
+        coherence=np.broadcast_to(np.array(coherence, float)[:, None, None], values.shape),
+        variance=np.zeros(values.shape),
+        n_hits=np.full((3, 1), n_hits),
+        responses=tuple(Dof(point=str(i), label="z", direction=z) for i in range(3)),
+        references=(Dof(point="0", label="hit", direction=-z),),
+        joints_rad=None,
+    )
+
+
+@pytest.mark.parametrize("n", [2, 5, 30])
+def test_the_variance_is_that_of_coherence_and_averages(n):
+    """Bendat and Piersol: |H|^2 (1 - g)/(g (n - 1))."""
+    frf = with_variance(level_frfs([0.95] * 3, n))
+    assert np.allclose(frf.variance, 4.0 * 0.05 / 0.95 / (n - 1), rtol=1e-6)
+
+
+def test_it_agrees_with_the_scatter_of_averaged_noise():
+    rng = np.random.default_rng(1)
+    n, runs = 5, 4000
+    force = rng.standard_normal((runs, n)) + 1j * rng.standard_normal((runs, n))
+    noise = 0.3 * (rng.standard_normal((runs, n)) + 1j * rng.standard_normal((runs, n)))
+    response = 2.0 * force + noise
+    cross, power = (response * force.conj()).sum(1), (np.abs(force) ** 2).sum(1)
+    H = cross / power
+    g = np.abs(cross) ** 2 / (power * (np.abs(response) ** 2).sum(1))
+    told = np.mean(np.abs(H) ** 2 * (1 - g) / (g * (n - 1)))
+    # 4000 runs of 2 (n - 1) degrees of freedom: 3 sigma is 4 %
+    assert told == pytest.approx(np.mean(np.abs(H - 2.0) ** 2), rel=0.06)
+
+
+def test_unknown_averages_bound_the_variance_as_two_do():
+    told, bound = (with_variance(level_frfs([0.9] * 3, n)) for n in (2, 0))
+    assert np.array_equal(told.variance, bound.variance)
+
+
+def test_frfs_without_coherence_weigh_like_the_others():
+    frf = with_variance(level_frfs([0.9, np.nan, 0.9], 3))
+    assert np.allclose(frf.variance[1], frf.variance[0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("coherence", "n"), [([np.nan] * 3, 3), ([1.0] * 3, 1)])
+def test_without_coherence_or_with_one_average_nothing_is_told(coherence, n):
+    assert (with_variance(level_frfs(coherence, n)).variance == 0).all()

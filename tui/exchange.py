@@ -1,0 +1,265 @@
+"""`armodal import` and `armodal export`: measurements from and for other programs."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from analyzer.arm.superset import Superset
+from analyzer.given_frfs import with_variances
+from analyzer.identification.identify import estimate_frfs, identify
+from analyzer.identification.records import Identification
+from analyzer.modal import ModalModel, fit_modes
+from daq.blocks import CapturedBlock
+from daq.judge import channels_of, judge_record
+from protocols.arm.updated import JointValues, arm_text_with
+from protocols.arrays import frozen_array
+from protocols.board.records import BlockInfo
+from protocols.errors import EstimateError, ForeignFileError
+from protocols.foreign.export_uff import ExportedMode, posture_uff
+from protocols.foreign.import_session import import_session
+from protocols.foreign.manifest import load_manifest
+from protocols.foreign.mat import write_mat
+from protocols.foreign.uff_write import write_uff
+from protocols.session.hdf5 import Provenance, read_session, write_session
+from protocols.session.records import Hit, Session
+from tui.results import identification_json
+
+__all__ = ["add_exchange_commands", "export_model", "export_session", "import_manifest"]
+
+_FINER = 2**8  # imported counts to a step of 24 bits at half range
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:
+    """Write the session a manifest describes; return it and a summary in plain values."""
+    created = datetime.now(UTC).isoformat(timespec="seconds")
+    session = import_session(load_manifest(path), created=created, software=software)
+    session = with_variances(_judged(session))
+    write_session(session, output, provenance=Provenance(journal_sha256=None, software=software))
+    return session, {
+        "session": str(output),
+        "arm": session.header.arm.name,
+        "mode": str(session.header.plan.mode),
+        "postures": [
+            _posture_summary(session, posture.name) for posture in session.header.plan.postures
+        ],
+        "warnings": list(session.warnings),
+    }
+
+
+def _judged(session: Session) -> Session:
+    """Return the session with every hit judged as one of our own would be.
+
+    Imported counts are finer than the board's 24 bits, and their range is not told: the judge gets
+    them at half of its range, so that no hit is an overload.
+    """
+    header = session.header
+    channels = tuple(
+        replace(channel, scale=channel.scale * _FINER)
+        for channel in channels_of(header.dictionary, header.channel_mask)
+    )
+    hits: list[Hit] = []
+    warnings = list(session.warnings)
+    for hit in session.hits:
+        counts = frozen_array(np.rint(hit.counts / _FINER), np.int32)
+        info = BlockInfo(
+            block_id=hit.number,
+            first_sample=hit.first_sample,
+            length=len(counts),
+            trigger_sample=hit.trigger_sample,
+            trigger_ticks=0,
+        )
+        block = CapturedBlock(
+            info=info,
+            first_sample=hit.first_sample,
+            counts=counts,
+            missing=0,
+            last_data_s=hit.trigger_host_s,
+            announced_s=hit.trigger_host_s,
+        )
+        verdict = judge_record(block, channels, header.plan.sampling, header.plan.trigger)
+        notes = (*hit.verdict.notes, *verdict.notes)
+        hits.append(replace(hit, verdict=replace(verdict, notes=notes)))
+        if not verdict.accepted:
+            warnings.append(f"{hit.verdict.notes[0]}: rejected: {', '.join(verdict.reasons)}")
+    return replace(session, hits=tuple(hits), warnings=tuple(warnings))
+
+
+def _posture_summary(session: Session, name: str) -> dict[str, Any]:
+    hits = [hit for hit in session.hits if hit.posture == name]
+    if hits:
+        points = dict.fromkeys(hit.sensor_point for hit in hits)
+        accepted = len(session.accepted(name))
+        return {"posture": name, "hits": len(hits), "accepted": accepted, "points": list(points)}
+    frf = next(frf for frf in session.frfs if frf.posture == name)
+    return {
+        "posture": name,
+        "frfs": len(frf.responses) * len(frf.references),
+        "form": str(frf.form),
+        "lines": len(frf.freq_hz),
+        "band_hz": [float(frf.freq_hz[0]), float(frf.freq_hz[-1])],
+        "points": list(dict.fromkeys(dof.point for dof in frf.responses)),
+    }
+
+
+def export_session(
+    session: Session, output: Path, *, modes: bool, binary: bool, software: str
+) -> dict[str, Any]:
+    """Write the FRFs of every posture as UFF or, by the ending, MATLAB; return a summary.
+
+    The first posture goes to `output`, each further one to a file numbered behind it: names of
+    postures never become paths.
+    """
+    if output.suffix.lower() not in {".uff", ".unv", ".mat"}:
+        raise ForeignFileError(
+            f"{output.name}: wanted a file called .uff, .unv or .mat, got "
+            f"{output.suffix or 'no ending'}; rename it"
+        )
+    arm = session.header.arm
+    frfs = estimate_frfs(session, Superset(arm))
+    if not frfs:
+        raise EstimateError("the session has no accepted hits and no FRFs: nothing to export")
+    files: list[dict[str, Any]] = []
+    for i, frf in enumerate(frfs):
+        numbered = output.with_name(f"{output.stem}-{i + 1}{output.suffix}")
+        path = output if len(frfs) == 1 else numbered
+        if output.suffix.lower() == ".mat":
+            write_mat(frf, path)
+            said: tuple[str, ...] = ()
+        else:
+            found = _exported(fit_modes(frf)) if modes else []
+            content, said = posture_uff(frf, arm, modes=found, software=software)
+            write_uff(content, path, binary=binary)
+        files.append({"posture": frf.posture, "file": str(path), "notes": list(said)})
+    return {"files": files, "warnings": list(session.warnings)}
+
+
+def _exported(model: ModalModel) -> list[ExportedMode]:
+    return [
+        ExportedMode(
+            pole_rad_s=mode.pole_rad_s,
+            shape=mode.shape,
+            participation=mode.participation,
+            words=(
+                f"{mode.f_hz:.6f} Hz std {mode.f_std_hz:.2g}, damping "
+                f"{100 * mode.damping_ratio:.5f} % std {100 * mode.damping_std:.2g}"
+            ),
+        )
+        for mode in model.modes
+    ]
+
+
+def export_model(session: Session, result: Identification, path: Path, *, software: str) -> None:
+    """Write the identified model: as JSON, or as the arm file with the values identified.
+
+    Raises
+    ------
+    ForeignFileError, ArmError
+        If the ending is neither .json nor .toml, or the arm file cannot take the values.
+    """
+    if path.suffix.lower() == ".json":
+        text = json.dumps(identification_json(session, result), indent=2) + "\n"
+    elif path.suffix.lower() == ".toml":
+        values = {
+            joint.joint: JointValues(
+                stiffness=(joint.k_n_m_per_rad, float(np.hypot(joint.k_std, joint.k_std_model))),
+                damping=(joint.c_n_m_s_per_rad, joint.c_std),
+            )
+            for joint in result.joints
+        }
+        source = f"identified by {software} from session {session.header.session_id[:8]}"
+        text = arm_text_with(session.header.arm, values, source)
+    else:
+        raise ForeignFileError(
+            f"{path.name}: wanted a model called .json or .toml, got {path.suffix or 'no ending'}"
+        )
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def add_exchange_commands(
+    app: typer.Typer, *, software: str, out: Console, say: Callable[[str], None]
+) -> None:
+    """Register `import` and `export` with the command line."""
+
+    @app.command("import")
+    def import_command(
+        manifest: Annotated[Path, typer.Argument(help="Import manifest (TOML).")],
+        output: Annotated[Path, typer.Option("--out", help="Session file to write.")],
+        as_json: Json = False,
+    ) -> None:
+        """Make a session file of measurements from other programs.
+
+        Example: armodal import manifest.toml --out session.h5
+        """
+        say(f"reading {manifest}")
+        _, summary = import_manifest(manifest, output, software=software)
+        if as_json:
+            sys.stdout.write(json.dumps(summary, indent=2) + "\n")
+            return
+        for posture in summary["postures"]:
+            what = f"{posture.get('frfs')} FRFs"
+            if "hits" in posture:
+                what = f"{posture['hits']} hits, {posture['accepted']} accepted"
+            out.print(f"{posture['posture']}: {what}", markup=False)
+        for text in summary["warnings"]:
+            out.print(f"note: {text}", markup=False)
+        out.print(f"session {output}", markup=False)
+
+    @app.command("export")
+    def export_command(
+        session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+        output: Annotated[
+            Path | None, typer.Option("--out", help="File to write: .uff, .unv or .mat.")
+        ] = None,
+        modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
+        binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
+        model: Annotated[
+            Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
+        ] = None,
+        as_json: Json = False,
+    ) -> None:
+        """Write FRFs, geometry, mode shapes and the identified model for other programs.
+
+        Example: armodal export session.h5 --out session.uff --model model.json
+        """
+        measured = read_session(session)
+        path = output or session.with_suffix(".uff")
+        result = None if model is None else identify(measured, say)
+        if model is not None and result is not None:
+            export_model(measured, result, model, software=software)
+        say("FRFs and modes" if modes else "FRFs")
+        summary = export_session(measured, path, modes=modes, binary=binary, software=software)
+        summary["model"] = None if model is None else str(model)
+        if model is not None and model.suffix.lower() == ".toml" and result and result.axes:
+            summary["warnings"].append(
+                f"{model.name}: an arm file has no place for the structural axis found; write the "
+                "model as .json to have it"
+            )
+        if as_json:
+            sys.stdout.write(json.dumps(summary, indent=2) + "\n")
+            return
+        for file in summary["files"]:
+            out.print(f"{file['posture']}: {file['file']}", markup=False)
+            for note in file["notes"]:
+                out.print(f"  note: {note}", markup=False)
+        for text in summary["warnings"]:
+            out.print(f"note: {text}", markup=False)
+        if model is not None:
+            out.print(f"model {model}", markup=False)
