@@ -40,6 +40,7 @@ class RankOneFit:
     poles: _Complex  # (n_modes,)
     shape: _Complex  # (n_resp, n_modes)
     participation: _Complex  # (n_ref, n_modes)
+    held: npt.NDArray[np.intp]  # (n_modes,) reference whose participation is held
     residuals: _Real  # (n_resp, n_ref, 3)
     cost: _Real  # (n_resp, n_ref) weighted sum of squares left
     information: _Real  # (n_resp, n_theta, n_theta)
@@ -120,10 +121,11 @@ def _complex(values: _Real) -> _Complex:
 
 
 def _evaluate(
-    data: ModalData, poles: _Complex, participation: _Complex, free: npt.NDArray[np.intp]
+    data: ModalData, poles: _Complex, participation: _Complex, held: npt.NDArray[np.intp]
 ) -> RankOneFit:
     """Best shapes and residual terms for given poles and participations, and a step on those."""
     n_ref, n_modes = participation.shape
+    free = _free(n_ref, held)
     shape = (data.values.shape[0] // n_ref, n_ref)
     n = 2 * n_modes
     system = _system(data, poles, shape)
@@ -175,6 +177,7 @@ def _evaluate(
         poles=poles,
         shape=phi,
         participation=participation,
+        held=held,
         residuals=residuals,
         cost=cost,
         information=information,
@@ -184,16 +187,20 @@ def _evaluate(
     )
 
 
+def _free(n_ref: int, held: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Which of the poles' parts and all participations are free."""
+    free = np.ones((1 + n_ref, held.size, 2), dtype=bool)
+    free[1 + held, np.arange(held.size)] = False
+    return np.flatnonzero(free.reshape(-1))
+
+
 def _start(residues: _Complex) -> tuple[_Complex, npt.NDArray[np.intp]]:
-    """Participations of residues (n_resp, n_ref, n_modes), and which parameters are free."""
-    n_ref, n_modes = residues.shape[1:]
+    """Participations of residues (n_resp, n_ref, n_modes), and which reference is held."""
+    n_modes = residues.shape[2]
     _, _, Vh = np.linalg.svd(residues.transpose(2, 0, 1), full_matrices=False)
     participation = Vh[:, 0].T  # (n_ref, n_modes)
-    largest = np.argmax(np.abs(participation), axis=0)
-    participation = participation / participation[largest, np.arange(n_modes)]
-    free = np.ones((1 + n_ref, n_modes, 2), dtype=bool)
-    free[1 + largest, np.arange(n_modes)] = False
-    return participation, np.flatnonzero(free.reshape(-1))
+    held = np.argmax(np.abs(participation), axis=0)
+    return participation / participation[held, np.arange(n_modes)], held
 
 
 def refine_rank_one(
@@ -229,11 +236,12 @@ def refine_rank_one(
     Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413. El-Kafafy, De Troyer, Peeters and
     Guillaume, Mech. Syst. Signal Process. 37 (2013) 346 (MLMM, the same likelihood).
     """
-    participation, free = _start(residues)
-    current = _evaluate(data, poles, participation, free)
+    participation, held = _start(residues)
+    current = _evaluate(data, poles, participation, held)
     if poles.size == 0 or residues.shape[1] == 1:
         return current  # one reference: the poles came refined, and nothing is shared
     n = 2 * poles.size
+    free = _free(residues.shape[1], held)
     damping, total = 1e-6, float(current.cost.sum())
     for _ in range(max_steps):
         A, g = current.information.sum(axis=0), current.score.sum(axis=0)
@@ -249,7 +257,7 @@ def refine_rank_one(
         )
         reached = np.inf
         if admissible(moved):
-            trial = _evaluate(data, moved, turned, free)
+            trial = _evaluate(data, moved, turned, held)
             reached = float(trial.cost.sum())
         if reached <= total * (1.0 + 1e-12):
             current, total = trial, reached

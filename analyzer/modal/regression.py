@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from analyzer.modal.forms import derivative_order
 from protocols.frf_records import FrfForm
 
 __all__ = [
@@ -34,7 +35,6 @@ __all__ = [
 ]
 
 N_RESIDUAL = 3
-_DERIVATIVE = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
 _RIDGE = 1e-13  # relative to the scaled diagonal
 
 
@@ -97,7 +97,7 @@ def modal_data(
 
 def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
     """Residual regressors s^(d-2), s^(d-1), s^d on the lines: (n_freq, 3), unscaled."""
-    d = _DERIVATIVE[form]
+    d = derivative_order(form)
     return np.stack([s ** float(d - 2), s ** float(d - 1), s ** float(d)], axis=1)
 
 

@@ -91,7 +91,9 @@ def _weakest(
         bad |= ~physical(fit.poles, band_hz)
         bad |= _visible(fit, data) < _LEAST_VISIBLE
         J = frequency_damping_jacobian(fit.poles)
-        std = np.sqrt(np.maximum(np.diag(J @ white_covariance(fit, n_freq, share) @ J.T), 0.0))
+        misfit = lack_of_fit(fit, n_freq)
+        covariance = white_covariance(fit.information.sum(axis=0), misfit, share)
+        std = np.sqrt(np.maximum(np.diag(J @ covariance @ J.T), 0.0))
         damping = -fit.poles.real / np.abs(fit.poles)
         bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
     if np.any(bad):
