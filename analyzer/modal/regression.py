@@ -47,8 +47,7 @@ class ModalData:
     values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`
-    weighted_real: npt.NDArray[np.float64]  # (n_frf, n_freq), Re of weight times values
-    weighted_imag: npt.NDArray[np.float64]  # (n_frf, n_freq)
+    weighted: npt.NDArray[np.float64]  # (n_frf, 2 n_freq), weight times values, Re then Im
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
 
 
@@ -89,8 +88,7 @@ def modal_data(
         values=flat,
         weight=weight,
         row_weight=row,
-        weighted_real=weight * flat.real,
-        weighted_imag=weight * flat.imag,
+        weighted=np.concatenate([weight * flat.real, weight * flat.imag], axis=1),
         energy=energy,
     )
 
@@ -101,35 +99,34 @@ def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[
     return np.stack([s ** float(d - 2), s ** float(d - 1), s ** float(d)], axis=1)
 
 
-def _pair(
-    first: npt.NDArray[np.complex128], second: npt.NDArray[np.complex128]
-) -> npt.NDArray[np.complex128]:
-    """Regressors of Re and Im of a coefficient and its conjugate, interleaved."""
-    n_freq, n_modes = first.shape
-    both = np.empty((n_freq, 2 * n_modes), dtype=np.complex128)
-    both[:, 0::2] = first + second
-    both[:, 1::2] = 1j * (first - second)
-    return both
+def _put_pairs(
+    out: npt.NDArray[np.float64],
+    first: npt.NDArray[np.complex128],
+    second: npt.NDArray[np.complex128],
+) -> None:
+    """Regressors of Re and Im of a coefficient and its conjugate into rows (2 n, 2, n_freq)."""
+    np.add(first.real, second.real, out=out[0::2, 0])
+    np.add(first.imag, second.imag, out=out[0::2, 1])
+    np.subtract(second.imag, first.imag, out=out[1::2, 0])
+    np.subtract(first.real, second.real, out=out[1::2, 1])
 
 
 def _gram(
-    Phi: npt.NDArray[np.complex128], data: ModalData
+    rows: npt.NDArray[np.float64], data: ModalData
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Gram matrices (n_frf or 1, q, q) and right sides (n_frf, q), without `row_weight`."""
-    q = Phi.shape[1]
-    real, imag = np.ascontiguousarray(Phi.real), np.ascontiguousarray(Phi.imag)
+    q, n_freq = rows.shape[0], data.s.size
+    flat = rows.reshape(q, 2 * n_freq)
     if data.weight.shape[0] == 1:
-        w = data.weight[0][:, None]
-        G = (real.T @ (w * real) + imag.T @ (w * imag))[None]
+        G = (flat @ (rows * data.weight[0]).reshape(q, 2 * n_freq).T)[None]
     else:
         upper = np.triu_indices(q)
-        products = real[:, upper[0]] * real[:, upper[1]] + imag[:, upper[0]] * imag[:, upper[1]]
-        packed = data.weight @ products
+        products = rows[upper[0], 0] * rows[upper[1], 0] + rows[upper[0], 1] * rows[upper[1], 1]
+        packed = data.weight @ products.T
         G = np.empty((packed.shape[0], q, q))
         G[:, upper[0], upper[1]] = packed
         G[:, upper[1], upper[0]] = packed
-    b = data.weighted_real @ real + data.weighted_imag @ imag
-    return G, b
+    return G, data.weighted @ flat.T
 
 
 def gram_system(
@@ -145,15 +142,18 @@ def gram_system(
     G, b, size
         (n_frf or 1, q, q) and (n_frf, q) without `row_weight`, and (q,) the RMS divided by.
     """
-    s = data.s[:, None]
-    direct, mirrored = 1.0 / (s - poles), 1.0 / (s - poles.conj())
-    parts = [_pair(direct, mirrored), residual_terms(data.form, data.s)]
+    n = 2 * poles.size
+    q = (2 * n if pole_terms else n) + N_RESIDUAL
+    direct, mirrored = 1.0 / (data.s - poles[:, None]), 1.0 / (data.s - poles.conj()[:, None])
+    rows = np.empty((q, 2, data.s.size))
+    _put_pairs(rows[:n], direct, mirrored)
+    residual = residual_terms(data.form, data.s).T
+    rows[n : n + N_RESIDUAL, 0], rows[n : n + N_RESIDUAL, 1] = residual.real, residual.imag
     if pole_terms:
-        parts.append(_pair(direct**2, mirrored**2))
-    Phi = np.concatenate(parts, axis=1)
-    size = np.sqrt(np.mean(np.abs(Phi) ** 2, axis=0))
-    Phi /= size
-    G, b = _gram(Phi, data)
+        _put_pairs(rows[n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
+    size = np.sqrt(np.einsum("qak,qak->q", rows, rows) / data.s.size)
+    rows /= size[:, None, None]
+    G, b = _gram(rows, data)
     return G, b, size
 
 
