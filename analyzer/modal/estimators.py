@@ -36,7 +36,9 @@ class FrfEstimate:
 
     values: _Complex  # (n_resp, n_ref, n_freq)
     coherence: _Real  # (n_resp, n_freq), multiple coherence
-    variance: _Real  # (n_resp, n_ref, n_freq), E|error|^2 by the scatter of the records; nan if none
+    variance: (
+        _Real  # (n_resp, n_ref, n_freq), E|error|^2 by the scatter of the records; nan if none
+    )
 
 
 def single_reference(
@@ -151,9 +153,7 @@ def estimate_frf(
     )
 
 
-def _total_least_squares(
-    scaled: _Complex, GXF: _Complex, scale: _Real, power: _Real
-) -> _Complex:
+def _total_least_squares(scaled: _Complex, GXF: _Complex, scale: _Real, power: _Real) -> _Complex:
     """Hv of every response: (n_freq, n_resp, n_ref).
 
     With y = (f_1 .., x) scaled to unit power and v the eigenvector of the least power,

@@ -111,7 +111,9 @@ def synthesise(
     if model.modes:
         # Fitted as (p^d R)/(s - p); the polynomial rest of s^d R/(s - p) is in the residual terms.
         poles = np.array([mode.pole_rad_s for mode in model.modes])
-        residues = np.stack([mode.residues for mode in model.modes], axis=-1) * poles ** derivative_order(model.form)
+        residues = np.stack(
+            [mode.residues for mode in model.modes], axis=-1
+        ) * poles ** derivative_order(model.form)
         both = np.concatenate([residues, residues.conj()], axis=-1)
         total += both @ (1.0 / (s - np.concatenate([poles, poles.conj()])[:, None]))
     result: npt.NDArray[np.complex128] = total

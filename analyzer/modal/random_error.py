@@ -105,9 +105,7 @@ def scatter_random_error(
     """
     n = frfs.shape[0]
     if n < 2:
-        raise EstimateError(
-            f"the scatter between hits needs two hits or more, got {n}; hit again"
-        )
+        raise EstimateError(f"the scatter between hits needs two hits or more, got {n}; hit again")
     weight = force_power[:, None, :]
     total = weight.sum(axis=0)
     mean = (weight * frfs).sum(axis=0) / total
@@ -116,5 +114,3 @@ def scatter_random_error(
     std = np.sqrt(0.5 * smooth_lines(scatter, half_width_lines))
     lines = 1.0 + 2.0 * half_width_lines * independent_share
     return RandomError(std=std, dof=2.0 * (n - 1) * lines)
-
-

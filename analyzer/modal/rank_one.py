@@ -52,7 +52,7 @@ class RankOneFit:
     def n_free(self) -> int:
         """Real parameters fitted."""
         n_resp, n_modes = self.shape.shape
-        return N_RESIDUAL * self.cost.size + self.score.shape[1] + 2 * n_resp * n_modes
+        return int(N_RESIDUAL * self.cost.size + self.score.shape[1] + 2 * n_resp * n_modes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -106,9 +106,7 @@ def participation_covariance(fit: RankOneFit, theta: _Real, mode: int) -> _Real:
     return result
 
 
-def turned_std(
-    vector: _Complex, covariance: _Real, turned: _Complex
-) -> tuple[_Complex, float]:
+def turned_std(vector: _Complex, covariance: _Real, turned: _Complex) -> tuple[_Complex, float]:
     """Standard deviations of a vector turned and scaled, and of the scale taken off it.
 
     Parameters

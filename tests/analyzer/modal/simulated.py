@@ -105,8 +105,8 @@ def cramer_rao_std(made):
         J = np.concatenate([by_residue, by_pole]) * s**power
         J = J / np.sqrt(made.frf.variance[i, j])
         size = np.linalg.norm(J, axis=1)
-        I = 2.0 * (J.conj() @ J.T).real / np.outer(size, size)
-        R_R, R_P, P_P = I[: 2 * n, : 2 * n], I[: 2 * n, 2 * n :], I[2 * n :, 2 * n :]
+        info = 2.0 * (J.conj() @ J.T).real / np.outer(size, size)
+        R_R, R_P, P_P = info[: 2 * n, : 2 * n], info[: 2 * n, 2 * n :], info[2 * n :, 2 * n :]
         own = P_P - R_P.T @ np.linalg.solve(R_R, R_P)
         total += own * np.outer(size[2 * n :], size[2 * n :])
     C = np.linalg.inv(total)
