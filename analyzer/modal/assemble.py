@@ -52,6 +52,7 @@ def _modes(
     noise: float,
     power: int,
     *,
+    line_dof: float,
     transposed: bool,
 ) -> tuple[Mode, ...]:
     """Shapes of largest magnitude 1 on their best line; the participations carry the rest."""
@@ -62,9 +63,8 @@ def _modes(
         turned_long, turned_short = (
             v / np.max(np.abs(v)) for v in (to_real_axis(long), to_real_axis(short))
         )
-        long_std, long_scale = turned_std(
-            long, shape_covariance(fit, precision.theta, correlation, noise, m), turned_long
-        )
+        covariance, pole_share = shape_covariance(fit, precision.theta, correlation, noise, m)
+        long_std, long_scale = turned_std(long, covariance, turned_long)
         short_std, _ = turned_std(
             short, participation_covariance(fit, precision.theta, m), turned_short
         )
@@ -73,6 +73,7 @@ def _modes(
         shape, shape_std, part, part_std = turned_long, long_std, turned_short, short_std
         if transposed:
             shape, shape_std, part, part_std = part, part_std, shape, shape_std
+        dof = float(precision.dof[2 * m : 2 * m + 2].min())
         modes.append(
             Mode(
                 pole_rad_s=complex(pole),
@@ -88,7 +89,8 @@ def _modes(
                 mpc=mpc(turned_long),
                 mpd_deg=mpd_deg(turned_long),
                 mcf=mcf(turned_long),
-                dof=float(precision.dof[2 * m : 2 * m + 2].min()),
+                dof=dof,
+                shape_dof=1.0 / (pole_share**2 / dof + (1.0 - pole_share) ** 2 / line_dof),
                 stability=float(chosen.share[m]),
                 significance=float(chosen.significance[m]),
             )
@@ -147,6 +149,7 @@ def assemble_model(
         correlation,
         lack_of_fit / line_share,
         derivative_order(frf.form),
+        line_dof=max(2.0 * (hits - 1.0), 1.0) * max(n_freq * line_share, 1.0),
         transposed=transposed,
     )
 

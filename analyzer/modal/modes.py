@@ -34,12 +34,13 @@ class Mode:
     shape: npt.NDArray[np.complex128]  # (n_resp,)
     shape_std: npt.NDArray[np.complex128]  # (n_resp,) of the real part + j of the imaginary part
     participation: npt.NDArray[np.complex128]  # (n_ref,)
-    participation_std: npt.NDArray[np.complex128]  # (n_ref,) alike, its overall size taken as known
+    participation_std: npt.NDArray[np.complex128]  # (n_ref,) alike, on its own best line
     residue_std: float  # of the largest residue's magnitude, relative: the size both share
     mpc: float
     mpd_deg: float
     mcf: float
-    dof: float  # Student-t degrees of freedom of both standard deviations
+    dof: float  # Student-t degrees of freedom of the standard deviations of f and damping
+    shape_dof: float  # those of shape and participation: most of their scatter is the lines'
     stability: float  # share of the model orders at which the pole was seen
     significance: float  # rise of the misfit without the mode, over what noise alone would give
 

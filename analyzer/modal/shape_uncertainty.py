@@ -57,7 +57,7 @@ def axis_correlation(misfit: _Complex, clusters: npt.NDArray[np.int64]) -> _Comp
 
 def shape_covariance(
     fit: RankOneFit, theta: _Real, correlation: _Complex, noise: float, mode: int
-) -> _Real:
+) -> tuple[_Real, float]:
     """Covariance of one shape as fitted, real and imaginary part of each entry interleaved.
 
     Parameters
@@ -75,7 +75,8 @@ def shape_covariance(
 
     Returns
     -------
-    (2 n_resp, 2 n_resp) float64
+    covariance, pole_share
+        (2 n_resp, 2 n_resp), and the share of its trace that poles and participations bring.
     """
     n_resp = fit.shape.shape[0]
     at = slice(2 * mode, 2 * mode + 2)
@@ -87,8 +88,9 @@ def shape_covariance(
     rho[:, 0, :, 1] = -correlation.imag
     noisy = np.einsum("oab,obpc,pdc->oapd", root, rho, root, optimize=True)
     slope = fit.shape_slope[:, at].reshape(2 * n_resp, -1)
-    result: _Real = noisy.reshape(2 * n_resp, 2 * n_resp) + slope @ theta @ slope.T
-    return result
+    shared = slope @ theta @ slope.T
+    result: _Real = noisy.reshape(2 * n_resp, 2 * n_resp) + shared
+    return result, float(np.trace(shared) / np.trace(result))
 
 
 def participation_covariance(fit: RankOneFit, theta: _Real, mode: int) -> _Real:

@@ -30,6 +30,7 @@ def mode_of(pole_rad_s, shape):
         mpd_deg=0.0,
         mcf=0.0,
         dof=10.0,
+        shape_dof=10.0,
         stability=1.0,
         significance=1e6,
     )
