@@ -1,1 +1,7 @@
-"""Terminal app and command line: the only place where the packages meet."""
+"""The command line and the terminal app: the only place where the other packages meet."""
+
+import os
+
+# Matrices here are small: one BLAS thread is faster than many, and numpy reads this at import.
+for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")

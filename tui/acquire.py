@@ -13,8 +13,10 @@ from typing import Protocol
 from daq.acquisition import run_acquisition
 from daq.commands import Command, Ready, Stop
 from daq.events import Event, Failed, Finished, HitJudged, Prompted
+from daq.geometry import hit_direction
 from daq.session_machine import Prompt, PromptKind
 from daq.settings import AcquisitionSettings
+from protocols.arm.records import Arm
 from protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
 from protocols.plan_records import Plan
 
@@ -63,8 +65,9 @@ class ScriptedOperator:
     """The simulated laboratory's operator, asked over its private socket."""
 
     def __init__(
-        self, path: Path, plan: Plan, *, time_scale: float, timeout_s: float = 120.0
+        self, path: Path, arm: Arm, plan: Plan, *, time_scale: float, timeout_s: float = 120.0
     ) -> None:
+        self._arm = arm
         block_s = plan.sampling.samples / float(plan.sampling.rate_hz)
         self.patience_s: float | None = 1.0 + 2.0 * block_s / time_scale
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -84,14 +87,16 @@ class ScriptedOperator:
             return None
         if prompt.kind is PromptKind.POSTURE:
             degrees = [float(x) for x in prompt.posture.joints_rad * 57.29577951308232]
-            self._do({"do": "posture", "name": prompt.posture.name, "joints_deg": degrees})
+            self.ask({"do": "posture", "name": prompt.posture.name, "joints_deg": degrees})
             return None
         if prompt.kind is PromptKind.POINT:
-            self._do({"do": "mount", "point": prompt.sensor_point})
+            self.ask({"do": "mount", "point": prompt.sensor_point})
             return Ready()
-        if prompt.kind is PromptKind.HIT and prompt.posture.hit_direction is not None:
-            direction = [float(x) for x in prompt.posture.hit_direction]
-            self._do({"do": "hit", "point": prompt.hit_point, "direction": direction})
+        if prompt.kind is PromptKind.HIT:
+            direction = hit_direction(self._arm, prompt.posture, prompt.hit_point)
+            self.ask(
+                {"do": "hit", "point": prompt.hit_point, "direction": [float(x) for x in direction]}
+            )
         return None
 
     def close(self) -> None:
@@ -99,7 +104,14 @@ class ScriptedOperator:
         self._lines.close()
         self._socket.close()
 
-    def _do(self, request: dict[str, object]) -> None:
+    def ask(self, request: dict[str, object]) -> None:
+        """Send a request and wait until it is done.
+
+        Raises
+        ------
+        DeviceLostError, DeviceTimeoutError
+            If the operator refuses, is gone, or does not finish in time.
+        """
         try:
             self._socket.sendall(json.dumps(request).encode() + b"\n")
             line = self._lines.readline()

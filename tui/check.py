@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from fractions import Fraction
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,6 +22,8 @@ from hil_sim.broken_controller import broken_controller
 from hil_sim.lab import Laboratory
 from hil_sim.relay import relayed
 from protocols.arm.files import load_arm
+from protocols.session.hdf5 import read_session
+from tui.check_session import session_checks
 
 __all__ = ["app", "broken_lines"]
 
@@ -29,7 +32,7 @@ STYLES = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.NOT_CHECKED: "yell
 
 app = typer.Typer(
     no_args_is_help=True,
-    help="Check a board or a controller step by step: what was wanted, what came.\n\n"
+    help="Check a board, a controller or a measurement: what was wanted, what came.\n\n"
     "Example: armodal check board /dev/ttyACM0",
 )
 out = Console(highlight=False)
@@ -90,6 +93,26 @@ def check_can_command(
         tell=_tell,
     )
     _finish(report, as_json=as_json)
+
+
+@app.command("session")
+def check_session_command(
+    session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+    as_json: Json = False,
+) -> None:
+    """Check a measurement without a model: sensor faults, reciprocity, homogeneity.
+
+    Exit code 1 if a fault is found.
+
+    Example: armodal check session session.h5
+    """
+    value, table = session_checks(read_session(session))
+    if as_json:
+        sys.stdout.write(json.dumps(value, indent=2) + "\n")
+    else:
+        out.print(table)
+    if any(row["fault"] for row in value["checks"]):
+        raise typer.Exit(FAILED)
 
 
 def _rate(text: str | None) -> Fraction | None:

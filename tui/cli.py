@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-# Matrices here are small: one BLAS thread is faster than many, and numpy reads this at import.
-for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")
+import typer
+from rich.console import Console
+from rich.table import Table
 
-import typer  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.table import Table  # noqa: E402
-
-from analyzer.arm.superset import Superset  # noqa: E402
-from analyzer.identification.identify import estimate_frfs, identify  # noqa: E402
-from analyzer.report import write_report  # noqa: E402
-from daq.events import Event  # noqa: E402
-from daq.settings import AcquisitionSettings  # noqa: E402
-from hil_sim.lab import start_laboratory  # noqa: E402
-from protocols.arm.files import load_arm  # noqa: E402
-from protocols.errors import ArmodalError, SessionError  # noqa: E402
-from protocols.plan import load_plan  # noqa: E402
-from protocols.session.hdf5 import read_session  # noqa: E402
-from protocols.session.recovery import rebuild  # noqa: E402
-from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe  # noqa: E402
-from tui.check import app as check_app  # noqa: E402
-from tui.check import broken_lines  # noqa: E402
-from tui.demo import DEMO_TIME_SCALE, run_demo  # noqa: E402
-from tui.exchange import add_exchange_commands  # noqa: E402
-from tui.fit import fit_session  # noqa: E402
-from tui.results import identification_json, identification_tables  # noqa: E402
+from analyzer.arm.superset import Superset
+from analyzer.identification.identify import estimate_frfs, identify
+from analyzer.report import write_report
+from daq.events import Event
+from daq.settings import AcquisitionSettings
+from hil_sim.lab import start_laboratory
+from protocols.arm.files import load_arm
+from protocols.errors import ArmodalError, SessionError
+from protocols.plan import load_plan
+from protocols.session.hdf5 import read_session
+from protocols.session.recovery import rebuild
+from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
+from tui.arm_commands import app as arm_app
+from tui.check import app as check_app
+from tui.check import broken_lines
+from tui.demo import DEMO_TIME_SCALE, run_demo
+from tui.exchange import add_exchange_commands
+from tui.fit import fit_session
+from tui.results import identification_json, identification_tables
 
 __all__ = ["main"]
 
@@ -43,6 +39,7 @@ USER_ERROR = 2
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(check_app, name="check")
+app.add_typer(arm_app)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -186,7 +183,7 @@ def acquire_command(
     person: Operator = (
         PersonAtTerminal(err.input)
         if operator is None
-        else ScriptedOperator(operator, the_plan, time_scale=time_scale)
+        else ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
     )
     settings = AcquisitionSettings(
         board_port=board,

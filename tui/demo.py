@@ -57,7 +57,7 @@ def run_demo(
     with start_laboratory(
         "rv4frl", seed=seed, time_scale=time_scale, directory=lab_directory
     ) as laboratory:
-        operator = ScriptedOperator(laboratory.operator, plan, time_scale=time_scale)
+        operator = ScriptedOperator(laboratory.operator, arm, plan, time_scale=time_scale)
         settings = AcquisitionSettings(
             board_port=laboratory.board,
             can_channel=laboratory.can,

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.identify import estimate_frfs
 from analyzer.identification.mode_fit import MeasuredModes
 from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from analyzer.modal import fit_modes
+from analyzer.modal import ModalModel, fit_modes
 from protocols.session.records import Session
 
 __all__ = ["fit_session"]
+
+SAME_F, SAME_DAMPING = 0.01, 0.05  # relative, between consecutive orders: the usual criterion
 
 
 def fit_session(
@@ -30,7 +34,7 @@ def fit_session(
     for frf in estimate_frfs(session, superset):
         model = fit_modes(frf, band_hz=band_hz)
         errors[frf.posture] = model.synthesis_error
-        stabilisation[frf.posture] = {"band_hz": list(model.band_hz)}
+        stabilisation[frf.posture] = _stabilisation(model)
         if frf.joints_rad is None:
             continue
         measured = MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
@@ -68,3 +72,31 @@ def fit_session(
         "warnings": list(session.warnings),
     }
     return value, table
+
+
+def _stabilisation(model: ModalModel) -> dict[str, Any]:
+    """Poles over model orders; stable where the order before has one of the same f and damping."""
+    found = model.stabilisation
+    f_hz, damping = found.f_hz, found.damping_ratio
+    stable = np.zeros(len(f_hz), dtype=bool)
+    for before, order in pairwise(found.orders):
+        new, old = found.order == order, found.order == before
+        near_f = np.abs(f_hz[new][:, None] - f_hz[old]) <= SAME_F * f_hz[new][:, None]
+        near_damping = (
+            np.abs(damping[new][:, None] - damping[old])
+            <= SAME_DAMPING * np.abs(damping[new])[:, None]
+        )
+        stable[new] = (near_f & near_damping).any(axis=1)
+    return {
+        "band_hz": list(model.band_hz),
+        "orders": list(found.orders),
+        "poles": [
+            {
+                "order": int(order),
+                "f_hz": float(f),
+                "damping_ratio": float(ratio),
+                "stable": bool(same),
+            }
+            for order, f, ratio, same in zip(found.order, f_hz, damping, stable, strict=True)
+        ],
+    }

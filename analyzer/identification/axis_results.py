@@ -18,6 +18,7 @@ from analyzer.identification.structural import (
     moment_about,
     mozzi_of_shape,
     to_link,
+    triplets_of_shape,
 )
 from analyzer.screws import line_angle_rad, line_distance_m
 from protocols.frf_records import FrequencyResponse
@@ -25,6 +26,8 @@ from protocols.frf_records import FrequencyResponse
 __all__ = ["axis_results"]
 
 Array = npt.NDArray[np.float64]
+
+PARALLEL_DEG, NEAR_M = 10.0, 0.03  # of a joint's axis: nearer, two springs in series look as one
 
 
 def axis_results(
@@ -43,6 +46,7 @@ def axis_results(
     for number, axis in enumerate(structure.axes):
         at = 2 * len(structure.joints) + 6 * number
         freedom = len(structure.joints) + number
+        mozzi = _mozzi(superset, axis, frfs, measured, shares, predictions)
         posture, f_hz = _strained_mode(freedom, frfs, shares, predictions)
         results.append(
             AxisResult(
@@ -60,7 +64,8 @@ def axis_results(
                 c_n_m_s_per_rad=axis.damping_n_m_s_per_rad,
                 c_std=float(axis.damping_n_m_s_per_rad * std[at + 5]),
                 c_dof=float(dof[at + 5]),
-                mozzi=_mozzi(superset, axis, frfs, measured, shares, predictions),
+                mozzi=mozzi,
+                doubts=_doubts(superset, axis, mozzi),
             )
         )
     return tuple(results)
@@ -125,6 +130,7 @@ def _mozzi(
                     predicted_bias_deg=float(np.rad2deg(line_angle_rad(line[0], axis.direction))),
                     predicted_bias_mm=1e3 * off_m,
                     predicted_bias_k=expected_k / axis.stiffness_n_m_per_rad - 1.0,
+                    triplets=triplets_of_shape(superset, posture, posture.shapes[:, i], axis.link),
                 )
             )
     return tuple(results)
@@ -137,6 +143,37 @@ def _near_joint(superset: Superset, axis: Axis) -> Array:
         return axis.point_m
     joint_m = superset.arm.joints[beyond].T_parent_joint[:3, 3]
     return np.asarray(axis.point_m + axis.direction * (axis.direction @ joint_m))
+
+
+def _doubts(superset: Superset, axis: Axis, mozzi: tuple[MozziOfMode, ...]) -> tuple[str, ...]:
+    """What speaks against reading the axis as a compliance of its own."""
+    doubts = []
+    joints = superset.arm.joints
+    # The joint that moves the link turns about its own axis through the link frame's origin.
+    near = joints[axis.link]
+    angle = float(np.rad2deg(line_angle_rad(near.axis, axis.direction)))
+    away = line_distance_m(np.zeros(3), axis.point_m, axis.direction)
+    if near.stiffness is not None and angle < PARALLEL_DEG and away < NEAR_M:
+        doubts.append(
+            f"the axis is {angle:.0f} degrees and {1e3 * away:.0f} mm from {near.name}'s: its "
+            "compliance and the joint's can hardly be told apart"
+        )
+    if axis.link + 1 < len(joints):
+        outer = joints[axis.link + 1]
+        T = outer.T_parent_joint
+        angle = float(np.rad2deg(line_angle_rad(T[:3, :3] @ outer.axis, axis.direction)))
+        away = line_distance_m(T[:3, 3], axis.point_m, axis.direction)
+        if outer.stiffness is not None and angle < PARALLEL_DEG and away < NEAR_M:
+            doubts.append(
+                f"the axis is {angle:.0f} degrees and {1e3 * away:.0f} mm from {outer.name}'s: its "
+                "compliance and the joint's can hardly be told apart"
+            )
+    if all(row.triplets is None for row in mozzi):
+        doubts.append(
+            "no two triplets of triaxial points behind the axis span a plane: the axis rests on "
+            "the model alone; measure three points that are not in line"
+        )
+    return tuple(doubts)
 
 
 def _equation_one(

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.identification.frf_fit import FrfFit
+from analyzer.identification.triplets import TripletAxes
 from analyzer.modal import ModalModel
 from protocols.frf_records import FrequencyResponse
 
@@ -60,6 +61,7 @@ class MozziOfMode:
     predicted_bias_deg: float
     predicted_bias_mm: float
     predicted_bias_k: float  # relative
+    triplets: TripletAxes | None  # in base; None where fewer than two triplets tell an axis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +83,7 @@ class AxisResult:
     c_std: float
     c_dof: float
     mozzi: tuple[MozziOfMode, ...]
+    doubts: tuple[str, ...]  # what could be mistaken for this axis, and what the points cannot tell
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

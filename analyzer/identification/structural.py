@@ -14,9 +14,17 @@ import numpy.typing as npt
 from analyzer.arm.structure import Axis
 from analyzer.arm.superset import PostureDynamics, Superset
 from analyzer.identification.mode_fit import MeasuredModes
+from analyzer.identification.triplets import TripletAxes, triplet_axes
 from analyzer.screws import MozziAxis, mozzi_axis, rigid_motion
 
-__all__ = ["STRUCTURAL_SHARE", "joint_share", "moment_about", "mozzi_of_shape", "to_link"]
+__all__ = [
+    "STRUCTURAL_SHARE",
+    "joint_share",
+    "moment_about",
+    "mozzi_of_shape",
+    "to_link",
+    "triplets_of_shape",
+]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -48,6 +56,24 @@ def mozzi_of_shape(
     )
     axis = mozzi_axis(fit.twist.real)
     return axis if isinstance(axis, MozziAxis) else None
+
+
+def triplets_of_shape(
+    superset: Superset, measured: MeasuredModes, shape: ComplexArray, link: int
+) -> TripletAxes | None:
+    """Mozzi axes, in base, of triplets of the triaxial points on a link and beyond."""
+    links = np.array(superset.point_link)[measured.index]
+    points, motion = [], []
+    for point in np.unique(measured.index[links >= link]):
+        rows = measured.index == point
+        directions = measured.directions[rows]
+        if rows.sum() != 3 or abs(np.linalg.det(directions)) < 0.1:
+            continue  # not triaxial
+        points.append(measured.dynamics.point_position[point])
+        motion.append(np.linalg.solve(directions, shape[rows]))
+    if len(points) < 3:
+        return None
+    return triplet_axes(np.array(points), np.array(motion))
 
 
 def to_link(dynamics: PostureDynamics, link: int, axis: MozziAxis) -> tuple[Array, Array]:

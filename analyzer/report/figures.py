@@ -17,6 +17,8 @@ __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
 
 SHAPE_LENGTH_M = 0.15  # the largest motion of a mode is drawn this long
 AXIS_LENGTH_M = 0.5
+PHASES = 16  # pictures of one cycle of a mode
+CYCLES = 4  # played for one choice
 
 
 def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
@@ -31,7 +33,7 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
             rows = (np.abs(values), np.degrees(np.angle(values)), frf.coherence[i, j, keep])
             for row, y in enumerate(rows, start=1):
                 figure.add_trace(
-                    go.Scattergl(
+                    go.Scatter(
                         x=frf.freq_hz[keep].round(3),
                         y=y.astype(np.float32),
                         name=name,
@@ -70,7 +72,7 @@ def indicator_figure(
 def arm_figure(
     superset: Superset, frf: FrequencyResponse, model: ModalModel, axes: tuple[AxisResult, ...]
 ) -> Any:
-    """The arm in a posture with its points, one mode shape at a time, and structural axes."""
+    """The arm in a posture with its points, a mode shape that moves, and structural axes."""
     if frf.joints_rad is None:
         raise ValueError(f"posture '{frf.posture}' has no joint angles to draw the arm with")
     posture = superset.posture(frf.joints_rad)
@@ -97,30 +99,47 @@ def arm_figure(
             line={"width": 6, "color": "#c00"},
             name=f"axis in {axis.link}",
         )
-    fixed = len(figure.data)
-    for number, mode in enumerate(model.modes):
-        moved = _shape(superset, frf, mode.shape)
-        lines = np.full((3 * len(moved), 3), np.nan)
-        lines[0::3] = posture.point_position
-        lines[1::3] = posture.point_position + moved
+    shapes = [_shape(superset, frf, mode.shape) for mode in model.modes]
+    # The wireframe joins the points from the base outwards.
+    order = np.argsort(superset.point_link, kind="stable")
+    rest = posture.point_position[order]
+    if shapes:
         figure.add_scatter3d(
-            **_xyz(lines),
-            mode="lines",
+            **_xyz(rest + shapes[0][order].real),
+            mode="lines+markers",
             line={"width": 5, "color": "#06c"},
-            name=f"{mode.f_hz:.2f} Hz",
-            visible=number == 0,
+            marker={"size": 4, "color": "#06c"},
+            name="mode shape",
         )
+    moving = len(figure.data) - 1
+    figure.frames = [
+        go.Frame(
+            name=f"{number}/{phase}",
+            data=[
+                go.Scatter3d(
+                    **_xyz(rest + (shape[order] * np.exp(2j * np.pi * phase / PHASES)).real)
+                )
+            ],
+            traces=[moving],
+        )
+        for number, shape in enumerate(shapes)
+        for phase in range(PHASES)
+    ]
+    play = {"frame": {"duration": 60, "redraw": True}, "transition": {"duration": 0}}
     buttons = [
         {
             "label": f"{mode.f_hz:.2f} Hz",
-            "method": "update",
-            "args": [{"visible": [True] * fixed + [k == i for k in range(len(model.modes))]}],
+            "method": "animate",
+            "args": [
+                [f"{number}/{phase}" for phase in range(PHASES)] * CYCLES,
+                play | {"mode": "immediate"},
+            ],
         }
-        for i, mode in enumerate(model.modes)
+        for number, mode in enumerate(model.modes)
     ]
     figure.update_layout(
         height=560,
-        title=f"{frf.posture}: arm, points, mode shape",
+        title=f"{frf.posture}: arm, points, mode shape (choose a frequency to see it move)",
         scene={"aspectmode": "data"},
         updatemenus=[{"buttons": buttons, "x": 0.0, "y": 1.0}] if buttons else [],
     )
@@ -128,12 +147,12 @@ def arm_figure(
 
 
 def _shape(superset: Superset, frf: FrequencyResponse, shape: Any) -> Any:
-    """Motion (n_points, 3) in base, real part at the phase of largest motion."""
+    """Complex motion (n_points, 3) in base, its largest real part drawn SHAPE_LENGTH_M long."""
     phase = np.exp(-0.5j * np.angle(np.sum(shape**2)))
-    moved = np.zeros((len(superset.arm.points), 3))
-    for dof, value in zip(frf.responses, (shape * phase).real, strict=True):
+    moved = np.zeros((len(superset.arm.points), 3), dtype=np.complex128)
+    for dof, value in zip(frf.responses, shape * phase, strict=True):
         moved[superset.point_index[dof.point]] += value * dof.direction
-    return moved * SHAPE_LENGTH_M / max(float(np.linalg.norm(moved, axis=1).max()), 1e-30)
+    return moved * SHAPE_LENGTH_M / max(float(np.linalg.norm(moved.real, axis=1).max()), 1e-30)
 
 
 def _xyz(points: Any) -> dict[str, Any]:

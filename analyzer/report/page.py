@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -29,16 +28,18 @@ def write_report(session: Session, identification: Identification, path: Path) -
         If the file cannot be written.
     """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("analyzer.report", "."), autoescape=True
+        loader=jinja2.PackageLoader("analyzer.report", "."),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
     )
     html = environment.get_template("report.html").render(**_content(session, identification))
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
+        with part.open("x", encoding="utf-8") as file:
             file.write(html)
-        Path(name).replace(path)
+        part.replace(path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
         raise
 
 
@@ -53,7 +54,9 @@ def _content(session: Session, identification: Identification) -> dict[str, Any]
             frf_figure(frf, top_hz),
             indicator_figure(frf, model, dict(session.header.arm.groups), top_hz),
         ):
-            figures.append(figure.to_html(full_html=False, include_plotlyjs=not figures))
+            figures.append(
+                figure.to_html(full_html=False, include_plotlyjs=not figures, auto_play=False)
+            )
     rejected = Counter(
         reason for hit in session.hits for reason in hit.verdict.reasons if not hit.verdict.accepted
     )

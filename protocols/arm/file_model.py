@@ -47,7 +47,7 @@ class DhTable(FileModel):
 
 
 class LinkTable(FileModel):
-    """The inertials of a link where no URDF gives them."""
+    """The inertials of a link; with a URDF they replace the URDF's."""
 
     name: Name
     mass_kg: Positive

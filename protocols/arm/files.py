@@ -169,9 +169,14 @@ def _joints(file: ArmFile, chain: Chain | None, origin: str) -> tuple[Joint, ...
 
 
 def _urdf_joint(table: JointTable, joint: UrdfJoint, path: str, origin: str) -> Joint:
-    for key, value in (("dh", table.dh), ("link", table.link)):
-        if value is not None:
-            refuse(ArmError, origin, f"{path}.{key}", wanted="it left to the URDF", got="a table")
+    if table.dh is not None:
+        refuse(ArmError, origin, f"{path}.dh", wanted="it left to the URDF", got="a table")
+    link = joint.link
+    if table.link is not None:
+        if table.link.name != joint.link.name:
+            wanted = f"the URDF's link, {joint.link.name}"
+            refuse(ArmError, origin, f"{path}.link.name", wanted=wanted, got=table.link.name)
+        link = _table_link(table.link, f"{path}.link", origin)
     low, high = joint.range_rad
     if table.range_deg is not None:
         narrowed = math.radians(table.range_deg[0]), math.radians(table.range_deg[1])
@@ -183,7 +188,7 @@ def _urdf_joint(table: JointTable, joint: UrdfJoint, path: str, origin: str) -> 
     elif not math.isfinite(low):
         text = "a range, since the URDF's joint is continuous"
         refuse(ArmError, origin, f"{path}.range_deg", wanted=text, got=None)
-    return _joint(table, joint.T_parent_joint, joint.axis, (low, high), joint.link)
+    return _joint(table, joint.T_parent_joint, joint.axis, (low, high), link)
 
 
 def _dh_joint(table: JointTable, path: str, origin: str) -> Joint:

@@ -234,6 +234,8 @@ def _link(body: _Body) -> InertialLink:
         xx, yy, zz, xy, xz, yz = (
             _number(_attribute(inertial, "inertia", key, part), f"{part}: {key}") for key in keys
         )
+        if mass == 0.0 and element.get("name") != name and not any((xx, yy, zz, xy, xz, yz)):
+            continue  # a frame fixed to the link, written as a body of nothing
         R = T[:3, :3]
         inertia = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
         link = physical_link(element.get("name", ""), mass, T[:3, 3], inertia)

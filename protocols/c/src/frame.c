@@ -19,26 +19,21 @@ static void put(ab_encoder *encoder, const uint8_t *bytes, size_t n)
         return;
     }
     while (i < n) {
-        size_t piece;
+        size_t end;
 
         if (code == 255) { /* the piece is full and more follows */
             wire[code_at] = 255;
             code_at = at++;
             code = 1;
         }
-        piece = n - i < 255 - code ? n - i : 255 - code;
-        {
-            const size_t end = i + piece;
-
-            while (i < end && bytes[i] != 0)
-                wire[at++] = bytes[i++];
-            code += (unsigned)(piece - (end - i));
-            if (i < end) { /* a zero ends the piece */
-                wire[code_at] = (uint8_t)code;
-                code_at = at++;
-                code = 1;
-                i++;
-            }
+        end = n - i < 255 - code ? n : i + (255 - code);
+        for (; i < end && bytes[i] != 0; code++)
+            wire[at++] = bytes[i++];
+        if (i < end) { /* a zero ends the piece */
+            wire[code_at] = (uint8_t)code;
+            code_at = at++;
+            code = 1;
+            i++;
         }
     }
     encoder->at = at;

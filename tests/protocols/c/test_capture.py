@@ -267,6 +267,17 @@ def test_a_preview_without_room_drops_whole_frames_and_counts_them():
     assert [b - a for a, b in itertools.pairwise(numbers)] == [1] * (len(numbers) - 1)
 
 
+def test_a_frame_cut_short_by_a_jump_is_dropped_with_as_many_samples_as_it_has():
+    device = Device(preview_frames=1)
+    device.run(wanted(0, 4, 1, stream=True, rate_hz=Fraction(51_200)))
+    device.room = 0
+    # One frame goes to the transmit buffer, one to the preview's; then 10 samples find no room.
+    device.feed([[0, 0]] * (64 + 64 + 10))
+    C.ab_lost(device.board, 1)
+    device.room = None
+    assert device.status().stream_samples_dropped == 10
+
+
 def test_what_is_held_outlives_configure_refused_and_not_configure_accepted():
     device = Device()
     device.run(wanted(0, 1, 1))

@@ -17,6 +17,7 @@ from protocols.board import (
     Slope,
     decode_reply,
     decode_samples,
+    dictionary_hash,
     encode_configuration,
     encode_release,
     encode_resend,
@@ -201,7 +202,7 @@ def test_a_resend_range_is_checked_against_the_block():
         (99, 1, OK),
         (100, 0, OK),
         (99, 2, ReplyCode.BAD_VALUE),
-        (2**32 - 1, 2**32 - 1, ReplyCode.BAD_VALUE),
+        (2**32 - 1, 2, ReplyCode.BAD_VALUE),
     ]:
         assert device.code(FrameType.RESEND, encode_resend(1, first, count)) is code
 
@@ -304,3 +305,17 @@ def test_a_dictionary_with_other_channels_is_refused_and_the_old_one_stays():
     other = Device(dictionary_of(3)).encoded
     assert C.ab_set_dictionary(device.board, other, len(other)) == C.AB_INIT_DICTIONARY
     assert join_hello([f.payload for f in device.ask(FrameType.HELLO)]) == device.encoded
+
+
+def test_two_dictionaries_are_never_mixed_in_one_answer():
+    device = Device(BIG)
+    device.room = 0
+    device.receive(sealed(1, FrameType.HELLO, tag=3))  # its first fragment waits for the line
+    other = Device(dictionary_of(32, board_id="y" * 255)).encoded
+    assert C.ab_set_dictionary(device.board, other, len(other)) == C.AB_INIT_OK
+    device.room = None
+    device.poll()
+    assert len(device.frames) == 1
+    replies = device.ask(FrameType.HELLO, tag=4)
+    assert join_hello([frame.payload for frame in replies]) == other
+    assert replies[0].header.dictionary_hash == dictionary_hash(other)

@@ -1,0 +1,1 @@
+"""Link inertias that no drawing gives, from published or measured figures."""

@@ -1,0 +1,170 @@
+"""Rigid-link check of one posture's FRFs: what to compare, in which band, under which assembly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER
+from analyzer.checks.hit_aim import aim_patterns
+from analyzer.checks.records import Finding, Outcome
+from analyzer.checks.rigid_design import Assembly, rigid_design
+from analyzer.checks.rigid_link import RigidLinkResult, rigid_link
+from analyzer.checks.rigid_statistics import OrdinaryErrors, statistics
+from analyzer.modal.noise import independent_line_share
+from analyzer.modal.windows import laplace_lines
+from protocols.errors import EstimateError
+from protocols.frf_records import FrequencyResponse, FrfForm
+
+__all__ = ["POSITION_STD_M", "check_links", "ordinary_errors"]
+
+ComplexArray = npt.NDArray[np.complex128]
+
+POSITION_STD_M = 0.003  # of a sensor put on a marked point by hand
+LOWEST_HZ = 8.0  # below, an accelerometer feels gravity turn more than the arm move
+TOPS_HZ = (200.0, 120.0, 70.0)  # the widest band in which links are rigid is taken
+MIN_LINES = 20
+
+
+def ordinary_errors(superset: Superset) -> OrdinaryErrors:
+    """Errors a good measurement has, from the arm file's tolerances."""
+    tolerances = superset.arm.tolerances
+    return OrdinaryErrors(
+        tilt_rad=tolerances.sensor_tilt_rad,
+        gain=tolerances.sensor_gain,
+        position_m=POSITION_STD_M,
+    )
+
+
+def check_links(
+    frf: FrequencyResponse,
+    single_hits: Mapping[str, ComplexArray],
+    poles: Sequence[complex],
+    superset: Superset,
+    errors: OrdinaryErrors | None = None,
+) -> RigidLinkResult:
+    """Name what is wrong with a roving triaxial sensor, if anything is.
+
+    Parameters
+    ----------
+    frf
+        Accelerance of one posture, one reference, three responses a point in the order x, y, z.
+    single_hits
+        Per point (n_hits, 3, n_freq) accelerance of its single hits, on the lines of `frf`;
+        points that are missing count as measured with one hit.
+    poles
+        Poles of the posture's modes in rad/s (see `fit_modes`): they tell what an error of aim
+        can do. May be empty, at the price of power.
+    errors
+        By default those of the arm file.
+
+    Raises
+    ------
+    EstimateError
+        If the FRFs are not accelerance, have several references, or no joint angles.
+    """
+    _require(frf)
+    dynamics = superset.posture(np.asarray(frf.joints_rad))
+    errors = errors or ordinary_errors(superset)
+    measured, where = _triaxial_points(frf, superset)
+    if len(measured) < 2:
+        return _too_few(frf.posture)
+    values = np.stack([frf.values[rows, 0] for rows in where])
+    variance = np.stack([frf.variance[rows, 0] for rows in where])
+    hits = [single_hits.get(point, values[i : i + 1]) for i, point in enumerate(measured)]
+    s = laplace_lines(frf.freq_hz, frf.decay_rad_s)
+    patterns = aim_patterns(s, poles, values, hits)
+    spacing = float(frf.freq_hz[1] - frf.freq_hz[0])
+    share = independent_line_share(frf.decay_rad_s, spacing)
+    result: RigidLinkResult | None = None
+    for assembly in Assembly:
+        design = rigid_design(superset, dynamics, assembly)
+        for top_hz in TOPS_HZ:
+            keep = (frf.freq_hz >= LOWEST_HZ) & (frf.freq_hz <= top_hz)
+            if np.count_nonzero(keep) < MIN_LINES:
+                continue
+            stats = statistics(values[..., keep], variance[..., keep], patterns[..., keep], share)
+            result = rigid_link(frf.posture, measured, stats, design, errors)
+            if result.residual_per_dof <= ADEQUATE:
+                if assembly is Assembly.CHAIN and result.finding.outcome is Outcome.FAULT:
+                    links = rigid_design(superset, dynamics, Assembly.LINKS)
+                    narrower = rigid_link(frf.posture, measured, stats, links, errors)
+                    result = _unless_contradicted(result, narrower)
+                return result
+    return result or _too_few(frf.posture)
+
+
+def _require(frf: FrequencyResponse) -> None:
+    if frf.form is not FrfForm.ACCELERANCE or len(frf.references) != 1:
+        raise EstimateError(
+            "the rigid-link check wants accelerance with one reference, got "
+            f"{frf.form.value} with {len(frf.references)}; convert it, or check one reference "
+            "at a time"
+        )
+    if frf.joints_rad is None:
+        raise EstimateError(
+            f"posture {frf.posture!r} has no joint angles, so nobody knows where its points are; "
+            "give them to check links"
+        )
+
+
+def _triaxial_points(
+    frf: FrequencyResponse, superset: Superset
+) -> tuple[tuple[str, ...], list[list[int]]]:
+    """Points on moving links with all of x, y, z, and their three rows."""
+    rows: dict[str, dict[str, int]] = {}
+    for i, dof in enumerate(frf.responses):
+        rows.setdefault(dof.point, {})[dof.label] = i
+    measured = tuple(
+        point
+        for point, axes in rows.items()
+        if set(axes) == {"x", "y", "z"} and superset.point_link[superset.point_index[point]] >= 0
+    )
+    return measured, [[rows[point][axis] for axis in "xyz"] for point in measured]
+
+
+def _unless_contradicted(chain: RigidLinkResult, links: RigidLinkResult) -> RigidLinkResult:
+    """The chain's name stands unless the links alone, with no hinge assumed, speak against it."""
+    best = chain.candidates[0]
+    null = next(c for c in links.candidates if c.fault is None)
+    same = [c.cost for c in links.candidates if c.name == best.name]
+    # A fault that fell out of the links' screen explains them worse than nothing at all does.
+    if same and min(same) < null.cost + CLEARLY_BETTER:
+        return chain
+    return replace(
+        chain,
+        finding=replace(
+            chain.finding,
+            outcome=Outcome.CANNOT_TELL,
+            fault=None,
+            points=(),
+            everywhere=False,
+            confidence=0.0,
+            text=f"the chain says {chain.finding.text}, the links alone do not",
+        ),
+    )
+
+
+def _too_few(posture: str) -> RigidLinkResult:
+    return RigidLinkResult(
+        finding=Finding(
+            check="rigid link",
+            posture=posture,
+            outcome=Outcome.CANNOT_TELL,
+            fault=None,
+            points=(),
+            everywhere=False,
+            confidence=0.0,
+            text="wanted two or more triaxial points on moving links and 20 lines above 8 Hz",
+        ),
+        measured=(),
+        candidates=(),
+        sight=(),
+        residual_per_dof=float("nan"),
+        faint=False,
+        scale=1.0,
+    )

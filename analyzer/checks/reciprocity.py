@@ -1,0 +1,147 @@
+"""Reciprocity: the response at i to a force at j is that at j to the same force at i.
+
+Two directions are compared: u_i^T H(i <- j) f_j, the motion at i along the hit that i gets, under
+the hit at j, and the same with i and j exchanged. It takes a triaxial sensor (or one along the hit)
+and a hit at both points, so usually two sets of FRFs of one posture.
+
+References
+----------
+Ewins, Modal Testing, 2nd ed. (2000), section 3.10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.checks.records import Fault, Finding, Outcome
+from protocols.frf_records import FrequencyResponse
+
+__all__ = ["reciprocity"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+_BAND_HZ = (8.0, 200.0)
+_CROSS = 0.05  # of the transverse response: aim and tilt
+_MATERIAL_GAIN = 0.05
+_ALIKE = 0.15  # misfit over response below which two FRFs are the same but for a factor
+_SAME_LINES_HZ = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Path:
+    response: str
+    reference: str
+    value: ComplexArray  # (n_freq,)
+    variance: Array  # (n_freq,)
+
+
+def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
+    """Compare every pair of exchanged paths among FRFs of one posture.
+
+    Returns
+    -------
+    One finding a pair; one that cannot tell where there is no pair.
+    """
+    if not frfs:
+        return (_say("", None, Outcome.CANNOT_TELL, None, 0.0, "no FRFs were given"),)
+    first = frfs[0]
+    same = [
+        frf
+        for frf in frfs
+        if frf.posture == first.posture
+        and frf.form is first.form
+        and frf.decay_rad_s == first.decay_rad_s
+        and frf.freq_hz.shape == first.freq_hz.shape
+        and np.allclose(frf.freq_hz, first.freq_hz, rtol=0.0, atol=_SAME_LINES_HZ)
+    ]
+    hit_at = {dof.point: dof.direction for frf in same for dof in frf.references}
+    paths = [path for frf in same for path in _paths(frf, hit_at)]
+    keep = (first.freq_hz >= _BAND_HZ[0]) & (first.freq_hz <= _BAND_HZ[1])
+    found = [
+        _compare(first.posture, a, b, keep)
+        for i, a in enumerate(paths)
+        for b in paths[i + 1 :]
+        if a.response == b.reference and a.reference == b.response and a.response != a.reference
+    ]
+    nothing = _say(
+        first.posture,
+        None,
+        Outcome.CANNOT_TELL,
+        None,
+        0.0,
+        "no two points were both hit and measured along each other's hits; hit one more point",
+    )
+    return tuple(found) or (nothing,)
+
+
+def _paths(frf: FrequencyResponse, hit_at: dict[str, Array]) -> list[_Path]:
+    """Motion at every point that is hit somewhere, along its own hit."""
+    result = []
+    for point, direction in hit_at.items():
+        rows = [i for i, dof in enumerate(frf.responses) if dof.point == point]
+        if not rows:
+            continue
+        axes = np.array([frf.responses[i].direction for i in rows])
+        along = np.linalg.pinv(axes.T) @ direction
+        if np.linalg.norm(axes.T @ along - direction) > _CROSS:
+            continue
+        for j, dof in enumerate(frf.references):
+            H = frf.values[rows, j]
+            cross = _CROSS**2 * np.sum(np.abs(H) ** 2, axis=0)
+            result.append(
+                _Path(
+                    response=point,
+                    reference=dof.point,
+                    value=along @ H,
+                    variance=along**2 @ frf.variance[rows, j] + cross,
+                )
+            )
+    return result
+
+
+def _compare(posture: str, a: _Path, b: _Path, keep: npt.NDArray[np.bool_]) -> Finding:
+    A, B = a.value[keep], b.value[keep]
+    weight = 1.0 / (a.variance + b.variance)[keep]
+    size = float(np.sqrt(np.sum(weight * np.abs(A) ** 2) * np.sum(weight * np.abs(B) ** 2)))
+    cross = float(np.sum(weight * (B.conj() * A).real)) / max(size, 1e-300)
+    ratio = float(np.sqrt(np.sum(weight * np.abs(A) ** 2) / np.sum(weight * np.abs(B) ** 2)))
+    # Two FRFs that agree within the noise everywhere have a squared misfit of one a line.
+    noise = np.count_nonzero(keep) / max(size, 1e-300)
+    alike = np.sqrt(max(2.0 - 2.0 * abs(cross), 0.0))
+    text = f"{a.response} and {b.response}: ratio {ratio:.3f}, misfit {100 * alike:.1f} %"
+    pair = (a.response, b.response)
+    confidence = float(np.clip(1.0 - noise, 0.0, 1.0))
+    if noise > _ALIKE:
+        return _say(posture, pair, Outcome.CANNOT_TELL, None, 0.0, f"{text}; too noisy")
+    if alike > max(_ALIKE, 3.0 * np.sqrt(noise)):
+        return _say(posture, pair, Outcome.FAULT, Fault.NOT_RECIPROCAL, confidence, text)
+    if cross < 0.0:
+        return _say(posture, pair, Outcome.FAULT, Fault.SIGN_FLIPPED, confidence, text)
+    if abs(np.log(ratio)) > _MATERIAL_GAIN + 3.0 * np.sqrt(noise / np.count_nonzero(keep)):
+        return _say(posture, pair, Outcome.FAULT, Fault.GAIN, confidence, text)
+    return _say(posture, pair, Outcome.GOOD, None, confidence, text)
+
+
+def _say(
+    posture: str,
+    points: tuple[str, str] | None,
+    outcome: Outcome,
+    fault: Fault | None,
+    confidence: float,
+    text: str,
+) -> Finding:
+    return Finding(
+        check="reciprocity",
+        posture=posture,
+        outcome=outcome,
+        fault=fault,
+        points=points or (),
+        everywhere=False,
+        confidence=confidence,
+        text=text,
+    )

@@ -1,0 +1,95 @@
+"""All measurement checks of a session, posture by posture, and the sensor's over all postures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from analyzer.arm.superset import Superset
+from analyzer.checks.driving_point import driving_point
+from analyzer.checks.homogeneity import homogeneity
+from analyzer.checks.links import check_links
+from analyzer.checks.reciprocity import reciprocity
+from analyzer.checks.records import Finding, Outcome
+from analyzer.checks.rigid_link import RigidLinkResult
+from analyzer.checks.sensor import sensor_verdict
+from analyzer.modal import fit_modes, hit_frfs, hit_spectra
+from analyzer.modal.windows import laplace_lines
+from protocols.errors import EstimateError
+from protocols.frf_records import FrequencyResponse
+from protocols.plan_records import Mode
+from protocols.session.records import Session
+
+__all__ = ["check_session"]
+
+
+def check_session(
+    session: Session, frfs: Sequence[FrequencyResponse], superset: Superset
+) -> tuple[Finding, ...]:
+    """Run every check on every posture.
+
+    Parameters
+    ----------
+    frfs
+        Accelerance of the session's postures (`estimate_frfs`).
+    """
+    found: list[Finding] = []
+    links: list[RigidLinkResult] = []
+    for frf in frfs:
+        poles = _poles(frf)
+        hits = session.accepted(frf.posture)
+        step = float(frf.freq_hz[1] - frf.freq_hz[0]) / 2.0
+        band = (float(frf.freq_hz[0]) - step, float(frf.freq_hz[-1]) + step)
+        spectra = hit_spectra(session, hits, band_hz=band)
+        single = hit_frfs(spectra)
+        roving_hammer = session.header.plan.mode is Mode.ROVING_HAMMER
+        at = np.array([hit.hit_point if roving_hammer else hit.sensor_point for hit in hits])
+        points = list(dict.fromkeys(at.tolist()))
+        level = np.sqrt(np.mean(np.abs(spectra.force) ** 2, axis=-1))
+        s = laplace_lines(frf.freq_hz, frf.decay_rad_s)
+        if roving_hammer:
+            found.append(_not_roving_sensor(frf.posture))
+        else:
+            by_point = {point: single[at == point] for point in points}
+            links.append(check_links(frf, by_point, poles, superset))
+            found.append(links[-1].finding)
+        found += [driving_point(frf, i) for i, dof in _driven(frf)]
+        found.append(
+            homogeneity(
+                frf.posture,
+                s,
+                poles,
+                [single[at == point] for point in points],
+                [level[at == point] for point in points],
+            )
+        )
+        found += reciprocity([frf])
+    return (*found, sensor_verdict(links))
+
+
+def _poles(frf: FrequencyResponse) -> tuple[complex, ...]:
+    try:
+        return tuple(mode.pole_rad_s for mode in fit_modes(frf).modes)
+    except EstimateError:
+        return ()
+
+
+def _driven(frf: FrequencyResponse) -> list[tuple[int, str]]:
+    """References whose point is also a response; the first one where none is."""
+    measured = {dof.point for dof in frf.responses}
+    driven = [(i, dof.point) for i, dof in enumerate(frf.references) if dof.point in measured]
+    return driven or [(0, frf.references[0].point)]
+
+
+def _not_roving_sensor(posture: str) -> Finding:
+    return Finding(
+        check="rigid link",
+        posture=posture,
+        outcome=Outcome.CANNOT_TELL,
+        fault=None,
+        points=(),
+        everywhere=False,
+        confidence=0.0,
+        text="the sensor stays at one point in roving-hammer; one point shows no rigid motion",
+    )

@@ -1,0 +1,298 @@
+"""A selective test plan: one posture for every joint, the fewest first, then the most telling."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import PostureDynamics, Superset
+from analyzer.planning.clearance import Clearance, clear_postures
+from analyzer.planning.excitation import (
+    HitChoice,
+    PostureModes,
+    best_hits,
+    posture_modes,
+    seeing_points,
+)
+from analyzer.planning.expected import Instruments, expected_std, information
+from analyzer.planning.search import isolating_postures
+from analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
+from analyzer.workspace.batch import ArmBatch
+from analyzer.workspace.postures import random_postures
+from analyzer.workspace.spectrum import ElasticJoints
+from protocols.arm.records import Arm
+from protocols.errors import EstimateError
+
+__all__ = ["GravityCheck", "PlannedTest", "SelectivePlan", "describe_tests", "plan_tests"]
+
+Array = npt.NDArray[np.float64]
+
+DOMINATED = 0.8  # of a mode's strain energy: the joint's own mode
+EXCITED = 0.05  # of a hit's driving-point peaks: a mode that shows
+APART = 3.0  # half-power half-widths between modes that do not hide each other
+FAINT = 0.1  # of the mode's own peak: a neighbour that hides nothing
+N_OTHERS = 40  # random postures from which further tests are taken
+ANOTHER_RAD = 0.35  # 20 degrees of any joint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GravityCheck:
+    """Gravity beside the springs, per elastic joint (file 002, end of section 3)."""
+
+    torque_n_m: Array  # (n,) that holds the arm
+    stiffness_n_m_per_rad: Array  # (n,) diagonal of dg/dq
+    part_of_spring: Array  # (n,) of it, relative to k
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedTest:
+    """One posture and hit, and what they are good for."""
+
+    joints_rad: Array  # (n_joints,)
+    target: int  # elastic joint (0-based among the arm's joints) it is for
+    isolates: tuple[int, ...]  # joints whose own mode it shows, of the arm's
+    serves: tuple[int, ...]  # of these, the ones its hit shows
+    separable: tuple[int, ...]  # smallest set of joints around the target that is tied together
+    coupling: Array  # (n,) |M_ij| / M_ii of the target to each elastic joint
+    modes: PostureModes
+    hit: HitChoice
+    mode: int  # that the hit is chosen for
+    points: tuple[str, ...]  # that see it
+    gravity: GravityCheck
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SelectivePlan:
+    """Tests hit at one point, the fewest that serve all joints first, then those that add most.
+
+    Attributes
+    ----------
+    n_needed
+        How many of `tests` isolate every joint that can be isolated.
+    expected_std
+        (n_tests, n) relative standard deviation of each k after each test.
+    """
+
+    arm: Arm
+    elastic: ElasticJoints
+    tests: tuple[PlannedTest, ...]
+    n_needed: int
+    expected_std: Array
+    hit_point: str
+    not_isolated: tuple[int, ...]  # joints (of the arm's) whose own mode no test shows
+    most_selective: Array  # (n, n_joints) the posture of least coupling for each elastic joint
+    least_coupling: Array  # (n,) its largest |M_ij| / M_ii
+
+
+def plan_tests(
+    arm: Arm,
+    elastic: ElasticJoints,
+    rng: np.random.Generator,
+    *,
+    clearance: Clearance | None = None,
+    instruments: Instruments | None = None,
+    n_tests: int = 6,
+    progress: Callable[[int, int], None] | None = None,
+) -> SelectivePlan:
+    """Find a selective test plan.
+
+    Raises
+    ------
+    EstimateError
+        If no posture is clear of floor and base, or no point takes a hit for every joint.
+    """
+    superset, batch = Superset(arm), ArmBatch(arm)
+    tools, room = instruments or Instruments(), clearance or Clearance()
+    found = isolating_postures(batch, elastic, room, rng, progress)
+    by_point = _candidates(superset, elastic, found, tools.least_mass_kg)
+    covers = {
+        point: _fewest(tests, elastic.joints)
+        for point, tests in by_point.items()
+        if {test.target for test in tests} == set(elastic.joints)
+    }
+    if not covers:
+        raise EstimateError(
+            f"no test point of arm '{arm.name}' takes a hit for every joint: a hit of "
+            f"{tools.force_peak_n:g} N would drive the accelerometer past "
+            f"{tools.acceleration_range:g} m/s²; add points on heavier links, or a softer hammer"
+        )
+    hit_point = min(covers, key=lambda point: _cost(covers[point], elastic.joints))
+    tests = covers[hit_point]
+    served = {joint for test in tests for joint in test.serves}
+    needed = len(tests)
+
+    def told(test: PlannedTest) -> Array:
+        return information(
+            superset,
+            superset.posture(test.joints_rad),
+            elastic,
+            hit_point=test.hit.point,
+            hit_direction=test.hit.direction_base,
+            points=test.points,
+            instruments=tools,
+        )
+
+    known = [told(test) for test in tests]
+    others = random_postures(arm, N_OTHERS, rng, still=(0,))
+    others = others[clear_postures(batch, others, room)]
+    rest = [
+        (test, told(test))
+        for q in others
+        for joint in elastic.joints
+        for test in describe_tests(superset, elastic, q, joint, least_mass_kg=tools.least_mass_kg)
+        if test.hit.point == hit_point
+    ]
+    while len(tests) < n_tests:
+        rest = [(test, extra) for test, extra in rest if _differs(test, tests)]
+        if not rest:
+            break
+        gains = [float(np.log(expected_std([*known, extra])).sum()) for _, extra in rest]
+        test, extra = rest.pop(int(np.argmin(gains)))
+        tests.append(test)
+        known.append(extra)
+    return SelectivePlan(
+        arm=arm,
+        elastic=elastic,
+        tests=tuple(tests),
+        n_needed=needed,
+        expected_std=np.array([expected_std(known[: i + 1]) for i in range(len(tests))]),
+        hit_point=hit_point,
+        not_isolated=tuple(joint for joint in elastic.joints if joint not in served),
+        most_selective=np.array([postures[0] for postures in found]),
+        least_coupling=np.array(
+            [_coupling(batch, elastic, i, found[i][0]) for i in range(len(found))]
+        ),
+    )
+
+
+def describe_tests(
+    superset: Superset,
+    elastic: ElasticJoints,
+    joints_rad: Array,
+    target: int,
+    *,
+    least_mass_kg: float = 0.0,
+) -> list[PlannedTest]:
+    """Work out what a posture is good for, hit at every moving point, the best hit first.
+
+    Parameters
+    ----------
+    target
+        The joint (0-based, of the arm's) the test is for; one of the elastic ones.
+    least_mass_kg
+        Hits that meet less are left out: they overload the accelerometer.
+    """
+    dynamics = superset.posture(joints_rad)
+    modes = posture_modes(superset, dynamics, elastic)
+    number = elastic.joints.index(target)
+    mode = modes.mode_of(number)
+    points = seeing_points(superset, dynamics, elastic, modes, mode)
+    gravity = _gravity(superset, dynamics, elastic)
+    separable = tuple(elastic.joints[i] for i in separable_set(modes.mass, number))
+    own = [
+        joint
+        for i, joint in enumerate(elastic.joints)
+        if modes.joint_share[i, modes.mode_of(i)] >= DOMINATED
+        and modes.mode_of(i) not in {modes.mode_of(j) for j in range(len(elastic.joints)) if j != i}
+    ]
+    return [
+        PlannedTest(
+            joints_rad=joints_rad,
+            target=target,
+            isolates=tuple(own),
+            serves=_served(elastic, modes, own, hit),
+            separable=separable,
+            coupling=coupling_ratios(modes.mass[..., None])[number, :, 0],
+            modes=modes,
+            hit=hit,
+            mode=mode,
+            points=points,
+            gravity=gravity,
+        )
+        for hit in best_hits(superset, dynamics, elastic, modes, mode, least_mass_kg=least_mass_kg)
+        if hit.effective_mass_kg >= least_mass_kg
+    ]
+
+
+def _candidates(
+    superset: Superset, elastic: ElasticJoints, found: list[Array], least_mass_kg: float
+) -> dict[str, list[PlannedTest]]:
+    """Tests by the point they hit: one plan hits one point."""
+    by_point: dict[str, list[PlannedTest]] = {}
+    for joint, postures in zip(elastic.joints, found, strict=True):
+        for q in postures:
+            for test in describe_tests(superset, elastic, q, joint, least_mass_kg=least_mass_kg):
+                by_point.setdefault(test.hit.point, []).append(test)
+    return by_point
+
+
+def _cost(tests: list[PlannedTest], joints: tuple[int, ...]) -> tuple[int, int, float]:
+    """Joints not shown, then tests, then how impure the tests are."""
+    served = {joint for test in tests for joint in test.serves}
+    return (len(joints) - len(served), len(tests), -min(_merit(test) for test in tests))
+
+
+def _fewest(candidates: list[PlannedTest], joints: tuple[int, ...]) -> list[PlannedTest]:
+    """Greedy cover: the test that shows most joints still missing, the best of equals.
+
+    A joint no test shows alone still gets its best posture: the fit of all modes needs it.
+    """
+    tests: list[PlannedTest] = []
+    missing = set(joints)
+    while missing:
+        best = max(candidates, key=lambda c: (len(missing & set(c.serves)), _merit(c)))
+        gained = missing & set(best.serves)
+        if not gained:
+            break
+        tests.append(best)
+        missing -= gained
+    return tests + [
+        max((c for c in candidates if c.target == joint), key=_merit) for joint in sorted(missing)
+    ]
+
+
+def _differs(test: PlannedTest, others: list[PlannedTest]) -> bool:
+    """Whether a posture is another one, and no step beside one already planned."""
+    return all(np.abs(test.joints_rad - other.joints_rad).max() > ANOTHER_RAD for other in others)
+
+
+def _coupling(batch: ArmBatch, elastic: ElasticJoints, number: int, joints_rad: Array) -> float:
+    chosen = np.array(elastic.joints)
+    mass = batch.mass(joints_rad[None])[chosen[:, None], chosen]
+    return float(worst_coupling(mass)[number, 0])
+
+
+def _served(
+    elastic: ElasticJoints, modes: PostureModes, own: list[int], hit: HitChoice
+) -> tuple[int, ...]:
+    """Joints whose own mode the hit excites and no other excited mode hides."""
+    half_width = modes.damping_ratio * modes.f_hz
+    served = []
+    for joint in own:
+        mode = modes.mode_of(elastic.joints.index(joint))
+        apart = np.abs(modes.f_hz - modes.f_hz[mode]) > APART * (half_width + half_width[mode])
+        hidden = ~apart & (hit.share > FAINT * hit.share[mode])
+        hidden[mode] = False
+        if hit.share[mode] >= EXCITED and not hidden.any():
+            served.append(joint)
+    return tuple(served)
+
+
+def _merit(test: PlannedTest) -> float:
+    """Purity of the hit, lowered by the largest coupling."""
+    return test.hit.purity * (1.0 - min(1.0, float(test.coupling.max())))
+
+
+def _gravity(superset: Superset, dynamics: PostureDynamics, elastic: ElasticJoints) -> GravityCheck:
+    columns = [superset.joint_column(joint) for joint in elastic.joints]
+    batch = ArmBatch(superset.arm)
+    torque = batch.gravity_torque(dynamics.joints_rad[None])[list(elastic.joints), 0]
+    stiffness = np.diag(dynamics.gravity_stiffness)[columns]
+    return GravityCheck(
+        torque_n_m=torque,
+        stiffness_n_m_per_rad=stiffness,
+        part_of_spring=stiffness / elastic.stiffness_n_m_per_rad,
+    )

@@ -1,0 +1,1 @@
+"""How the arm gives under a load at its tool."""

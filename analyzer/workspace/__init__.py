@@ -1,0 +1,1 @@
+"""The arm over its workspace: many postures at once."""

@@ -1,0 +1,73 @@
+"""Coupling of two joints in the mass matrix while one angle changes: file 002, Fig. 5."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.workspace.batch import ArmBatch
+from protocols.arm.records import Arm
+
+__all__ = ["CouplingSweep", "sweep_coupling"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CouplingSweep:
+    """M_ij against one joint's angle."""
+
+    pair: tuple[int, int]  # 0-based
+    angle_rad: Array  # (n,)
+    to_first: Array  # (n,) M_ij / M_ii
+    to_second: Array  # (n,) M_ij / M_jj
+    zeros_rad: Array  # where M_ij is zero
+
+
+def sweep_coupling(
+    arm: Arm,
+    pair: tuple[int, int],
+    *,
+    joint: int,
+    limits_rad: tuple[float, float],
+    at_rad: npt.ArrayLike | None = None,
+    n: int = 1441,
+) -> CouplingSweep:
+    """Sweep one joint and follow the coupling of two.
+
+    Parameters
+    ----------
+    joint
+        The joint swept (0-based), over `limits_rad`; its own range does not limit it, as in the
+        paper, whose zeros lie outside it.
+    at_rad
+        (n_joints,) angles of the others; zero when omitted.
+    """
+    angle = np.linspace(*limits_rad, n)
+    others = np.zeros(len(arm.joints)) if at_rad is None else np.asarray(at_rad, dtype=float)
+    batch = ArmBatch(arm)
+
+    def coupling(angles: Array) -> Array:
+        q = np.tile(others, (len(angles), 1))
+        q[:, joint] = angles
+        return batch.mass(q)
+
+    mass = coupling(angle)
+    i, j = pair
+    sign_change = np.flatnonzero(np.diff(np.signbit(mass[i, j])))
+    low, high = angle[sign_change], angle[sign_change + 1]
+    at_low = mass[i, j][sign_change]
+    for _ in range(50):  # halves the bracket to the last bit
+        middle = 0.5 * (low + high)
+        value = coupling(middle)[i, j]
+        same = np.signbit(value) == np.signbit(at_low)
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return CouplingSweep(
+        pair=pair,
+        angle_rad=angle,
+        to_first=mass[i, j] / mass[i, i],
+        to_second=mass[i, j] / mass[j, j],
+        zeros_rad=0.5 * (low + high),
+    )

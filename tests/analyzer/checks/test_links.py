@@ -1,0 +1,161 @@
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+
+from offline_lab import simulate_session
+from sensor_faults import FLIP_Z, SWAP_XY, exchanged, gains, misplaced, mixed
+
+from analyzer.arm.superset import Superset
+from analyzer.checks import Fault, Outcome, check_links, check_session, sensor_verdict
+from analyzer.identification.identify import estimate_frfs
+from analyzer.modal import fit_modes, hit_frfs, hit_spectra
+from protocols.errors import EstimateError
+from protocols.frf_records import FrfForm
+
+
+@pytest.fixture(scope="module")
+def measured():
+    session = simulate_session(3)
+    return session, Superset(session.header.arm)
+
+
+def posture_inputs(session, superset, at):
+    name = session.header.plan.postures[at].name
+    hits = session.accepted(name)
+    (frf,) = estimate_frfs(replace(session, hits=hits), superset)
+    half = float(frf.freq_hz[1] - frf.freq_hz[0]) / 2
+    band = (frf.freq_hz[0] - half, frf.freq_hz[-1] + half)
+    single = hit_frfs(hit_spectra(session, hits, band_hz=band))
+    points = np.array([hit.sensor_point for hit in hits])
+    by_point = {p: single[points == p] for p in dict.fromkeys(points.tolist())}
+    return frf, by_point, [mode.pole_rad_s for mode in fit_modes(frf).modes], superset
+
+
+def links(session, superset, at=1):
+    return check_links(*posture_inputs(session, superset, at))
+
+
+@pytest.mark.parametrize("at", range(5))
+def test_a_good_session_has_no_fault(measured, at):
+    result = links(*measured, at=at)
+    assert result.finding.outcome is Outcome.GOOD, result.finding.text
+    assert 0.4 < result.finding.confidence <= 1.0  # 0.4: what is nearer to the bar is not good
+
+
+@pytest.mark.parametrize(
+    ("matrix", "fault"),
+    [
+        (SWAP_XY, Fault.AXIS_SWAPPED),
+        (FLIP_Z, Fault.SIGN_FLIPPED),
+        (gains(z=1.25), Fault.GAIN),
+    ],
+)
+@pytest.mark.parametrize("points", [("6",), None])
+def test_a_fault_of_axes_is_named_with_its_place(measured, matrix, fault, points):
+    session, superset = measured
+    finding = links(mixed(session, matrix, points), superset).finding
+    assert (finding.outcome, finding.fault) == (Outcome.FAULT, fault), finding.text
+    assert finding.points == (points or ())
+    assert finding.everywhere is (points is None)
+    assert finding.confidence > 0.99
+
+
+def test_a_sensor_at_another_point_is_named_with_that_point(measured):
+    session, superset = measured
+    other = simulate_session(4, hits_per_point=3)
+    finding = links(misplaced(session, other, "7", "12"), superset).finding
+    assert (finding.fault, finding.points) == (Fault.WRONG_POINT, ("7",))
+    assert "point 12" in finding.text
+
+
+def test_two_exchanged_points_are_named(measured):
+    session, superset = measured
+    finding = links(exchanged(session, "6", "13"), superset).finding
+    assert finding.fault is Fault.WRONG_POINT
+    assert set(finding.points) == {"6", "13"}
+
+
+def test_a_common_gain_of_all_axes_is_rigid_motion_too(measured):
+    session, superset = measured
+    finding = links(mixed(session, gains(1.3, 1.3, 1.3)), superset).finding
+    assert finding.outcome is Outcome.GOOD
+
+
+def test_two_faults_at_once_are_both_named(measured):
+    session, superset = measured
+    broken = mixed(mixed(session, SWAP_XY, ("6",)), FLIP_Z, ("13",))
+    finding = links(broken, superset).finding
+    assert finding.outcome is Outcome.FAULT
+    assert set(finding.points) == {"6", "13"}
+    assert "axis swapped at point 6" in finding.text
+    assert "sign flipped at point 13" in finding.text
+
+
+def test_one_point_cannot_tell(measured):
+    frf, by_point, poles, superset = posture_inputs(*measured, 1)
+    rows = [i for i, dof in enumerate(frf.responses) if dof.point == "6"]
+    alone = replace(
+        frf,
+        values=frf.values[rows],
+        variance=frf.variance[rows],
+        coherence=frf.coherence[rows],
+        n_hits=frf.n_hits[rows],
+        responses=tuple(frf.responses[i] for i in rows),
+    )
+    assert check_links(alone, by_point, poles, superset).finding.outcome is Outcome.CANNOT_TELL
+
+
+def test_sight_says_which_gains_the_data_cannot_tell(measured):
+    sight = {seen.point: seen for seen in links(*measured).sight}
+    # Between the hinges of joints 5 and 6 beside it and a translation, one axis of point 1 is free.
+    assert max(sight["1"].gain_std) > 0.2
+    assert max(sight["6"].gain_std) < 0.05
+
+
+def test_it_wants_accelerance_and_joint_angles(measured):
+    frf, by_point, poles, superset = posture_inputs(*measured, 0)
+    with pytest.raises(EstimateError, match="accelerance"):
+        check_links(replace(frf, form=FrfForm.MOBILITY), by_point, poles, superset)
+    with pytest.raises(EstimateError, match="joint angles"):
+        check_links(replace(frf, joints_rad=None), by_point, poles, superset)
+
+
+def test_a_session_is_checked_in_every_posture(measured):
+    session, superset = measured
+    findings = check_session(session, estimate_frfs(session, superset), superset)
+    assert [f.posture for f in findings if f.check == "rigid link"] == [
+        p.name for p in session.header.plan.postures
+    ]
+    assert not [f.text for f in findings if f.outcome is Outcome.FAULT]
+    assert findings[-1].check == "sensor"
+    assert findings[-1].outcome is Outcome.GOOD
+
+
+def test_a_gain_too_faint_for_one_posture_is_named_by_all_together(measured):
+    session, superset = measured
+    broken = mixed(session, gains(z=1.15), ("6",))
+    results = [links(broken, superset, at=at) for at in range(3)]
+    assert not [r for r in results if r.finding.outcome is Outcome.FAULT]
+    finding = sensor_verdict(results)
+    assert (finding.fault, finding.points) == (Fault.GAIN, ("6",)), finding.text
+
+
+def test_the_sensor_is_judged_over_all_postures(measured):
+    session, superset = measured
+    good = links(session, superset)
+    swapped = links(mixed(session, SWAP_XY), superset)
+    flipped = links(mixed(session, FLIP_Z, ("6",)), superset)
+    assert sensor_verdict([good, good]).outcome is Outcome.GOOD
+    assert sensor_verdict([swapped, swapped]).everywhere
+    assert sensor_verdict([swapped, flipped]).outcome is Outcome.CANNOT_TELL
+    assert "only" in sensor_verdict([flipped, good]).text
+    assert sensor_verdict([]).outcome is Outcome.CANNOT_TELL
+    unnamed = replace(good.finding, outcome=Outcome.CANNOT_TELL, text="something is wrong")
+    assert sensor_verdict([good, replace(good, finding=unnamed)]).outcome is Outcome.CANNOT_TELL
+    faint = replace(good, finding=unnamed, faint=True)
+    assert sensor_verdict([good, faint]).outcome is Outcome.GOOD

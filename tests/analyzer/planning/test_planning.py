@@ -1,0 +1,191 @@
+"""The planner against file 002's own postures, and its parts against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.planning.clearance import Clearance, clear_postures
+from analyzer.planning.excitation import best_hits, posture_modes, seeing_points
+from analyzer.planning.expected import Instruments, expected_std, information
+from analyzer.planning.selective import describe_tests, plan_tests
+from analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
+from analyzer.workspace.batch import ArmBatch
+from analyzer.workspace.postures import random_postures
+from analyzer.workspace.spectrum import elastic_joints
+from protocols.arm.files import load_arm
+from protocols.errors import EstimateError
+
+# File 002, Table 1: the posture chosen for each of joints 1 to 5.
+PAPER_DEG = [
+    [0, 0, 90, 0, 0, 0],
+    [0, 0, 17, 0, -17, 0],
+    [0, -189, 243, 0, -54, 0],
+    [0, 0, 90, 0, 90, 0],
+    [0, -90, 180, 0, 90, 0],
+]
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return load_arm("viper_s650")
+
+
+@pytest.fixture(scope="module")
+def elastic(arm):
+    return elastic_joints(arm)
+
+
+@pytest.fixture(scope="module")
+def superset(arm):
+    return Superset(arm)
+
+
+@pytest.fixture(scope="module")
+def plan(arm, elastic):
+    return plan_tests(arm, elastic, np.random.default_rng(1))
+
+
+def test_ratios_are_the_couplings_over_the_joints_own_inertia():
+    mass = np.array([[4.0, -1.0], [-1.0, 2.0]])[..., None]
+    np.testing.assert_array_equal(coupling_ratios(mass)[..., 0], [[0.0, 0.25], [0.5, 0.0]])
+    np.testing.assert_array_equal(worst_coupling(mass)[:, 0], [0.25, 0.5])
+
+
+def test_a_separable_set_follows_ties_from_joint_to_joint():
+    mass = np.eye(4)
+    mass[0, 1] = mass[1, 0] = mass[1, 2] = mass[2, 1] = 0.5  # squared 0.25, above a tenth
+    mass[2, 3] = mass[3, 2] = 0.2  # squared 0.04, below
+    assert separable_set(mass, 0) == (0, 1, 2)
+    assert separable_set(mass, 3) == (3,)
+
+
+def test_every_joint_gets_a_posture_at_least_as_selective_as_the_papers(arm, elastic, plan):
+    """By the papers' own measure, the largest |M_ij| / M_ii over the elastic joints."""
+    mass = ArmBatch(arm).mass(np.deg2rad(PAPER_DEG))[:5, :5]
+    paper = np.diag(worst_coupling(mass))
+    np.testing.assert_array_less(plan.least_coupling, paper)
+    found = ArmBatch(arm).mass(plan.most_selective)[:5, :5]
+    np.testing.assert_allclose(np.diag(worst_coupling(found)), plan.least_coupling, rtol=1e-9)
+
+
+def test_the_plan_is_within_ranges_and_clear(arm, plan):
+    low, high = np.array([joint.range_rad for joint in arm.joints]).T
+    q = np.array([test.joints_rad for test in plan.tests])
+    assert ((q >= low) & (q <= high)).all()
+    assert clear_postures(ArmBatch(arm), q, Clearance()).all()
+
+
+def test_the_needed_tests_serve_every_joint_and_are_fewer_than_the_joints(elastic, plan):
+    needed = plan.tests[: plan.n_needed]
+    assert {joint for test in needed for joint in test.serves} == set(elastic.joints)
+    assert plan.not_isolated == ()
+    assert plan.n_needed < len(elastic.joints)
+
+
+def test_each_further_test_tells_more(plan):
+    # Information adds: no standard deviation can grow. 1e-6 is the rounding of the inverse.
+    assert (np.diff(plan.expected_std, axis=0) <= 1e-6 * plan.expected_std[:-1]).all()
+
+
+def test_shares_of_a_mode_sum_to_one_and_name_the_joint(superset, elastic):
+    modes = posture_modes(superset, superset.posture(np.deg2rad(PAPER_DEG[0])), elastic)
+    np.testing.assert_allclose(modes.joint_share.sum(axis=0), 1.0, rtol=1e-12)
+    assert modes.joint_share[0, modes.mode_of(0)] > 0.95  # one joint all but alone
+
+
+def test_the_paper_s_lateral_hit_is_found_for_joint_1(superset, elastic):
+    """File 002, section 3: a lateral force (y) on the stretched arm excites joint 1."""
+    dynamics = superset.posture(np.deg2rad(PAPER_DEG[0]))
+    modes = posture_modes(superset, dynamics, elastic)
+    hit = best_hits(superset, dynamics, elastic, modes, modes.mode_of(0))[0]
+    assert abs(hit.direction_base[1]) > 0.99
+    assert hit.purity > 0.9
+
+
+def test_points_that_see_a_mode_move_and_the_base_does_not(superset, elastic):
+    dynamics = superset.posture(np.deg2rad(PAPER_DEG[0]))
+    modes = posture_modes(superset, dynamics, elastic)
+    points = seeing_points(superset, dynamics, elastic, modes, modes.mode_of(0))
+    assert "1" in points
+    assert "10" not in points
+
+
+def test_gravity_beside_the_springs_is_small_as_the_paper_says(superset, elastic):
+    """File 002, end of section 3: gravity torques much smaller than the elastic ones."""
+    for joint, q in zip(elastic.joints, np.deg2rad(PAPER_DEG), strict=True):
+        test = describe_tests(superset, elastic, q, joint)[0]
+        assert np.abs(test.gravity.part_of_spring).max() < 0.02
+
+
+def test_clearance_sees_the_floor_and_the_base(arm):
+    batch = ArmBatch(arm)
+    stretched_down = np.deg2rad([[0, 45, 90, 0, 0, 0]])
+    assert not clear_postures(batch, stretched_down, Clearance())[0]
+    assert clear_postures(batch, np.deg2rad([PAPER_DEG[0]]), Clearance())[0]
+    assert not clear_postures(batch, np.deg2rad([PAPER_DEG[0]]), Clearance(floor_m=0.5))[0]
+
+
+def test_an_arm_that_can_stand_nowhere_is_said(arm, elastic):
+    with pytest.raises(EstimateError, match="clear of floor and base"):
+        plan_tests(arm, elastic, np.random.default_rng(1), clearance=Clearance(floor_m=5.0))
+
+
+def test_information_is_what_differences_of_the_model_say(superset, elastic):
+    """One point, no mounting error: JᵀWJ by differences of a model written out here."""
+    dynamics = superset.posture(np.deg2rad(PAPER_DEG[1]))
+    tools = Instruments(mounting=1e-9, high_hz=60.0, line_hz=2.0)
+    direction = np.array([0.0, 0.6, 0.8])
+    found = information(
+        superset,
+        dynamics,
+        elastic,
+        hit_point="1",
+        hit_direction=direction,
+        points=("5",),
+        instruments=tools,
+    )
+    columns = [superset.joint_column(joint) for joint in elastic.joints]
+    J = dynamics.point_jacobian[:, :3][:, :, columns]
+    M = dynamics.mass[np.ix_(columns, columns)]
+    G = dynamics.gravity_stiffness[np.ix_(columns, columns)]
+    s = 2j * np.pi * np.arange(tools.low_hz, tools.high_hz, tools.line_hz)
+
+    def frf(logs):
+        k = elastic.stiffness_n_m_per_rad * np.exp(logs[:5])
+        c = elastic.damping_n_m_s_per_rad * np.exp(logs[5:])
+        out = [
+            z**2
+            * J[superset.point_index["5"]]
+            @ np.linalg.solve(
+                z**2 * M + z * np.diag(c) + G + np.diag(k),
+                J[superset.point_index["1"]].T @ direction,
+            )
+            for z in s
+        ]
+        return np.concatenate(out)
+
+    step = 1e-5
+    slope = np.stack(
+        [(frf(step * unit) - frf(-step * unit)) / (2 * step) for unit in np.eye(10)], axis=1
+    )
+    noise = tools.acceleration_noise / np.sqrt(tools.line_hz) / tools.impulse_n_s
+    expected = tools.hits / noise**2 * (slope.conj().T @ slope).real
+    # Central differences with 1e-5 are good to 1e-9 of the largest.
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-6 * np.abs(expected).max())
+
+
+def test_a_joint_nothing_tells_about_has_no_finite_uncertainty():
+    total = np.diag([4.0, 0.0, 1.0, 0.0])  # ln k1, ln k2, ln c1, ln c2
+    np.testing.assert_array_equal(expected_std([total]), [0.5, np.inf])
+
+
+def test_random_postures_are_all_less_selective_than_the_plan_s(arm, elastic, plan):
+    batch = ArmBatch(arm)
+    q = random_postures(arm, 2000, np.random.default_rng(2), still=(0,))
+    q = q[clear_postures(batch, q, Clearance())]
+    ratios = worst_coupling(batch.mass(q)[:5, :5])
+    for test in plan.tests[: plan.n_needed]:
+        number = elastic.joints.index(test.target)
+        assert test.coupling.max() <= ratios[number].min()

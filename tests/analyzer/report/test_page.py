@@ -1,0 +1,122 @@
+"""The report: one file that loads nothing, runs nothing from elsewhere, and hides nothing."""
+
+from __future__ import annotations
+
+import stat
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+
+from offline_lab import simulate_session
+
+from analyzer.identification.identify import identify
+from analyzer.report import write_report
+from protocols.session.records import Loss
+
+
+@pytest.fixture(scope="module")
+def session():
+    return simulate_session(4)
+
+
+@pytest.fixture(scope="module")
+def result(session):
+    return identify(session)
+
+
+@pytest.fixture(scope="module")
+def html(session, result, tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_report(session, result, path)
+    return path.read_text(encoding="utf-8")
+
+
+class Tags(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+
+
+def tags(html):
+    parser = Tags()
+    parser.feed(html)
+    return parser.found
+
+
+def test_nothing_is_loaded_from_elsewhere(html):
+    for tag, attributes in tags(html):
+        assert not (
+            tag in {"script", "img", "iframe", "link"} and {"src", "href"} & set(attributes)
+        )
+
+
+def test_every_stiffness_stands_in_it_with_both_uncertainties(html, result):
+    for row in (*result.joints, *result.axes):
+        for value in (row.k_n_m_per_rad, row.k_std, row.k_std_model):
+            assert f"{value:.0f}" in html
+
+
+def test_every_posture_has_its_figures(html, session):
+    for posture in session.header.plan.postures:
+        for figure in ("arm, points, mode shape", "FRFs", "sums by group, CMIF"):
+            assert f"{posture.name}: {figure}" in html
+
+
+def test_provenance_names_arm_plan_and_board(html, session):
+    header = session.header
+    for name in (header.session_id, header.arm.sha256, header.plan.sha256):
+        assert name in html
+    assert header.dictionary.board_id in html
+    for channel in header.dictionary.channels:
+        assert channel.serial_number in html
+
+
+def test_losses_and_warnings_stand_above_the_numbers(session, result, tmp_path):
+    loss = Loss(kind="can", count=7, first_sample=None, host_s=0.0, note="frames lost")
+    told = replace(session, losses=(loss,), warnings=("the tail was torn",), complete=False)
+    path = tmp_path / "report.html"
+    write_report(told, result, path)
+    html = path.read_text(encoding="utf-8")
+    numbers = html.index("<h2>Stiffness</h2>")
+    for said in ("frames lost", "the tail was torn", "not complete"):
+        assert html.index(said) < numbers
+
+
+def test_text_from_files_is_shown_and_never_run(session, result, tmp_path):
+    evil = "<script>alert(1)</script>"
+    told = replace(session, warnings=(evil,))
+    path = tmp_path / "report.html"
+    write_report(told, result, path)
+    html = path.read_text(encoding="utf-8")
+    assert evil not in html
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in html
+
+
+def test_the_file_has_the_permissions_of_any_other(session, result, tmp_path):
+    ordinary = tmp_path / "ordinary"
+    ordinary.touch()
+    path = tmp_path / "report.html"
+    write_report(session, result, path)
+    assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
+
+
+def test_a_failed_write_leaves_the_older_report(session, result, tmp_path, monkeypatch):
+    path = tmp_path / "report.html"
+    path.write_text("older")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_report(session, result, path)
+    assert path.read_text() == "older"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]

@@ -1,0 +1,137 @@
+"""Commands that need an arm and no measurement, as a user calls them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from protocols.arm.files import ARMS_DIRECTORY, load_arm
+from protocols.errors import ArmodalError
+from protocols.plan import load_plan
+from tui.cli import app
+
+TARGETS = ARMS_DIRECTORY.parent / "targets"
+
+
+def run(*arguments: str):
+    return CliRunner().invoke(app, list(arguments), catch_exceptions=True)
+
+
+def value_of(*arguments: str):
+    result = run(*arguments)
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+def refused(*arguments: str) -> str:
+    """The message of a user's mistake; `main` prints it and exits with code 2."""
+    result = run(*arguments)
+    assert isinstance(result.exception, ArmodalError), result.output
+    return str(result.exception)
+
+
+def test_every_published_figure_has_a_status_and_none_differs():
+    figures = value_of("reproduce", "--postures", "20000", "--json")["figures"]
+    assert {figure["paper"] for figure in figures} == {"000", "001", "002"}
+    keys = {"paper", "table", "item", "published", "ours", "margin", "status"}
+    assert all(keys <= set(figure) for figure in figures)
+    assert [f["item"] for f in figures if f["status"] == "differs"] == []
+    assert {f["status"] for f in figures} == {
+        "predicted",
+        "calibrated-to",
+        "recomputed",
+        "erratum",
+        "not derivable",
+    }
+
+
+def test_not_derivable_figures_have_nothing_in_our_column():
+    figures = value_of("reproduce", "--postures", "1000", "--json")["figures"]
+    assert all(f["ours"] is None for f in figures if f["status"] == "not derivable")
+
+
+def test_a_plan_is_written_and_a_session_can_run_it(tmp_path):
+    path = tmp_path / "plan.toml"
+    value = value_of("plan", "viper_s650", "--tests", "3", "--out", str(path), "--json")
+    plan = load_plan(path, load_arm("viper_s650"))
+    assert len(plan.postures) == len(value["tests"]) == 3
+    assert plan.fixed_point == value["hit_point"]
+    assert "exists already" in refused("plan", "viper_s650", "--out", str(path))
+
+
+def test_the_tool_s_motion_is_told_for_people_and_machines():
+    arguments = ("mozzi", "rv4frl", "--posture", "0,20,80,0,60,0", "--wrench", "0,100,0,0,0,0")
+    value = value_of(*arguments, "--json")
+    assert value["kind"] == "turns about an axis"
+    assert value["joints"][0]["share_of_displacement"] == pytest.approx(1.0)
+    assert "joint_1" in run(*arguments).stdout
+
+
+def test_no_load_is_no_motion():
+    value = value_of(
+        "mozzi", "rv4frl", "--posture", "0,0,0,0,0,0", "--wrench", "0,0,0,0,0,0", "--json"
+    )
+    assert value["kind"] == "no motion"
+    assert value["axis"] is None
+
+
+def test_random_postures_are_ranked():
+    rows = value_of(
+        "mozzi", "rv4frl", "--rank", "500", "--best", "3", "--wrench", "0,0,-50,0,0,0", "--json"
+    )["postures"]
+    sizes = [row["displacement_m"] for row in rows]
+    assert len(sizes) == 3
+    assert sizes == sorted(sizes)
+
+
+def test_a_workspace_is_surveyed_into_page_and_arrays(tmp_path):
+    value = value_of(
+        "workspace", "rv4frl", "--postures", "2000", "--out", str(tmp_path / "w"), "--json"
+    )
+    page = (tmp_path / "w" / "workspace.html").read_text()
+    assert value["page"].endswith("workspace.html")
+    assert "Frequency of mode 1" in page
+    assert "<script src=" not in page  # one file, nothing loaded from elsewhere
+    assert (tmp_path / "w" / "workspace.npz").stat().st_size > 0
+
+
+def test_inertias_are_calibrated_into_a_new_arm(tmp_path):
+    path = tmp_path / "viper.toml"
+    value = value_of(
+        "calibrate-inertia",
+        str(TARGETS / "viper_s650-uncalibrated.toml"),
+        str(TARGETS / "viper_s650-without-table4.toml"),
+        "--out",
+        str(path),
+        "--json",
+    )
+    arm = load_arm(path)
+    assert arm.name == "viper"
+    assert [link["mass_kg"] for link in value["links"]] == pytest.approx(
+        [joint.link.mass_kg for joint in arm.joints],
+        rel=1e-5,  # six digits in the file
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("mozzi", "rv4frl", "--posture", "0,0,0", "--wrench", "1,2,3,4,5,6"), "6 joint angles"),
+        (
+            ("mozzi", "rv4frl", "--posture", "0,0,0,0,0,0", "--wrench", "1,2,3"),
+            "wanted 6 numbers",
+        ),
+        (
+            ("mozzi", "rv4frl", "--posture", "0,200,0,0,0,0", "--wrench", "1,2,3,4,5,6"),
+            "joint_2 of arm",
+        ),
+        (("mozzi", "rv4frl", "--wrench", "1,2,3,4,5,6"), "--posture"),
+        (("mozzi", "rv4frl", "--rank", "9", "--wrench", "0,0,0,1,0,0"), "a wrench with a force"),
+        (("plan", "no_such_arm"), "no_such_arm"),
+        (("workspace", "no_such_arm"), "no_such_arm"),
+    ],
+)
+def test_a_user_s_mistake_is_one_message(arguments, message):
+    assert message in refused(*arguments)

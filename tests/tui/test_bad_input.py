@@ -1,0 +1,250 @@
+"""A user's mistakes and a laboratory's mishaps: one message, exit code 2, nothing lost."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from daq.events import HitJudged
+from daq.settings import AcquisitionSettings
+from hil_sim.lab import start_laboratory
+from protocols.arm.files import ARMS_DIRECTORY, load_arm
+from protocols.errors import ArmodalError
+from protocols.plan import PLANS_DIRECTORY, load_plan
+from protocols.session.hdf5 import read_session, write_session
+from protocols.session.journal import read_journal
+from protocols.session.recovery import rebuild
+from tui.acquire import ScriptedOperator, acquire
+
+TIME_SCALE = 8.0
+
+
+def armodal(*arguments, timeout=120):
+    return subprocess.run(
+        [sys.executable, "-m", "tui.cli", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+
+
+def is_one_message(said, *words):
+    assert said.returncode == 2, said.stderr
+    assert "Traceback" not in said.stderr
+    assert said.stderr.count("armodal:") == 1
+    for word in words:
+        assert word in " ".join(said.stderr.split())
+
+
+@pytest.fixture
+def small_plan(tmp_path):
+    text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
+    head = text[: text.index("[[postures]]")]
+    path = tmp_path / "small.toml"
+    path.write_text(
+        head
+        + '[[postures]]\nname = "test 1"\njoints_deg = [-25.0, 90.0, 0.0, 0.0, 90.0, 0.0]\n'
+        + 'tolerance_deg = 0.5\npoints = ["1", "5"]\nhit_direction = [-0.383, -0.821, 0.423]\n'
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def session_files(tmp_path_factory):
+    """A journal of a few hits and the session file made of it."""
+    folder = tmp_path_factory.mktemp("session")
+    arm = load_arm("rv4frl")
+    plan = load_plan("rv4frl-roving-hammer", arm)
+    # One posture, two points: the hammer goes about, so its direction is the surface's normal.
+    text = plan.text[: plan.text.index('points = ["1", "3"')] + 'points = ["1", "3"]\n'
+    path = folder / "plan.toml"
+    path.write_text(text)
+    journal = folder / "s.journal"
+    with start_laboratory(
+        "rv4frl", seed=3, time_scale=TIME_SCALE, directory=folder / "lab"
+    ) as laboratory:
+        operator = ScriptedOperator(
+            laboratory.operator, arm, load_plan(path, arm), time_scale=TIME_SCALE
+        )
+        settings = settings_of(laboratory, load_plan(path, arm), journal)
+        finished = acquire(settings, operator, lambda event: None)
+        operator.close()
+    assert finished.complete
+    session = folder / "s.h5"
+    rebuild(journal, session, software="test")
+    return journal, session
+
+
+def settings_of(laboratory, plan, journal):
+    return AcquisitionSettings(
+        board_port=laboratory.board,
+        can_channel=laboratory.can,
+        arm=load_arm("rv4frl"),
+        plan=plan,
+        journal=journal,
+        time_scale=TIME_SCALE,
+        software="test",
+    )
+
+
+def acquired(laboratory, plan, journal):
+    return armodal(
+        "acquire",
+        plan,
+        "--board",
+        laboratory.board,
+        "--can",
+        laboratory.can,
+        "--operator",
+        laboratory.operator,
+        "--time-scale",
+        TIME_SCALE,
+        "--journal",
+        journal,
+    )
+
+
+def test_a_roving_hammer_session_runs_over_real_ports(session_files):
+    session = read_session(session_files[1])
+    assert session.complete
+    assert {hit.hit_point for hit in session.accepted()} == {"1", "3"}
+    assert {hit.sensor_point for hit in session.accepted()} == {"1"}
+
+
+@pytest.mark.parametrize(
+    ("fault", "word"), [("board-garbage", "board"), ("board-silence", "board"), ("can-silence", "")]
+)
+def test_a_device_that_does_not_talk_is_said(fault, word, small_plan, tmp_path):
+    with start_laboratory(
+        "rv4frl", seed=1, time_scale=TIME_SCALE, directory=tmp_path / "lab", faults=(fault,)
+    ) as laboratory:
+        said = acquired(laboratory, small_plan, tmp_path / "s.journal")
+    is_one_message(said, word)
+
+
+def test_a_dictionary_that_changes_in_the_session_ends_it_and_keeps_what_was_accepted(
+    small_plan, tmp_path
+):
+    """The supply of a sensor opens after the first accepted hit."""
+    plan = load_plan(small_plan, load_arm("rv4frl"))
+    journal = tmp_path / "s.journal"
+    accepted = []
+    with start_laboratory(
+        "rv4frl", seed=1, time_scale=TIME_SCALE, directory=tmp_path / "lab"
+    ) as laboratory:
+        operator = ScriptedOperator(
+            laboratory.operator, load_arm("rv4frl"), plan, time_scale=TIME_SCALE
+        )
+
+        def show(event):
+            if isinstance(event, HitJudged) and event.hit.verdict.accepted:
+                accepted.append(event.hit.number)
+                if len(accepted) == 1:
+                    operator.ask({"do": "fault", "name": "dictionary-change", "active": True})
+
+        with pytest.raises(ArmodalError, match="dictionary"):
+            acquire(settings_of(laboratory, plan, journal), operator, show)
+        operator.close()
+    kept = read_journal(journal)
+    assert {hit.number for hit in kept.hits if hit.verdict.accepted} >= set(accepted)
+
+
+def test_an_arm_with_a_negative_mass_is_refused_with_the_link(tmp_path):
+    for name in ("rv4frl.toml", "rv4frl.urdf"):
+        shutil.copy(ARMS_DIRECTORY / name, tmp_path / name)
+    urdf = tmp_path / "rv4frl.urdf"
+    text = urdf.read_text(encoding="utf-8")
+    assert 'value="4.8924"' in text
+    urdf.write_text(text.replace('value="4.8924"', 'value="-4.8924"'))
+    said = armodal(
+        "acquire",
+        "rv4frl-three-postures",
+        "--arm",
+        tmp_path / "rv4frl.toml",
+        "--board",
+        "none",
+        "--can",
+        "none",
+        "--journal",
+        tmp_path / "j",
+    )
+    is_one_message(said, "link forearm", "mass above 0 kg", "-4.8924")
+    assert not (tmp_path / "j").exists()
+
+
+def test_a_posture_outside_its_joint_s_range_is_refused(small_plan, tmp_path):
+    small_plan.write_text(small_plan.read_text().replace("[-25.0, 90.0,", "[-25.0, 190.0,"))
+    said = armodal(
+        "acquire", small_plan, "--board", "none", "--can", "none", "--journal", tmp_path / "j"
+    )
+    is_one_message(said, "joint_2", "190")
+    assert not (tmp_path / "j").exists()
+
+
+def test_a_session_of_another_arm_is_not_gone_on_with(session_files, small_plan, tmp_path):
+    journal = tmp_path / "s.journal"
+    shutil.copy(session_files[0], journal)
+    before = journal.read_bytes()
+    with start_laboratory(
+        "rv4frl", seed=1, time_scale=TIME_SCALE, directory=tmp_path / "lab"
+    ) as laboratory:
+        said = armodal(
+            "acquire",
+            small_plan,
+            "--board",
+            laboratory.board,
+            "--can",
+            laboratory.can,
+            "--operator",
+            laboratory.operator,
+            "--time-scale",
+            TIME_SCALE,
+            "--journal",
+            journal,
+            "--resume",
+        )
+    is_one_message(said)
+    assert journal.read_bytes() == before
+
+
+def test_a_truncated_journal_gives_back_every_whole_hit(session_files, tmp_path):
+    whole = read_journal(session_files[0])
+    torn = tmp_path / "torn.journal"
+    data = session_files[0].read_bytes()
+    torn.write_bytes(data[: len(data) - 100])
+    said = armodal("recover", torn, "--json")
+    assert said.returncode == 0
+    assert '"dropped_bytes": 0' not in said.stdout
+    assert len(read_session(tmp_path / "torn.h5").hits) >= len(whole.hits) - 1
+
+
+def test_a_journal_without_its_beginning_is_refused(session_files, tmp_path):
+    torn = tmp_path / "torn.journal"
+    torn.write_bytes(session_files[0].read_bytes()[:20])
+    is_one_message(armodal("recover", torn))
+    assert list(tmp_path.iterdir()) == [torn]
+
+
+@pytest.mark.parametrize("part", [0.02, 0.3, 0.9, 0.999])
+def test_a_truncated_session_file_is_refused(part, session_files, tmp_path):
+    data = session_files[1].read_bytes()
+    cut = tmp_path / "cut.h5"
+    cut.write_bytes(data[: int(part * len(data))])
+    is_one_message(armodal("fit", cut))
+
+
+def test_a_session_without_hits_says_what_is_missing(session_files, tmp_path):
+    session = read_session(session_files[1])
+    empty = tmp_path / "empty.h5"
+    write_session(replace(session, hits=()), empty)
+    is_one_message(armodal("identify", empty), "accepted hits")
+
+
+def test_an_output_that_cannot_be_written_is_said(session_files, tmp_path):
+    said = armodal("report", session_files[1], "--out", tmp_path / "no" / "folder" / "r.html")
+    is_one_message(said)

@@ -1,0 +1,24 @@
+import json
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+from offline_lab import simulate_session
+
+from tui.check_session import session_checks
+
+
+def test_checks_are_plain_values_and_a_table():
+    value, table = session_checks(simulate_session(2))
+    assert json.loads(json.dumps(value)) == value
+    rows = value["checks"]
+    assert {row["check"] for row in rows} == {
+        "rigid link",
+        "driving point",
+        "homogeneity",
+        "reciprocity",
+        "sensor",
+    }
+    assert not [row for row in rows if row["outcome"] == "fault"]
+    assert table.row_count == len(rows)

@@ -1,0 +1,210 @@
+"""Commands that need an arm and no measurement: plan, mozzi, workspace, calibrate, reproduce."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from analyzer.planning.clearance import Clearance
+from analyzer.planning.selective import plan_tests
+from analyzer.workspace.spectrum import elastic_joints
+from protocols.arm.files import load_arm
+from protocols.errors import ArmError
+from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
+from tui.mozzi import deflection_json, deflection_tables, load_tool, rank_random_postures
+from tui.plan import plan_json, plan_tables, plan_text, write_plan
+from tui.reproduce import figure_json, figure_tables, reproduce_papers
+from tui.workspace import survey_workspace, workspace_table
+
+__all__ = ["app"]
+
+app = typer.Typer()
+out = Console(highlight=False)
+err = Console(stderr=True, highlight=False)
+
+ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
+
+
+def _print_json(value: object) -> None:
+    sys.stdout.write(json.dumps(value, indent=2) + "\n")
+
+
+def _progress(what: str) -> Callable[[int, int], None]:
+    shown = -1
+
+    def show(done: int, wanted: int) -> None:
+        nonlocal shown
+        tenth = 10 * done // wanted
+        if tenth != shown:
+            shown = tenth
+            err.print(f"[dim]· {what} {100 * done // wanted} %[/dim]")
+
+    return show
+
+
+def _numbers(text: str, what: str, count: int | None = None) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if not values or not np.isfinite(values).all() or (count and len(values) != count):
+        wanted = f"{count} numbers" if count else "numbers"
+        raise ArmError(f"{what}: wanted {wanted} separated by commas, got {text!r}")
+    return values
+
+
+@app.command("plan")
+def plan_command(
+    arm: ArmName,
+    tests: Annotated[int, typer.Option(min=1, max=50, help="Tests wanted in all.")] = 6,
+    out_path: Annotated[
+        Path | None, typer.Option("--out", help="Plan file to write, never replaced.")
+    ] = None,
+    name: Annotated[str, typer.Option(help="Name of the plan in that file.")] = "selective",
+    floor: Annotated[float, typer.Option(help="Height of the floor, m in base.")] = 0.0,
+    base_radius: Annotated[float, typer.Option(min=0, help="Kept clear round the base, m.")] = 0.12,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Which postures, hits and points identify the joints: the fewest, then the most telling.
+
+    Example: armodal plan viper_s650 --out viper-plan.toml
+    """
+    the_arm = load_arm(arm)
+    found = plan_tests(
+        the_arm,
+        elastic_joints(the_arm),
+        np.random.default_rng(seed),
+        clearance=Clearance(floor_m=floor, base_radius_m=base_radius),
+        n_tests=tests,
+        progress=_progress("search"),
+    )
+    if out_path is not None:
+        write_plan(plan_text(found, name), out_path)
+    if as_json:
+        _print_json(plan_json(found) | {"plan": None if out_path is None else str(out_path)})
+        return
+    for table in plan_tables(found):
+        out.print(table)
+    if found.not_isolated:
+        names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
+        out.print(f"no test shows {names} alone: identify by the fit of all modes")
+    if out_path is not None:
+        out.print(f"plan {out_path}", markup=False)
+
+
+@app.command("mozzi")
+def mozzi_command(
+    arm: ArmName,
+    wrench: Annotated[str, typer.Option(help="fx,fy,fz,mx,my,mz at the tool, base axes, N, N m.")],
+    posture: Annotated[
+        str | None, typer.Option(help="Joint angles in degrees, separated by commas.")
+    ] = None,
+    at: Annotated[
+        str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
+    ] = "0,0,0",
+    rank: Annotated[
+        int, typer.Option(min=0, help="Instead of one posture: rank so many random ones.")
+    ] = 0,
+    best: Annotated[int, typer.Option(min=1, help="How many of them to show.")] = 10,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """How the tool gives under a load: displacement, Mozzi axis, each joint's part.
+
+    Example: armodal mozzi viper_s650 --posture 0,0,60,0,40,0 --wrench 0,50,-100,0,0,0 --at 0,0,0.1
+    """
+    the_arm = load_arm(arm)
+    load, tool = _numbers(wrench, "--wrench", 6), _numbers(at, "--at", 3)
+    if rank:
+        rows = rank_random_postures(the_arm, load, tool, n=rank, best=best, seed=seed)
+        if as_json:
+            _print_json({"arm": the_arm.name, "postures": rows})
+            return
+        for row in rows:
+            angles = " ".join(f"{angle:7.1f}" for angle in row["posture_deg"])
+            out.print(f"{1e3 * row['displacement_m']:9.4f} mm  at {angles} deg")
+        return
+    if posture is None:
+        raise ArmError("wanted --posture with the joint angles in degrees, or --rank; got neither")
+    found, lines = load_tool(the_arm, _numbers(posture, "--posture"), load, tool)
+    if as_json:
+        _print_json({"arm": the_arm.name} | deflection_json(the_arm, found, lines))
+        return
+    for table in deflection_tables(the_arm, found, lines):
+        out.print(table)
+
+
+@app.command("workspace")
+def workspace_command(
+    arm: ArmName,
+    postures: Annotated[int, typer.Option(min=1, max=100_000_000)] = 100_000,
+    directory: Annotated[Path, typer.Option("--out", help="Folder for page and arrays.")] = Path(
+        "workspace"
+    ),
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Mass matrix, frequencies and damping over random postures; maps over the wrist's position.
+
+    Example: armodal workspace viper_s650 --postures 1000000
+    """
+    value, study = survey_workspace(
+        load_arm(arm), directory, n_postures=postures, seed=seed, progress=_progress("postures")
+    )
+    if as_json:
+        _print_json(value)
+        return
+    out.print(workspace_table(study))
+    for note in value["notes"]:
+        out.print(f"note: {note}", markup=False)
+    out.print(f"page   {value['page']}\narrays {value['arrays']}", markup=False)
+
+
+@app.command("calibrate-inertia")
+def calibrate_command(
+    arm: ArmName,
+    targets: Annotated[Path, typer.Argument(help="Inertia targets file.")],
+    out_path: Annotated[Path, typer.Option("--out", help="Arm file to write, never replaced.")],
+    name: Annotated[str | None, typer.Option(help="Name of the new arm; the file's stem.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Link inertias that meet given figures, nearest to what is believed of the links.
+
+    Example: armodal calibrate-inertia my-arm.toml targets.toml --out my-arm-calibrated.toml
+    """
+    found, text = calibrate(arm, targets, name or out_path.stem)
+    write_arm(text, out_path)
+    if as_json:
+        _print_json(calibration_json(found) | {"arm": str(out_path)})
+        return
+    for table in calibration_tables(found):
+        out.print(table)
+    out.print(f"arm {out_path}", markup=False)
+
+
+@app.command("reproduce")
+def reproduce_command(
+    postures: Annotated[int, typer.Option(min=1000, max=100_000_000)] = 1_000_000,
+    as_json: Json = False,
+) -> None:
+    """Every published figure of the three papers beside ours, with margin and status.
+
+    Example: armodal reproduce --json
+    """
+    figures = reproduce_papers(postures)
+    if as_json:
+        rows: list[dict[str, Any]] = [figure_json(figure) for figure in figures]
+        _print_json({"figures": rows})
+        return
+    for table in figure_tables(figures):
+        out.print(table)

@@ -1,0 +1,110 @@
+"""`armodal calibrate-inertia`: link inertias from published or measured figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from analyzer.calibration.calibrate import Calibration
+from analyzer.calibration.from_file import calibrate_from_file
+from protocols.arm.files import load_arm
+from protocols.arm.records import Arm
+from protocols.arm.rewrite import text_with_inertials
+from protocols.errors import ArmError
+from protocols.inertia_targets import load_inertia_targets
+
+__all__ = ["calibrate", "calibration_json", "calibration_tables"]
+
+IN_TENSION = 1.0  # margins
+
+
+def calibrate(arm_source: str, targets_path: Path, name: str) -> tuple[Calibration, str]:
+    """Calibrate an arm and return the result with the text of the new arm file.
+
+    Raises
+    ------
+    ArmError, EstimateError
+        As reading and calibrating do.
+    """
+    arm = load_arm(arm_source)
+    file = load_inertia_targets(targets_path, arm)
+    found = calibrate_from_file(arm, file)
+    source = f"{arm.source} Inertials: calibrated to {targets_path.name} ({file.source})."
+    links = [joint.link for joint in found.arm.joints]
+    return found, text_with_inertials(arm.text, links, name=name, source=source)
+
+
+def write_arm(text: str, path: Path) -> None:
+    """Write a new arm file; an existing one is never replaced.
+
+    Raises
+    ------
+    ArmError
+        If the file exists or cannot be written.
+    """
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise ArmError(f"{path} exists already; give another name with --out") from None
+    except OSError as problem:
+        raise ArmError(f"cannot write {path}: {problem.strerror}; check the folder") from problem
+
+
+def calibration_json(found: Calibration) -> dict[str, Any]:
+    """Links with their belief, targets with their pulls, and what stays undetermined."""
+    undetermined = found.undetermined()
+    return {
+        "links": [
+            {
+                "link": joint.link.name,
+                "mass_kg": joint.link.mass_kg,
+                "believed_mass_kg": body.mass_kg,
+                "center_m": joint.link.center_m.tolist(),
+                "inertia_kg_m2": joint.link.inertia_kg_m2.tolist(),
+                "radii_of_gyration_m": _radii(found.arm, i).tolist(),
+                "undetermined": list(undetermined[body.name]),
+            }
+            for i, (joint, body) in enumerate(zip(found.arm.joints, found.bodies, strict=True))
+        ],
+        "base_mass_kg": found.base_mass_kg,
+        "targets": [
+            {"source": target.source, "pulls_in_margins": pulls.tolist()}
+            for target, pulls in found.pulls
+        ],
+    }
+
+
+def calibration_tables(found: Calibration) -> list[Table]:
+    """Links and targets as tables for people."""
+    links = Table(title="Calibrated links")
+    for column in ("link", "mass kg", "believed", "radii of gyration mm", "undetermined"):
+        links.add_column(column, justify="left" if column == "undetermined" else "right")
+    undetermined = found.undetermined()
+    for i, (joint, body) in enumerate(zip(found.arm.joints, found.bodies, strict=True)):
+        links.add_row(
+            joint.link.name,
+            f"{joint.link.mass_kg:.3f}",
+            f"{body.mass_kg:.3f}",
+            " ".join(f"{1e3 * radius:.0f}" for radius in _radii(found.arm, i)),
+            ", ".join(undetermined[body.name]) or "nothing",
+        )
+    targets = Table(title="Targets, deviation in margins")
+    for column in ("figure", "deviations", ""):
+        targets.add_column(column)
+    for target, pulls in found.pulls:
+        tense = np.abs(pulls).max(initial=0.0) > IN_TENSION
+        targets.add_row(
+            target.source, " ".join(f"{pull:+.2f}" for pull in pulls), "in tension" if tense else ""
+        )
+    return [links, targets]
+
+
+def _radii(arm: Arm, link: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Principal radii of gyration, largest first."""
+    body = arm.joints[link].link
+    principal = np.linalg.eigvalsh(body.inertia_kg_m2)[::-1]
+    return np.asarray(np.sqrt(principal / body.mass_kg))

@@ -1,0 +1,169 @@
+"""`armodal mozzi`: how the tool gives under a load, and about which axis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from rich.table import Table
+
+from analyzer.screws import MozziAxis, Translation
+from analyzer.statics.deflection import Deflections, JointLine, deflect, joint_lines
+from analyzer.statics.ranking import rank_postures
+from analyzer.workspace.batch import ArmBatch
+from analyzer.workspace.postures import random_postures
+from analyzer.workspace.spectrum import elastic_joints
+from protocols.arm.records import Arm
+from protocols.errors import ArmError
+
+__all__ = ["deflection_json", "deflection_tables", "load_tool", "rank_random_postures"]
+
+Array = npt.NDArray[np.float64]
+
+
+def load_tool(
+    arm: Arm, posture_deg: list[float], wrench: list[float], tool_m: list[float]
+) -> tuple[Deflections, tuple[JointLine, ...]]:
+    """Deflection of the tool in one posture, and how its Mozzi axis lies to the joints.
+
+    Raises
+    ------
+    ArmError
+        If the posture has another number of angles, or one outside its joint's range, or the
+        wrench or the tool point is not what it should be.
+    """
+    joints_rad = checked_posture(arm, posture_deg)
+    if len(tool_m) != 3 or not np.isfinite(tool_m).all():
+        raise ArmError(f"wanted a tool point of three finite metres, got {tool_m}")
+    batch = ArmBatch(arm)
+    found = deflect(batch, elastic_joints(arm), joints_rad[None], wrench, tool_m=tool_m)
+    axis = found.mozzi()
+    lines = joint_lines(batch, joints_rad, axis) if isinstance(axis, MozziAxis) else ()
+    return found, lines
+
+
+def checked_posture(arm: Arm, posture_deg: list[float]) -> Array:
+    """Joint angles in radians of a posture given in degrees.
+
+    Raises
+    ------
+    ArmError
+        If there are not as many as joints, or one lies outside its range.
+    """
+    if len(posture_deg) != len(arm.joints):
+        raise ArmError(
+            f"wanted {len(arm.joints)} joint angles in degrees for arm '{arm.name}', got "
+            f"{len(posture_deg)}; give one per joint, separated by commas"
+        )
+    angles = np.deg2rad(posture_deg)
+    for joint, angle, degrees in zip(arm.joints, angles, posture_deg, strict=True):
+        low, high = joint.range_rad
+        if not low - 1e-4 <= angle <= high + 1e-4:
+            raise ArmError(
+                f"{joint.name} of arm '{arm.name}' turns from {np.rad2deg(low):g} to "
+                f"{np.rad2deg(high):g} degrees, got {degrees:g}"
+            )
+    return np.asarray(angles)
+
+
+def deflection_json(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]) -> dict[str, Any]:
+    """The deflection as plain values."""
+    axis = found.mozzi()
+    elastic = elastic_joints(arm)
+    return {
+        "tool_m": found.tool_m[0].tolist(),
+        "displacement_m": found.displacement_m[0].tolist(),
+        "rotation_rad": found.rotation_rad[0].tolist(),
+        "joints": [
+            {
+                "joint": arm.joints[j].name,
+                "rotation_rad": float(found.joint_rotation_rad[0, i]),
+                "share_of_displacement": _number(found.joint_share[0, i]),
+            }
+            for i, j in enumerate(elastic.joints)
+        ],
+        "axis": {
+            "direction": axis.direction.tolist(),
+            "point_m": axis.point_m.tolist(),
+            "pitch_m_per_rad": axis.pitch_m_per_rad,
+            "rotation_rad": axis.rotation,
+        }
+        if isinstance(axis, MozziAxis)
+        else None,
+        "kind": "turns about an axis"
+        if isinstance(axis, MozziAxis)
+        else ("pure translation" if isinstance(axis, Translation) else "no motion"),
+        "to_joint_axes": [
+            {"joint": line.joint, "angle_deg": line.angle_deg, "distance_m": line.distance_m}
+            for line in lines
+        ],
+    }
+
+
+def deflection_tables(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]) -> list[Table]:
+    """The deflection as tables for people."""
+    value = deflection_json(arm, found, lines)
+    motion = Table(title=f"Tool of {arm.name}: {value['kind']}", show_header=False)
+    size_mm = 1e3 * float(np.linalg.norm(found.displacement_m[0]))
+    motion.add_row("tool at, m", _vector(found.tool_m[0], "{:.3f}"))
+    motion.add_row("displacement, mm", f"{_vector(1e3 * found.displacement_m[0])}  ({size_mm:.4f})")
+    axis = found.mozzi()
+    if isinstance(axis, MozziAxis):
+        motion.add_row("axis direction", _vector(axis.direction, "{:.3f}"))
+        motion.add_row("axis passes, m", _vector(axis.point_m, "{:.3f}"))
+        motion.add_row("slide, mm/rad", f"{1e3 * axis.pitch_m_per_rad:.3f}")
+        motion.add_row("rotation, mrad", f"{1e3 * axis.rotation:.4f}")
+    shares = Table(title="By joint")
+    for column in ("joint", "turns mrad", "of the displacement %", "axis angle deg", "away mm"):
+        shares.add_column(column, justify="right")
+    by_name = {line.joint: line for line in lines}
+    elastic = {row["joint"]: row for row in value["joints"]}
+    for joint in arm.joints:
+        row, line = elastic.get(joint.name), by_name.get(joint.name)
+        share = None if row is None else row["share_of_displacement"]
+        shares.add_row(
+            joint.name,
+            "rigid" if row is None else f"{1e3 * row['rotation_rad']:.4f}",
+            "" if share is None else f"{100 * share:.1f}",
+            "" if line is None else f"{line.angle_deg:.1f}",
+            "" if line is None else f"{1e3 * line.distance_m:.1f}",
+        )
+    return [motion, shares]
+
+
+def rank_random_postures(
+    arm: Arm, wrench: list[float], tool_m: list[float], *, n: int, best: int, seed: int
+) -> list[dict[str, Any]]:
+    """The stiffest of random postures for a force on the tool; the surface is across the force.
+
+    Raises
+    ------
+    ArmError
+        If the wrench holds no force.
+    """
+    force = np.asarray(wrench[:3], dtype=np.float64)
+    if not np.linalg.norm(force) > 0:
+        raise ArmError("wanted a wrench with a force to rank postures for, got none")
+    postures = random_postures(arm, n, np.random.default_rng(seed))
+    ranked = rank_postures(
+        ArmBatch(arm), elastic_joints(arm), postures, wrench, -force, tool_m=tool_m
+    )
+    return [
+        {
+            "posture_deg": np.rad2deg(ranked.joints_rad[i]).tolist(),
+            "tool_m": ranked.tool_m[i].tolist(),
+            "displacement_m": float(ranked.displacement_m[i]),
+            "into_surface_m": float(ranked.into_surface_m[i]),
+            "axis_distance_m": _number(ranked.axis_distance_m[i]),
+        }
+        for i in range(min(best, n))
+    ]
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _vector(values: Array, form: str = "{:+.4f}") -> str:
+    return "  ".join(form.format(value) for value in values)

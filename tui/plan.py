@@ -1,0 +1,179 @@
+"""`armodal plan`: which postures, hits and points to measure, as tables and as a plan file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from analyzer.planning.selective import PlannedTest, SelectivePlan
+from protocols.errors import PlanError
+from protocols.plan import plan_from_text
+
+__all__ = ["plan_json", "plan_tables", "plan_text", "write_plan"]
+
+TOLERANCE_DEG = 0.5
+
+
+def plan_json(plan: SelectivePlan) -> dict[str, Any]:
+    """The tests as plain values."""
+    arm, elastic = plan.arm, plan.elastic
+    names = [joint.name for joint in arm.joints]
+    return {
+        "arm": arm.name,
+        "needed": plan.n_needed,
+        "not_isolated": [names[joint] for joint in plan.not_isolated],
+        "most_selective": [
+            {
+                "joint": names[joint],
+                "posture_deg": np.rad2deg(posture).tolist(),
+                "worst_coupling": float(coupling),
+            }
+            for joint, posture, coupling in zip(
+                elastic.joints, plan.most_selective, plan.least_coupling, strict=True
+            )
+        ],
+        "hit_point": plan.hit_point,
+        "tests": [
+            {
+                "posture_deg": np.rad2deg(test.joints_rad).tolist(),
+                "target": names[test.target],
+                "serves": [names[joint] for joint in test.serves],
+                "separable_set": [names[joint] for joint in test.separable],
+                "coupling": {
+                    names[joint]: float(value)
+                    for joint, value in zip(elastic.joints, test.coupling, strict=True)
+                    if joint != test.target
+                },
+                "hit_point": test.hit.point,
+                "hit_direction": test.hit.direction_base.tolist(),
+                "hit_along_normal": test.hit.along_normal,
+                "hit_purity": test.hit.purity,
+                "points": list(test.points),
+                "modes": [
+                    {
+                        "f_hz": float(f),
+                        "damping_ratio": float(damping),
+                        "joint_share": {
+                            names[joint]: float(share)
+                            for joint, share in zip(
+                                elastic.joints, test.modes.joint_share[:, i], strict=True
+                            )
+                        },
+                    }
+                    for i, (f, damping) in enumerate(
+                        zip(test.modes.f_hz, test.modes.damping_ratio, strict=True)
+                    )
+                ],
+                "gravity_torque_n_m": test.gravity.torque_n_m.tolist(),
+                "gravity_stiffness_n_m_per_rad": test.gravity.stiffness_n_m_per_rad.tolist(),
+                "gravity_part_of_spring": test.gravity.part_of_spring.tolist(),
+                "expected_k_std_relative": [
+                    float(std) if np.isfinite(std) else None for std in expected
+                ],
+            }
+            for test, expected in zip(plan.tests, plan.expected_std, strict=True)
+        ],
+    }
+
+
+def plan_tables(plan: SelectivePlan) -> list[Table]:
+    """The tests as tables for people."""
+    names = [joint.name for joint in plan.arm.joints]
+    tests = Table(title=f"Tests for {plan.arm.name}: the first {plan.n_needed} are needed")
+    for column in ("", "posture deg", "for", "shows", "worst M_ij/M_ii", "hit", "purity %", "Hz"):
+        tests.add_column(column)
+    for number, test in enumerate(plan.tests, start=1):
+        tests.add_row(
+            str(number),
+            " ".join(f"{angle:.0f}" for angle in np.rad2deg(test.joints_rad)),
+            names[test.target],
+            ", ".join(names[joint] for joint in test.serves),
+            f"{test.coupling.max():.4f}",
+            _hit(test),
+            f"{100 * test.hit.purity:.0f}",
+            " ".join(f"{f:.1f}" for f in test.modes.f_hz),
+        )
+    expected = Table(title="Least standard deviation of k to expect after each test, %")
+    expected.add_column("tests", justify="right")
+    for joint in plan.elastic.joints:
+        expected.add_column(names[joint], justify="right")
+    for number, row in enumerate(plan.expected_std, start=1):
+        expected.add_row(str(number), *(f"{100 * std:.3f}" for std in row))
+    gravity = Table(title="Gravity's stiffness, % of the spring's")
+    gravity.add_column("test", justify="right")
+    for joint in plan.elastic.joints:
+        gravity.add_column(names[joint], justify="right")
+    for number, test in enumerate(plan.tests, start=1):
+        gravity.add_row(
+            str(number), *(f"{100 * part:+.2f}" for part in test.gravity.part_of_spring)
+        )
+    return [tests, expected, gravity]
+
+
+def plan_text(plan: SelectivePlan, name: str) -> str:
+    """A plan file of the tests.
+
+    Raises
+    ------
+    PlanError
+        If the text would not be a valid plan for the arm.
+    """
+    top_hz = max(float(test.modes.f_hz.max()) for test in plan.tests)
+    rate_hz = next((rate for rate in (1024, 2048, 4096, 8192) if rate > 4 * top_hz), 16384)
+    head = f"""# Made by `armodal plan`. Format: docs/plan-file.md
+format = "armodal-plan-1"
+name = "{name}"
+arm = "{plan.arm.name}"
+mode = "roving-response"
+fixed_point = "{plan.hit_point}"
+hits_per_point = 3
+max_attempts = 10
+sampling = {{ rate_hz = {rate_hz}, samples = {2 * rate_hz}, pretrigger = {rate_hz // 16} }}
+trigger = {{ level_n = 10.0, slope = "rising" }}
+sensor = {{ mass_kg = 0.01 }}
+"""
+    moving = [point.id for point in plan.arm.points if point.link != "base"]
+    text = head + "".join(
+        _posture_table(number, test, moving) for number, test in enumerate(plan.tests, start=1)
+    )
+    plan_from_text(text, plan.arm, origin="plan made")
+    return text
+
+
+def _posture_table(number: int, test: PlannedTest, points: list[str]) -> str:
+    angles = ", ".join(f"{angle:.2f}" for angle in np.rad2deg(test.joints_rad))
+    direction = ", ".join(f"{value:.4f}" for value in test.hit.direction_base)
+    listed = ", ".join(f'"{point}"' for point in points)
+    return f"""
+[[postures]]
+name = "test {number}"
+joints_deg = [{angles}]
+tolerance_deg = {TOLERANCE_DEG}
+points = [{listed}]
+hit_direction = [{direction}]
+"""
+
+
+def write_plan(text: str, path: Path) -> None:
+    """Write a plan file; an existing one is never replaced.
+
+    Raises
+    ------
+    PlanError
+        If the file exists or cannot be written.
+    """
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise PlanError(f"{path} exists already; give another name with --out") from None
+    except OSError as problem:
+        raise PlanError(f"cannot write {path}: {problem.strerror}; check the folder") from problem
+
+
+def _hit(test: PlannedTest) -> str:
+    direction = " ".join(f"{value:+.2f}" for value in test.hit.direction_base)
+    return f"{test.hit.point} along {direction}{'' if test.hit.along_normal else ' (block)'}"

@@ -1,0 +1,86 @@
+"""`armodal reproduce`: the published figures of the three papers beside ours."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from analyzer.reproduce.file_000 import figures_000
+from analyzer.reproduce.file_001 import figures_001
+from analyzer.reproduce.file_002 import figures_002
+from analyzer.reproduce.records import Figure, Status
+from protocols.arm.files import load_arm
+
+__all__ = ["figure_json", "figure_tables", "reproduce_papers"]
+
+STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
+
+
+def reproduce_papers(n_postures: int) -> list[Figure]:
+    """Compute every figure of the three papers on the shipped arms."""
+    calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
+    return [
+        *figures_000(load_arm("rv4frl")),
+        *figures_001(predicting),
+        *figures_002(calibrated, predicting, n_postures=n_postures),
+    ]
+
+
+def figure_json(figure: Figure) -> dict[str, Any]:
+    """One figure as plain values."""
+    return {
+        "paper": figure.paper,
+        "table": figure.table,
+        "item": figure.item,
+        "unit": figure.unit,
+        "published": figure.published,
+        "ours": figure.ours,
+        "margin": figure.margin,
+        "status": figure.status.value,
+        "why": figure.why,
+    }
+
+
+def figure_tables(figures: list[Figure]) -> list[Table | Text]:
+    """One table a paper with its reasons beneath, and how many figures have which status."""
+    shown: list[Table | Text] = []
+    for paper in sorted({figure.paper for figure in figures}):
+        table = Table(title=f"File {paper}", box=box.SIMPLE, padding=0, expand=True)
+        table.add_column("figure", ratio=1)
+        for column in ("published", "ours", "margin"):
+            table.add_column(column, justify="right", no_wrap=True)
+        table.add_column("status", no_wrap=True)
+        notes = Text()
+        for figure in figures:
+            if figure.paper != paper:
+                continue
+            unit = f", {figure.unit}" if figure.unit not in {"", "yes/no"} else ""
+            table.add_row(
+                f"{figure.table}: {figure.item}{unit}",
+                _shown(figure.published),
+                _shown(figure.ours),
+                "" if figure.margin is None else f"{figure.margin:.3g}",
+                figure.status.value,
+                style=STYLES.get(figure.status),
+            )
+            if figure.margin is None or figure.status is Status.DIFFERS:
+                notes.append(f"{figure.table}: {figure.item}: {figure.why}\n", style="dim")
+        shown += [table, notes]
+    counts = Table(title="All figures", box=box.SIMPLE)
+    counts.add_column("status")
+    counts.add_column("number", justify="right")
+    for status, number in Counter(figure.status for figure in figures).most_common():
+        counts.add_row(status.value, str(number))
+    return [*shown, counts]
+
+
+def _shown(value: float | bool | str | None) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return value if isinstance(value, str) else f"{value:.6g}"
