@@ -45,17 +45,19 @@ def cost_of(data, poles, participation, values, variance):
         columns = []
         for m, pole in enumerate(poles):
             direct, mirrored = 1.0 / (s - pole), 1.0 / (s - np.conj(pole))
-            for factor in (1.0, 1j):
-                columns.append(
-                    [
-                        factor * participation[j, m] * direct
-                        + np.conj(factor * participation[j, m]) * mirrored
-                        for j in range(n_ref)
-                    ]
-                )
-        for j in range(n_ref):
-            for term in residual:
-                columns.append([term if i == j else 0.0 * term for i in range(n_ref)])
+            columns.extend(
+                [
+                    factor * participation[j, m] * direct
+                    + np.conj(factor * participation[j, m]) * mirrored
+                    for j in range(n_ref)
+                ]
+                for factor in (1.0, 1j)
+            )
+        columns.extend(
+            [term if i == j else 0.0 * term for i in range(n_ref)]
+            for j in range(n_ref)
+            for term in residual
+        )
         A = np.array([(np.array(c) * weight[o]).ravel() for c in columns]).T
         b = (values[o] * weight[o]).ravel()
         A, b = np.vstack([A.real, A.imag]), np.concatenate([b.real, b.imag])
