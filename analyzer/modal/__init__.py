@@ -1,7 +1,8 @@
 """Frequency responses, modes and their uncertainty."""
 
+from analyzer.modal.chosen_hits import HitChoice, hit_choices
 from analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
-from analyzer.modal.estimators import FrfEstimate, FrfEstimator, estimate_frf
+from analyzer.modal.estimators import FrfEstimate, estimate_frf
 from analyzer.modal.fit import fit_modes
 from analyzer.modal.forms import convert_form
 from analyzer.modal.frf import HitFrfs, SensorAxes, posture_frf, posture_hit_frfs
@@ -27,7 +28,7 @@ from analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
 
 __all__ = [
     "FrfEstimate",
-    "FrfEstimator",
+    "HitChoice",
     "HitFrfs",
     "HitSpectra",
     "MassScaling",
@@ -46,6 +47,7 @@ __all__ = [
     "frac",
     "frf_sum",
     "group_sums",
+    "hit_choices",
     "hit_frfs",
     "hit_spectra",
     "mac",

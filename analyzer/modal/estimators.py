@@ -7,27 +7,19 @@ With noise only where each one says it is, each is unbiased; always |H1| <= |Hv|
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
 
 from protocols.errors import EstimateError
+from protocols.frf_records import FrfEstimator
 
-__all__ = ["FrfEstimate", "FrfEstimator", "estimate_frf", "single_reference"]
+__all__ = ["FrfEstimate", "estimate_frf", "single_reference"]
 
 _Complex = npt.NDArray[np.complex128]
 _Real = npt.NDArray[np.float64]
 _TINY = float(np.finfo(float).tiny)
 _LEAST_CONDITION = 1e-10  # of smallest over largest eigenvalue of the forces' spectral matrix
-
-
-class FrfEstimator(StrEnum):
-    """Where the noise is taken to be."""
-
-    H1 = "h1"  # on the response
-    H2 = "h2"  # on the force
-    HV = "hv"  # on both, in proportion to their power
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

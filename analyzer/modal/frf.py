@@ -8,20 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.estimators import FrfEstimator, single_reference
+from analyzer.modal.chosen_hits import HitChoice, accepted_hits, choose_hits, hit_pairs
+from analyzer.modal.estimators import single_reference
+from analyzer.modal.hit_selection import coherence_of_all
 from analyzer.modal.noise import hit_scatter_variance, independent_line_share
 from analyzer.modal.spectra import HitSpectra, active_channels, hit_frfs, hit_spectra
 from protocols.arrays import frozen_array
 from protocols.board.records import Channel
 from protocols.errors import EstimateError
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from protocols.frf_records import Dof, FrequencyResponse, FrfEstimator, FrfForm
 from protocols.session.records import Hit, Session
 
 __all__ = ["HitFrfs", "SensorAxes", "posture_frf", "posture_hit_frfs"]
 
 SensorAxes = Callable[[str], npt.NDArray[np.float64]] | Mapping[str, npt.NDArray[np.float64]]
-
-_SAME_DIRECTION = np.cos(np.radians(1.0))  # hits at one point planned along one direction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,37 +67,6 @@ def _labels(channels: tuple[Channel, ...]) -> tuple[str, ...]:
     return named if sorted(named) == sorted(expected) else expected
 
 
-def _accepted(session: Session, posture: str) -> tuple[Hit, ...]:
-    hits = session.accepted(posture)
-    if not hits:
-        raise EstimateError(
-            f"posture {posture!r} has no accepted hits in this session; measure it first"
-        )
-    return hits
-
-
-def _references(hits: tuple[Hit, ...]) -> tuple[list[Dof], list[int]]:
-    """Point and direction of each reference, and which of them each hit belongs to."""
-    dofs: list[Dof] = []
-    member = []
-    for hit in hits:
-        direction = np.asarray(hit.hit_direction, dtype=np.float64)
-        for index, dof in enumerate(dofs):
-            if dof.point == hit.hit_point and dof.direction @ direction > _SAME_DIRECTION:
-                member.append(index)
-                break
-        else:
-            member.append(len(dofs))
-            dofs.append(
-                Dof(
-                    point=hit.hit_point,
-                    label="hit",
-                    direction=frozen_array(direction, np.float64),
-                )
-            )
-    return dofs, member
-
-
 def posture_hit_frfs(
     session: Session, posture: str, *, band_hz: tuple[float, float] | None = None
 ) -> HitFrfs:
@@ -117,9 +86,9 @@ def posture_hit_frfs(
     EstimateError
         If the posture has no accepted hits, or their records cannot be compared.
     """
-    hits = _accepted(session, posture)
+    hits = accepted_hits(session, posture)
     spectra = hit_spectra(session, hits, band_hz=band_hz)
-    dofs, member = _references(hits)
+    pairs = hit_pairs(hits)
     return HitFrfs(
         posture=posture,
         form=FrfForm.ACCELERANCE,
@@ -128,7 +97,7 @@ def posture_hit_frfs(
         hit_number=tuple(hit.number for hit in hits),
         sensor_point=tuple(hit.sensor_point for hit in hits),
         labels=_labels(active_channels(session)[1]),
-        reference=tuple(dofs[j] for j in member),
+        reference=tuple(pairs.references[i % len(pairs.references)] for i in pairs.pair_of),
         values=frozen_array(hit_frfs(spectra), np.complex128),
         force_power=frozen_array(np.abs(spectra.force) ** 2, np.float64),
     )
@@ -140,9 +109,11 @@ def posture_frf(
     directions: SensorAxes,
     *,
     band_hz: tuple[float, float] | None = None,
-    estimator: FrfEstimator = FrfEstimator.H1,
 ) -> FrequencyResponse:
     """Accelerance of one posture, averaged over the accepted hits of each point.
+
+    Windows, estimator and the number of hits kept are those of the plan; hits unlike the others
+    are left out (`hit_choices`).
 
     Every axis of every sensor point is a response; every hit point, and every direction hit
     there, is a reference. Roving response: many responses, one reference or a few. Roving hammer:
@@ -159,8 +130,6 @@ def posture_frf(
         the point's id, or a mapping.
     band_hz
         Lines kept; see `hit_spectra`.
-    estimator
-        H1, H2 or Hv.
 
     Returns
     -------
@@ -177,28 +146,26 @@ def posture_frf(
     H1 and coherence: Bendat and Piersol, Random Data, 4th ed. (2010), ch. 6. Window:
     `docs/theory-modal.md`.
     """
-    hits = _accepted(session, posture)
-    references, reference_of = _references(hits)
-    points = list(dict.fromkeys(hit.sensor_point for hit in hits))
-    pair_of = np.array(
-        [
-            points.index(hit.sensor_point) * len(references) + j
-            for hit, j in zip(hits, reference_of, strict=True)
-        ]
-    )
-    membership = (pair_of == np.arange(len(points) * len(references))[:, None]).astype(float)
-    counts = membership.sum(axis=1).astype(np.int64)
-    if np.any(counts == 0):
-        i, j = divmod(int(np.argmin(counts)), len(references))
-        raise EstimateError(
-            f"posture {posture!r}: sensor point {points[i]} has no accepted hit at point "
-            f"{references[j].point} along {np.round(references[j].direction, 3).tolist()}; one FRF "
-            "matrix needs every sensor point hit from every reference: measure it, or analyse "
-            "them separately"
-        )
+    hits = accepted_hits(session, posture)
+    pairs = hit_pairs(hits)
+    points, references = pairs.points, pairs.references
+    for pair, members in enumerate(pairs.members()):
+        if not members.size:
+            i, j = divmod(pair, len(references))
+            raise EstimateError(
+                f"posture {posture!r}: sensor point {points[i]} has no accepted hit at point "
+                f"{references[j].point} along {np.round(references[j].direction, 3).tolist()}; "
+                "one FRF matrix needs every sensor point hit from every reference: measure it, "
+                "or analyse them separately"
+            )
     spectra = hit_spectra(session, hits, band_hz=band_hz)
     labels = _labels(active_channels(session)[1])
-    averages = _average(spectra, membership, counts, estimator)
+    averaging = session.header.plan.averaging
+    choices = choose_hits(posture, hits, pairs, spectra, keep=averaging.keep_hits)
+    numbers = np.array([hit.number for hit in hits])
+    membership = np.array([np.isin(numbers, choice.kept) for choice in choices], dtype=float)
+    counts = membership.sum(axis=1).astype(np.int64)
+    averages = _average(spectra, membership, choices, averaging.estimator)
 
     def matrix(per_pair: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
         """(point x reference, axis, ...) to (point x axis, reference, ...)."""
@@ -222,7 +189,7 @@ def posture_frf(
         variance=frozen_array(variance, np.float64),
         n_hits=frozen_array(matrix(np.repeat(counts[:, None], len(labels), axis=1)), np.int64),
         responses=responses,
-        references=tuple(references),
+        references=references,
         joints_rad=_mean_joints(hits),
     )
 
@@ -230,11 +197,17 @@ def posture_frf(
 def _average(
     spectra: HitSpectra,
     membership: npt.NDArray[np.float64],
-    counts: npt.NDArray[np.int64],
+    choices: tuple[HitChoice, ...],
     estimator: FrfEstimator,
 ) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Estimate, coherence and variance, each (n_pairs, n_axes, n_freq)."""
-    F, X = spectra.force, spectra.response
+    """Estimate, coherence and variance, each (n_pairs, n_axes, n_freq).
+
+    `membership` (n_pairs, n_hits) is 1 where a kept hit belongs to the pair.
+    """
+    kept = membership.any(axis=0)
+    membership = membership[:, kept]
+    F, X = spectra.force[kept], spectra.response[kept]
+    counts = membership.sum(axis=1).astype(np.int64)
 
     def total(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         result: npt.NDArray[np.float64] = np.tensordot(membership, values, axes=1)
@@ -250,14 +223,23 @@ def _average(
     scatter = residual / several / power_force
     mean_count = counts[:, None, None]
     floor = (
-        total(spectra.response_noise) + np.abs(value) ** 2 * total(spectra.force_noise)[:, None, :]
+        total(spectra.response_noise[kept])
+        + np.abs(value) ** 2 * total(spectra.force_noise[kept])[:, None, :]
     ) / (mean_count * power_force)
     independent = independent_line_share(
         spectra.decay_rad_s, float(spectra.freq_hz[1] - spectra.freq_hz[0])
     )
     n_hits = np.repeat(counts[:, None], X.shape[1], axis=1)
     variance = hit_scatter_variance(scatter, floor, np.abs(value) ** 2, n_hits, independent)
-    return value, coherence, variance
+    # Hits kept because they agree scatter less than hits do.
+    widened = np.array([choice.variance_factor for choice in choices])[:, None, None]
+    coherence = np.stack(
+        [
+            coherence_of_all(one, choice.scatter_factor)
+            for one, choice in zip(coherence, choices, strict=True)
+        ]
+    )
+    return value, coherence, variance * widened
 
 
 def _mean_joints(hits: tuple[Hit, ...]) -> npt.NDArray[np.float64] | None:

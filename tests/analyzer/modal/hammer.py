@@ -13,6 +13,7 @@ import numpy as np
 from protocols.arm.records import Arm, Tolerances
 from protocols.board.records import BoardDictionary, Channel, IepeState
 from protocols.plan_records import (
+    Averaging,
     Mode,
     Plan,
     PlannedPosture,
@@ -148,6 +149,7 @@ def session(
     rng=None,
     aim=0.0,
     joints=(0.1, 0.2),
+    averaging=None,
 ):
     """Session of a roving test; residues (n_modes, n_points, 3) of receptance, one reference."""
     rng = rng or np.random.default_rng(0)
@@ -213,6 +215,7 @@ def session(
         ),
         text="",
         sha256="",
+        averaging=averaging or Averaging(),
     )
     header = SessionHeader(
         session_id="0",

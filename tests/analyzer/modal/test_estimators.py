@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from analyzer.modal import (
-    FrfEstimator,
     coherence_random_error,
     estimate_frf,
     scatter_random_error,
 )
 from protocols.errors import EstimateError
+from protocols.frf_records import FrfEstimator
 
 N_FREQ = 40
 
