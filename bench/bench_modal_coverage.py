@@ -30,7 +30,7 @@ def run(name: str, *, noise: float, aim: float) -> None:
     for seed in SEEDS:
         rng = np.random.default_rng(seed)
         R = 0.3 * rng.standard_normal((4, 8, 3)) / (2j * POLES.imag[:, None, None])
-        session = hammer.session(POLES, R, rng=rng, noise=noise, aim=aim)
+        session = hammer.session(POLES, R, rng=rng, noise=noise, aim=aim, anti_alias=True)
         model = fit_modes(posture_frf(session, "p", lambda _: np.eye(3), band_hz=(3.0, 150.0)))
         if len(model.modes) != len(POLES):
             missed += 1

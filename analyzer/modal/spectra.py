@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.fft import prev_fast_len
 
 from analyzer.modal.windows import (
     exponential_decay,
@@ -23,6 +24,8 @@ __all__ = ["HitSpectra", "active_channels", "hit_frfs", "hit_spectra"]
 
 _LOWEST_HZ = 3.0
 _HIGHEST_OF_RATE = 0.39  # anti-alias filters of 24-bit boards are flat to about here
+_LEAD_S = 0.002  # kept before the trigger: the foot of a pulse that rises slowly,
+_LEAD_SAMPLES = 8  # and the ringing of an anti-alias filter of linear phase
 _LEAST_FORCE = 0.02  # of the force spectrum's maximum
 
 
@@ -75,6 +78,10 @@ def hit_spectra(
 ) -> HitSpectra:
     """Spectra of single hits, all at once.
 
+    Records are cut to begin shortly before the trigger, and to a length quick to transform: what
+    rings beyond the record's end then changes a mode's residue and not its pole
+    (`docs/theory-modal.md`, section 1).
+
     Parameters
     ----------
     session
@@ -88,7 +95,7 @@ def hit_spectra(
     Returns
     -------
     HitSpectra
-        On n_freq lines 1/T apart, T the record's length.
+        On n_freq lines 1/T apart, T the length from shortly before the trigger.
 
     Raises
     ------
@@ -98,35 +105,42 @@ def hit_spectra(
     if not hits:
         raise EstimateError("FRFs need at least one accepted hit, got none; measure the posture")
     force_channel, acceleration_channels, columns = active_channels(session)
-    n = _check_records(hits, max(columns) + 1)
+    n_samples = _check_records(hits, max(columns) + 1)
     rate = float(session.header.plan.sampling.rate_hz)
     windows = session.header.plan.windows
+    triggers = [int(hit.trigger_sample - hit.first_sample) for hit in hits]
+    lead = min(_LEAD_SAMPLES + round(_LEAD_S * rate), *triggers)
+    n = int(prev_fast_len(n_samples - max(triggers) + lead, real=True))
     decay = exponential_decay(windows.exponential_end, n / rate)
 
     channels = (force_channel, *acceleration_channels)
     scale = np.array([channel.scale for channel in channels])
     records = np.stack([hit.counts[:, columns] for hit in hits]).transpose(0, 2, 1) * scale[:, None]
-    triggers = [int(hit.trigger_sample - hit.first_sample) for hit in hits]
     variance = np.empty(records.shape[:2])
     for i, trigger in enumerate(triggers):
         # The last two samples before the trigger may already hold the pulse's foot.
         quiet = records[i, :, : max(trigger - 2, 2)]
         variance[i] = np.maximum(quiet.var(axis=1, ddof=1), scale**2 / 12.0)
         records[i] -= quiet.mean(axis=1, keepdims=True)
+    records = np.stack(
+        [
+            record[:, trigger - lead : trigger - lead + n]
+            for record, trigger in zip(records, triggers, strict=True)
+        ]
+    )
 
     exponential = exponential_window(n, rate, decay)
-    force_weight = np.broadcast_to(exponential, (len(hits), n))
+    force_weight = exponential
     coupled = list(channels)
     if windows.force_s is not None:
         records[:, 0] = undo_highpass(records[:, 0], rate, force_channel.highpass_hz)
-        keep = np.stack([force_window(n, rate, trigger, windows.force_s) for trigger in triggers])
-        force_weight = exponential * keep
+        force_weight = exponential * force_window(n, rate, lead, windows.force_s)
     records[:, 0] *= force_weight
     records[:, 1:] *= exponential
 
     freq = np.arange(n // 2 + 1, dtype=np.float64) * (rate / n)
     spectra = np.fft.rfft(records, axis=-1) / rate
-    noise_force = np.sum(force_weight**2, axis=-1) * variance[:, 0] / rate**2
+    noise_force = np.sum(force_weight**2) * variance[:, 0] / rate**2
     noise_response = np.sum(exponential**2) * variance[:, 1:] / rate**2
 
     keep_lines = _band_lines(freq, np.abs(spectra[:, 0]), rate, band_hz)
