@@ -12,8 +12,9 @@ from analyzer.modal.modes import ModalModel
 from analyzer.modal.noise import independent_line_share
 from analyzer.modal.plscf import Stabilisation, poles_plscf
 from analyzer.modal.rank_one import refine_rank_one
-from analyzer.modal.regression import modal_data
-from analyzer.modal.selection import select_modes
+from analyzer.modal.regression import ModalData, modal_data
+from analyzer.modal.second_look import left_over_poles
+from analyzer.modal.selection import Selection, select_modes
 from analyzer.modal.windows import laplace_lines
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
@@ -21,6 +22,8 @@ from protocols.frf_records import FrequencyResponse
 __all__ = ["fit_modes"]
 
 _FEWEST_LINES = 8
+_MOST_ROUNDS = 8  # of looking for poles in what the model leaves over
+_LEAST_PROGRESS = 0.99  # of the misfit before the round
 _ZOOM_ORDER_STEP = 3  # orders of a zoomed band: some fifteen suffice, each is an eigenvalue problem
 
 
@@ -131,6 +134,34 @@ def _candidates(
     return whole, pole[kept], share[kept]
 
 
+def _looked_again(
+    data: ModalData,
+    chosen: Selection,
+    freq: npt.NDArray[np.float64],
+    n_ref: int,
+    decay: float,
+    line_share: float,
+) -> Selection:
+    """Choose again with the poles that the misfit holds, until it holds none that are needed."""
+    band = (float(freq[0]), float(freq[-1]))
+    for _ in range(_MOST_ROUNDS):
+        found, seen = left_over_poles(
+            data, chosen.fit, freq, n_ref, decay_rad_s=decay, line_share=line_share
+        )
+        poles = np.concatenate([chosen.fit.poles, found])
+        # Those already chosen come before any that are found beside them.
+        rank = np.concatenate([np.full(chosen.share.size, 2.0), seen])
+        kept = merge_duplicates(poles, rank)
+        if kept.size <= chosen.share.size:
+            break
+        share = np.concatenate([chosen.share, seen])[kept]
+        again = select_modes(data, poles[kept], share, band, line_share=line_share, chosen=chosen)
+        if again.fit.cost.sum() > _LEAST_PROGRESS * chosen.fit.cost.sum():
+            break
+        chosen = again
+    return chosen
+
+
 def fit_modes(
     frf: FrequencyResponse,
     *,
@@ -179,6 +210,7 @@ def fit_modes(
     try:
         data = modal_data(frf.form, laplace_lines(freq, frf.decay_rad_s), values, variance)
         chosen = select_modes(data, poles, stability, band, line_share=share)
+        chosen = _looked_again(data, chosen, freq, values.shape[1], frf.decay_rad_s, share)
         start = chosen.fit.residues.reshape(*values.shape[:2], -1)
         fit = refine_rank_one(data, chosen.fit.poles, start)
     except np.linalg.LinAlgError as error:

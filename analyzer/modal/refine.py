@@ -6,6 +6,8 @@ simplified Jacobian, in Gram matrices; Levenberg's damping makes every accepted 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -31,6 +33,7 @@ def refine_poles(
     *,
     max_steps: int = 12,
     tolerance: float = 1e-5,
+    enough: Callable[[float, float], bool] | None = None,
 ) -> Regression:
     """Move the poles to the least weighted sum of squares.
 
@@ -44,6 +47,8 @@ def refine_poles(
         Steps tried, accepted or not.
     tolerance
         Stop when no pole moves by more than this share of its own half bandwidth.
+    enough
+        Told the cost before and after each step taken; True stops there.
 
     Returns
     -------
@@ -70,9 +75,9 @@ def refine_poles(
             reached = np.inf
         share = np.max(np.abs(moved - current.poles) / np.abs(current.poles.real))
         if reached <= total * (1.0 + 1e-12):
-            current, total = trial, reached
+            before, current, total = total, trial, reached
             damping = max(damping / 10.0, 1e-9)
-            if share < tolerance:
+            if share < tolerance or (enough is not None and enough(before, total)):
                 break
         else:
             if share < tolerance:

@@ -29,6 +29,7 @@ __all__ = [
     "ModalData",
     "Regression",
     "gram_system",
+    "misfit",
     "modal_data",
     "regress",
     "residual_terms",
@@ -36,6 +37,8 @@ __all__ = [
 
 N_RESIDUAL = 3
 _RIDGE = 1e-13  # relative to the scaled diagonal
+_FEW_FRFS = 6  # whose Gram matrices are quicker made one by one
+_MOST_PRODUCTS = 2**23  # of two regressors held at a time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,12 +120,17 @@ def _gram(
     """Gram matrices (n_frf or 1, q, q) and right sides (n_frf, q), without `row_weight`."""
     q, n_freq = rows.shape[0], data.s.size
     flat = rows.reshape(q, 2 * n_freq)
-    if data.weight.shape[0] == 1:
-        G = (flat @ (rows * data.weight[0]).reshape(q, 2 * n_freq).T)[None]
+    if data.weight.shape[0] <= _FEW_FRFS:
+        G = np.stack([flat @ (rows * w).reshape(q, 2 * n_freq).T for w in data.weight])
     else:
         upper = np.triu_indices(q)
-        products = rows[upper[0], 0] * rows[upper[1], 0] + rows[upper[0], 1] * rows[upper[1], 1]
-        packed = data.weight @ products.T
+        packed = np.zeros((data.weight.shape[0], upper[0].size))
+        lines = max(_MOST_PRODUCTS // upper[0].size, 1)
+        for first in range(0, n_freq, lines):
+            part = rows[:, :, first : first + lines]
+            products = part[upper[0], 0] * part[upper[1], 0]
+            products += part[upper[0], 1] * part[upper[1], 1]
+            packed += data.weight[:, first : first + lines] @ products.T
         G = np.empty((packed.shape[0], q, q))
         G[:, upper[0], upper[1]] = packed
         G[:, upper[1], upper[0]] = packed
@@ -155,6 +163,17 @@ def gram_system(
     rows /= size[:, None, None]
     G, b = _gram(rows, data)
     return G, b, size
+
+
+def misfit(data: ModalData, fit: Regression) -> npt.NDArray[np.complex128]:
+    """FRFs minus the model: (n_frf, n_freq)."""
+    both = np.concatenate([fit.residues, fit.residues.conj()], axis=1)
+    poles = np.concatenate([fit.poles, fit.poles.conj()])
+    left = data.values - fit.residuals @ residual_terms(data.form, data.s).T
+    if fit.poles.size:
+        left -= both @ (1.0 / (data.s - poles[:, None]))
+    result: npt.NDArray[np.complex128] = left
+    return result
 
 
 def regress(
