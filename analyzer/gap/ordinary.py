@@ -25,8 +25,8 @@ __all__ = ["Ordinary", "across"]
 
 Array = npt.NDArray[np.float64]
 
-BEARING_LIMIT = 4e-7  # rad/(N m): more than this across a joint's axis is an effect
-_BEARING_MEAN, _BEARING_STD = 1.0e-7, 0.7e-7
+# Across a joint's axis, as parts of the arm's own compliance: more than the limit is an effect.
+_BEARING_MEAN, _BEARING_STD, _BEARING_LIMIT = 0.006, 0.0045, 0.025
 _BEARING_LOSS_S = 2e-5
 _LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
 _DELAY_STD_S = 20e-6
@@ -58,6 +58,17 @@ class Ordinary:
         """Return the joints with a spring, 0-based."""
         return tuple(i for i, joint in enumerate(self.arm.joints) if joint.stiffness is not None)
 
+    @property
+    def compliance(self) -> float:
+        """Return the arm's own compliance: the joints' geometric mean, the first three's."""
+        k = [self.arm.joints[i].stiffness for i in self.elastic[:3]]
+        return float(np.exp(-np.mean([np.log(e.value) for e in k if e is not None])))
+
+    @property
+    def bearing_limit(self) -> float:
+        """Return the largest transverse compliance of a sound joint, rad/(N m)."""
+        return _BEARING_LIMIT * self.compliance
+
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter with its prior."""
         arm, tolerances = self.arm, self.arm.tolerances
@@ -73,10 +84,10 @@ class Ordinary:
             found += [
                 Parameter(
                     name=f"bearing {side} {joint.name}",
-                    mean=_BEARING_MEAN,
-                    std=_BEARING_STD,
+                    mean=_BEARING_MEAN * self.compliance,
+                    std=_BEARING_STD * self.compliance,
                     low=0.0,
-                    high=BEARING_LIMIT,
+                    high=self.bearing_limit,
                 )
                 for side in "ab"
             ]

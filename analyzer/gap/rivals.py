@@ -18,11 +18,12 @@ from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
 
-_FIRST_STEP, _COARSE, _MIDDLE, _FINALISTS = 20, 8, 5, 4
+_FIRST_STEP, _COARSE, _MIDDLE, _FINALISTS = 20, 7, 4, 3
 _MOST_AXES = 6
 _WORTH = 4.0  # of cost on the broad lines; less is not worth a fit
 # Evidence behind the best at which a rival is dropped: the sharper lines weigh some five times more.
 _HOPELESS = 400.0
+_PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 
 Progress = Callable[[str], None]
 
@@ -70,14 +71,14 @@ def find_rivals(
     for f in coarse[:_COARSE]:
         tell(f.hypothesis.name)
         best.append(_further(broad, f, postures, 6))
-    best = [_further(middle, f, postures, 5) for f in _leading(_distinct(best))[:_MIDDLE]]
+    best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
     base = _further(middle, base, postures, 5)
     finals = []
-    for f in _leading(best)[:_FINALISTS]:
+    for f in _leading(best, base)[:_FINALISTS]:
         tell(f"sharply: {f.hypothesis.name}")
-        finals.append(_further(sharp, f, postures, 12))
+        finals.append(_further(sharp, f, postures, 8))
     tell(f"sharply: {present.name}")
-    finals.insert(0, _further(sharp, base, postures, 12))
+    finals.insert(0, _further(sharp, base, postures, 8))
     return Rivals(
         present=finals[0],
         rivals=tuple(sorted(finals[1:], key=lambda f: f.evidence)),
@@ -91,10 +92,17 @@ def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int)
     )
 
 
-def _leading(fits: Sequence[Fit]) -> list[Fit]:
-    """By evidence, without those that are hopelessly behind."""
-    ordered = sorted(fits, key=lambda f: f.evidence)
-    return [f for f in ordered if f.evidence < ordered[0].evidence + _HOPELESS]
+def _leading(fits: Sequence[Fit], base: Fit) -> list[Fit]:
+    """By evidence; one for each effect and place, and none hopeless beside the best or the base."""
+    kept: dict[tuple[tuple[str, str], ...], Fit] = {}
+    for fit in sorted(fits, key=lambda f: f.evidence):
+        kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
+    ordered = list(kept.values())
+    return [
+        f
+        for f in ordered
+        if f.evidence < min(ordered[0].evidence + _HOPELESS, base.evidence - _PROMISE)
+    ]
 
 
 def _looked_at(
@@ -131,11 +139,3 @@ def _most_promising(candidates: Sequence[Candidate]) -> list[Candidate]:
                 continue
         chosen.append(candidate)
     return chosen
-
-
-def _distinct(fits: Sequence[Fit]) -> list[Fit]:
-    """The best fit of every effect at every place."""
-    kept: dict[tuple[tuple[str, str], ...], Fit] = {}
-    for fit in sorted(fits, key=lambda f: f.evidence):
-        kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
-    return list(kept.values())

@@ -24,7 +24,8 @@ WORDS = EffectWords(
     remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
 )
 _WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
-_MATERIAL = 5e-7  # rad/(N m) of rocking
+_MATERIAL = 0.035  # of rocking, of the arm's compliance
+_SHIFT_MATERIAL = 6e-4  # m/N of shifting, likewise
 _METRE = 0.3  # of lever between a shift's compliance and a rocking's
 
 
@@ -66,7 +67,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             builder=build,
             size=names[3],
             sizes=(names[3], names[4]),
-            side_sizes=((names[0], 1e-8), (names[1], 1e-8)),
-            material=_MATERIAL,
+            side_sizes=tuple((name, _SHIFT_MATERIAL * ordinary.compliance) for name in names[:3]),
+            material=_MATERIAL * ordinary.compliance,
         ),
     )
