@@ -24,7 +24,7 @@ WORDS = EffectWords(
 )
 _MATERIAL_KG = 0.2
 _PLACE_STD_M = 0.08
-_GYRATION2_M2 = 0.002
+_RADIUS_M, _RADIUS_STD_M = 0.04, 0.03  # of gyration
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -38,6 +38,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         name = joint.link.name
         mass = f"payload {name}"
         at = [f"payload {axis} {name}" for axis in "xyz"]
+        radius = f"payload radius {name}"
         center = joint.link.center_m
 
         def build(
@@ -46,9 +47,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             link: int = link,
             mass: str = mass,
             at: list[str] = at,
+            radius: str = radius,
         ) -> None:
             place = np.array([values[a] for a in at])
-            own = _GYRATION2_M2 * values[mass] * np.eye(3)
+            own = values[radius] ** 2 * values[mass] * np.eye(3)
             assembly.add_body(link, values[mass], place, own)
 
         found.append(
@@ -61,6 +63,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                         Parameter(name=a, mean=float(c), std=_PLACE_STD_M)
                         for a, c in zip(at, center, strict=True)
                     ),
+                    Parameter(name=radius, mean=_RADIUS_M, std=_RADIUS_STD_M, low=0.0),
                 ),
                 builder=build,
                 size=mass,
