@@ -23,7 +23,7 @@ from tui.plan import plan_json, plan_tables, plan_text, write_plan
 from tui.reproduce import figure_json, figure_tables, reproduce_papers
 from tui.workspace import survey_workspace, workspace_table
 
-__all__ = ["app"]
+__all__ = ["app", "comma_numbers"]
 
 app = typer.Typer()
 out = Console(highlight=False)
@@ -51,7 +51,14 @@ def _progress(what: str) -> Callable[[int, int], None]:
     return show
 
 
-def _numbers(text: str, what: str, count: int | None = None) -> list[float]:
+def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:
+    """The numbers of an option such as 0,30,-45.
+
+    Raises
+    ------
+    ArmError
+        If they are not finite numbers, or not `count` of them.
+    """
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -124,7 +131,7 @@ def mozzi_command(
     Example: armodal mozzi viper_s650 --posture 0,0,60,0,40,0 --wrench 0,50,-100,0,0,0 --at 0,0,0.1
     """
     the_arm = load_arm(arm)
-    load, tool = _numbers(wrench, "--wrench", 6), _numbers(at, "--at", 3)
+    load, tool = comma_numbers(wrench, "--wrench", 6), comma_numbers(at, "--at", 3)
     if rank:
         rows = rank_random_postures(the_arm, load, tool, n=rank, best=best, seed=seed)
         if as_json:
@@ -136,7 +143,7 @@ def mozzi_command(
         return
     if posture is None:
         raise ArmError("wanted --posture with the joint angles in degrees, or --rank; got neither")
-    found, lines = load_tool(the_arm, _numbers(posture, "--posture"), load, tool)
+    found, lines = load_tool(the_arm, comma_numbers(posture, "--posture"), load, tool)
     if as_json:
         _print_json({"arm": the_arm.name} | deflection_json(the_arm, found, lines))
         return

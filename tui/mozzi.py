@@ -17,7 +17,13 @@ from analyzer.workspace.spectrum import elastic_joints
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 
-__all__ = ["deflection_json", "deflection_tables", "load_tool", "rank_random_postures"]
+__all__ = [
+    "checked_posture",
+    "deflection_json",
+    "deflection_tables",
+    "load_tool",
+    "rank_random_postures",
+]
 
 Array = npt.NDArray[np.float64]
 

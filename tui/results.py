@@ -85,6 +85,11 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                 "predicted_std_hz": row.predicted_std_hz,
                 "measured_hz": row.measured_hz,
                 "measured_std_hz": row.measured_std_hz,
+                "predicted_damping": row.predicted_damping,
+                "predicted_damping_std": row.predicted_damping_std,
+                "measured_damping": row.measured_damping,
+                "measured_damping_std": row.measured_damping_std,
+                "mac": row.mac,
             }
             for row in result.validation
         ],
@@ -144,6 +149,8 @@ def identification_tables(result: Identification) -> list[Table]:
         checked = Table(title="Validation postures: predicted, then measured")
         for column in ("posture", "mode", "predicted Hz", "±", "measured Hz", "error %"):
             checked.add_column(column, justify="right")
+        for column in ("predicted ζ %", "±", "measured ζ %", "MAC"):
+            checked.add_column(column, justify="right")
         for row in result.validation:
             known = row.measured_hz is not None
             checked.add_row(
@@ -155,6 +162,10 @@ def identification_tables(result: Identification) -> list[Table]:
                 f"{100 * (row.predicted_hz / row.measured_hz - 1):+.2f}"
                 if row.measured_hz
                 else "-",
+                f"{100 * row.predicted_damping:.2f}",
+                f"{100 * row.predicted_damping_std:.2f}",
+                "-" if row.measured_damping is None else f"{100 * row.measured_damping:.2f}",
+                "-" if row.mac is None else f"{row.mac:.3f}",
             )
         tables.append(checked)
     return tables

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.identification.frf_fit import FrfFit
+from analyzer.identification.model_error import ModelMove
 from analyzer.identification.triplets import TripletAxes
 from analyzer.modal import ModalModel
 from protocols.frf_records import FrequencyResponse
@@ -112,9 +113,12 @@ class ValidationResult:
     predicted_std_hz: float
     predicted_dof: float
     predicted_damping: float
+    predicted_damping_std: float
     measured_hz: float | None  # None where no measured mode has this shape
     measured_std_hz: float | None
     measured_dof: float | None
+    measured_damping: float | None
+    measured_damping_std: float | None
     mac: float | None
 
 
@@ -128,6 +132,7 @@ class Identification:
     validation: tuple[ValidationResult, ...]
     rivals: tuple[tuple[str, float], ...]  # where an axis was tried, and the fit's cost
     fit: FrfFit
+    model_moves: tuple[ModelMove, ...]  # what the arm's tolerances do to the fit
     modal_models: tuple[ModalModel, ...]
     frfs: tuple[FrequencyResponse, ...]
     notes: tuple[str, ...]
