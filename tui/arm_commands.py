@@ -21,7 +21,7 @@ from tui.calibrate import calibrate, calibration_json, calibration_tables, write
 from tui.mozzi import deflection_json, deflection_tables, load_tool, rank_random_postures
 from tui.plan import plan_json, plan_tables, plan_text, write_plan
 from tui.reproduce import figure_json, figure_tables, reproduce_papers
-from tui.workspace import survey_workspace, workspace_table
+from tui.workspace import survey_to_files, workspace_table
 
 __all__ = ["app", "comma_numbers"]
 
@@ -158,6 +158,7 @@ def workspace_command(
     directory: Annotated[Path, typer.Option("--out", help="Folder for page and arrays.")] = Path(
         "workspace"
     ),
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes that share it.")] = 1,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -165,8 +166,13 @@ def workspace_command(
 
     Example: armodal workspace viper_s650 --postures 1000000
     """
-    value, study = survey_workspace(
-        load_arm(arm), directory, n_postures=postures, seed=seed, progress=_progress("postures")
+    value, study = survey_to_files(
+        load_arm(arm),
+        directory,
+        n_postures=postures,
+        seed=seed,
+        workers=workers,
+        progress=_progress("postures"),
     )
     if as_json:
         _print_json(value)

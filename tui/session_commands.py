@@ -20,6 +20,7 @@ from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables
 from tui.results import identification_json, identification_tables
+from tui.workspace import workspace_section
 
 __all__ = ["app"]
 
@@ -127,15 +128,28 @@ def predict_command(
 def report(
     session: SessionPath,
     output: Annotated[Path | None, typer.Option("--out", help="HTML file to write.")] = None,
+    workspace: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            max=100_000_000,
+            help="Also the workspace with what was identified, over so many random postures.",
+        ),
+    ] = 0,
     as_json: Json = False,
 ) -> None:
     """Write one self-contained HTML page of a session.
 
-    Example: armodal report session.h5 --out report.html
+    Example: armodal report session.h5 --workspace 100000 --out report.html
     """
     measured = read_session(session)
     path = output or session.with_suffix(".html")
-    write_report(measured, identify(measured, _say), path)
+    result = identify(measured, _say)
+    sections = []
+    if workspace:
+        _say("workspace")
+        sections.append(workspace_section(measured.header.arm, result, workspace))
+    write_report(measured, result, path, sections=sections)
     if as_json:
         _print_json({"report": str(path)})
     else:
