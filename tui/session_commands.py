@@ -88,7 +88,8 @@ def identify_command(
         out.print(table)
     for table in [] if beside is None else penalty_tables(beside, result):
         out.print(table)
-    for note in (*result.notes, *measured.warnings):
+    doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
+    for note in (*result.notes, *doubts, *measured.warnings):
         out.print(f"note: {note}", markup=False)
 
 
@@ -112,7 +113,8 @@ def predict_command(
         checked_posture(arm, angles)  # before minutes are spent on the fit
     result = identify(measured, _say)
     found = [predict_posture(arm, result, angles) for angles in asked]
-    notes = [*result.notes, *measured.warnings]
+    doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
+    notes = [*result.notes, *doubts, *measured.warnings]
     if as_json:
         rows = [prediction_json(prediction) for prediction in found]
         _print_json({"arm": arm.name, "postures": rows, "notes": notes})

@@ -27,6 +27,7 @@ __all__ = ["axis_results"]
 
 Array = npt.NDArray[np.float64]
 
+UNTOLD = 0.5  # of ln k: a stiffness that could as well be half or twice as large
 PARALLEL_DEG, NEAR_M = 10.0, 0.03  # of a joint's axis: nearer, two springs in series look as one
 
 
@@ -66,7 +67,7 @@ def axis_results(
                 c_std=float(axis.damping_n_m_s_per_rad * std[at + 5]),
                 c_dof=float(dof[at + 5]),
                 mozzi=mozzi,
-                doubts=_doubts(superset, axis, mozzi),
+                doubts=_doubts(superset, axis, mozzi, float(std[at + 4])),
             )
         )
     return tuple(results)
@@ -174,9 +175,16 @@ def _near_joint(superset: Superset, axis: Axis) -> Array:
     return np.asarray(axis.point_m + axis.direction * (axis.direction @ joint_m))
 
 
-def _doubts(superset: Superset, axis: Axis, mozzi: tuple[MozziOfMode, ...]) -> tuple[str, ...]:
+def _doubts(
+    superset: Superset, axis: Axis, mozzi: tuple[MozziOfMode, ...], log_k_std: float
+) -> tuple[str, ...]:
     """What speaks against reading the axis as a compliance of its own."""
     doubts = []
+    if log_k_std > UNTOLD:
+        doubts.append(
+            f"the measurement hardly tells the axis: the standard deviation of its stiffness is "
+            f"{100 * log_k_std:.0f} % of it; no compliance there is established"
+        )
     joints = superset.arm.joints
     # The joint that moves the link turns about its own axis through the link frame's origin.
     near = joints[axis.link]
