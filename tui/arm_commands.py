@@ -19,7 +19,8 @@ from protocols.arm.files import load_arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
 from tui.mozzi import deflection_json, deflection_tables, load_tool, rank_random_postures
-from tui.plan import plan_json, plan_tables, plan_text, write_plan
+from tui.plan import plan_json, plan_text, write_plan
+from tui.plan_tables import other_plan, plan_tables
 from tui.reproduce import figure_json, figure_tables, reproduce_papers
 from tui.workspace import survey_to_files, workspace_table
 
@@ -79,6 +80,10 @@ def plan_command(
     name: Annotated[str, typer.Option(help="Name of the plan in that file.")] = "selective",
     floor: Annotated[float, typer.Option(help="Height of the floor, m in base.")] = 0.0,
     base_radius: Annotated[float, typer.Option(min=0, help="Kept clear round the base, m.")] = 0.12,
+    beside: Annotated[
+        str | None,
+        typer.Option(help="Plan to compare with; else the arm's shipped plan, if it has one."),
+    ] = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -87,9 +92,11 @@ def plan_command(
     Example: armodal plan viper_s650 --out viper-plan.toml
     """
     the_arm = load_arm(arm)
+    elastic = elastic_joints(the_arm)
+    other = other_plan(the_arm, elastic, beside)
     found = plan_tests(
         the_arm,
-        elastic_joints(the_arm),
+        elastic,
         np.random.default_rng(seed),
         clearance=Clearance(floor_m=floor, base_radius_m=base_radius),
         n_tests=tests,
@@ -98,9 +105,9 @@ def plan_command(
     if out_path is not None:
         write_plan(plan_text(found, name), out_path)
     if as_json:
-        _print_json(plan_json(found) | {"plan": None if out_path is None else str(out_path)})
+        _print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
         return
-    for table in plan_tables(found):
+    for table in plan_tables(found, other):
         out.print(table)
     if found.not_isolated:
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
