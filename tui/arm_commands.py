@@ -18,7 +18,14 @@ from analyzer.workspace.spectrum import elastic_joints
 from protocols.arm.files import load_arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
-from tui.mozzi import deflection_json, deflection_tables, load_tool, rank_random_postures
+from tui.mozzi import (
+    Elbow,
+    deflection_json,
+    deflection_tables,
+    load_tool,
+    posture_of_wrist,
+    rank_random_postures,
+)
 from tui.plan import plan_json, plan_text, write_plan
 from tui.plan_tables import other_plan, plan_tables
 from tui.reproduce import figure_json, figure_tables, reproduce_papers
@@ -123,6 +130,11 @@ def mozzi_command(
     posture: Annotated[
         str | None, typer.Option(help="Joint angles in degrees, separated by commas.")
     ] = None,
+    wrist: Annotated[
+        str | None,
+        typer.Option(help="Instead: wrist at horizontal,vertical m of the meridian plane."),
+    ] = None,
+    elbow: Annotated[Elbow, typer.Option(help="Which way, with --wrist.")] = Elbow.UP,
     at: Annotated[
         str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
     ] = "0,0,0",
@@ -148,11 +160,20 @@ def mozzi_command(
             angles = " ".join(f"{angle:7.1f}" for angle in row["posture_deg"])
             out.print(f"{1e3 * row['displacement_m']:9.4f} mm  at {angles} deg")
         return
-    if posture is None:
-        raise ArmError("wanted --posture with the joint angles in degrees, or --rank; got neither")
-    found, lines = load_tool(the_arm, comma_numbers(posture, "--posture"), load, tool)
+    if (posture is None) == (wrist is None):
+        raise ArmError(
+            "wanted one of --posture with the joint angles in degrees, --wrist with its place in "
+            f"the meridian plane, and --rank; got {'none' if posture is None else 'two'}"
+        )
+    if wrist is not None:
+        asked = posture_of_wrist(the_arm, comma_numbers(wrist, "--wrist", 2), elbow)
+    else:
+        asked = comma_numbers(posture or "", "--posture")
+    found, lines = load_tool(the_arm, asked, load, tool)
     if as_json:
-        _print_json({"arm": the_arm.name} | deflection_json(the_arm, found, lines))
+        _print_json(
+            {"arm": the_arm.name, "posture_deg": asked} | deflection_json(the_arm, found, lines)
+        )
         return
     for table in deflection_tables(the_arm, found, lines):
         out.print(table)

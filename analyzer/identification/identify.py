@@ -136,7 +136,7 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
     by_posture = {frf.posture: p for frf, p in zip(frfs, predictions, strict=True)}
     fit_predictions = [by_posture[frf.posture] for frf in fitted]
     # Where the joints alone explain the motion, a low share is the sensor's mass or noise.
-    beyond_joints = bool(fit.state.structure.axes) or fit.relative_residual.max() >= UNEXPLAINED
+    beyond_joints = bool(fit.state.structure.axes or fit.relative_residual.max() >= UNEXPLAINED)
     return Identification(
         joints=joint_results(superset, fit, model_std, fitted, measured, fit_predictions),
         axes=axis_results(superset, fit, model_std, fitted, measured, shares, fit_predictions),

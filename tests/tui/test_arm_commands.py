@@ -84,6 +84,23 @@ def test_the_tool_s_motion_is_told_for_people_and_machines():
     assert "joint_1" in run(*arguments).stdout
 
 
+def test_a_place_of_the_wrist_serves_as_a_posture():
+    value = value_of(
+        "mozzi", "viper_s650", "--wrist", "0.4,0.5", "--elbow", "down", "--wrench",
+        "0,0,-100,0,0,0", "--at", "0,0,-0.08", "--json"
+    )  # fmt: skip
+    # The wrist is where joints 4 and 5 cross, 80 mm behind the flange's frame.
+    assert value["tool_m"] == pytest.approx([0.4, 0.0, 0.5], abs=1e-9)
+
+
+def test_the_papers_postures_stand_beside_those_found():
+    value = value_of("plan", "viper_s650", "--tests", "2", "--json")
+    assert value["beside"]["plan"] == "viper_s650-five-tests"
+    for found, theirs in zip(value["most_selective"], value["beside"]["joints"], strict=True):
+        assert found["joint"] == theirs["joint"]
+        assert found["worst_coupling"] <= theirs["worst_coupling"]
+
+
 def test_no_load_is_no_motion():
     value = value_of(
         "mozzi", "rv4frl", "--posture", "0,0,0,0,0,0", "--wrench", "0,0,0,0,0,0", "--json"
@@ -144,7 +161,12 @@ def test_inertias_are_calibrated_into_a_new_arm(tmp_path):
         ),
         (("mozzi", "rv4frl", "--wrench", "1,2,3,4,5,6"), "--posture"),
         (("mozzi", "rv4frl", "--rank", "9", "--wrench", "0,0,0,1,0,0"), "a wrench with a force"),
+        (
+            ("mozzi", "rv4frl", "--wrist", "3,0", "--wrench", "1,2,3,4,5,6"),
+            "does not reach (3.000, 0.000) m",
+        ),
         (("plan", "no_such_arm"), "no_such_arm"),
+        (("plan", "viper_s650", "--beside", "rv4frl-three-postures"), "wanted the arm at hand"),
         (("workspace", "no_such_arm"), "no_such_arm"),
     ],
 )
