@@ -47,6 +47,7 @@ def test_every_published_figure_has_a_status_and_only_denied_statements_differ()
     denied = [f for f in figures if f["status"] == "differs"]
     assert {f["item"] for f in denied} == DENIED
     assert all(f["ours"] is False and ";" in f["why"] for f in denied)  # the number; the reason
+    assert all(f["ours"] is None for f in figures if f["status"] == "not derivable")
     assert {f["status"] for f in figures} == {
         "predicted",
         "calibrated-to",
@@ -62,17 +63,16 @@ def test_every_published_figure_has_a_status_and_only_denied_statements_differ()
     assert sorted(pulls)[17] < 2.0
 
 
-def test_not_derivable_figures_have_nothing_in_our_column():
-    figures = value_of("reproduce", "--postures", "1000", "--json")["figures"]
-    assert all(f["ours"] is None for f in figures if f["status"] == "not derivable")
-
-
-def test_a_plan_is_written_and_a_session_can_run_it(tmp_path):
+def test_a_plan_is_written_beside_the_papers_postures_and_a_session_can_run_it(tmp_path):
     path = tmp_path / "plan.toml"
     value = value_of("plan", "viper_s650", "--tests", "3", "--out", str(path), "--json")
     plan = load_plan(path, load_arm("viper_s650"))
     assert len(plan.postures) == len(value["tests"]) == 3
     assert plan.fixed_point == value["hit_point"]
+    assert value["beside"]["plan"] == "viper_s650-five-tests"
+    for found, theirs in zip(value["most_selective"], value["beside"]["joints"], strict=True):
+        assert found["joint"] == theirs["joint"]
+        assert found["worst_coupling"] <= theirs["worst_coupling"]
     assert "exists already" in refused("plan", "viper_s650", "--out", str(path))
 
 
@@ -91,14 +91,6 @@ def test_a_place_of_the_wrist_serves_as_a_posture():
     )  # fmt: skip
     # The wrist is where joints 4 and 5 cross, 80 mm behind the flange's frame.
     assert value["tool_m"] == pytest.approx([0.4, 0.0, 0.5], abs=1e-9)
-
-
-def test_the_papers_postures_stand_beside_those_found():
-    value = value_of("plan", "viper_s650", "--tests", "2", "--json")
-    assert value["beside"]["plan"] == "viper_s650-five-tests"
-    for found, theirs in zip(value["most_selective"], value["beside"]["joints"], strict=True):
-        assert found["joint"] == theirs["joint"]
-        assert found["worst_coupling"] <= theirs["worst_coupling"]
 
 
 def test_no_load_is_no_motion():

@@ -11,12 +11,13 @@ from typer.testing import CliRunner
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
-from viper_session import true_values, viper_session
+from viper_session import true_values, viper_result, viper_session
 
 from protocols.arm.files import load_arm
 from protocols.errors import ArmodalError
 from protocols.session.hdf5 import write_session
 from tui.cli import app
+from tui.predict import predict_posture, prediction_tables
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +57,15 @@ def test_postures_are_predicted_for_people_and_machines(session_file):
             assert sum(mode["strain_share"].values()) == pytest.approx(1.0)
             assert max(abs(part["real"]) for part in mode["shape"].values()) == pytest.approx(1.0)
             assert set(mode["point_shape_m_per_rad"]) == {str(i) for i in range(1, 11)}
-    said = run("predict", session_file, asked[0])
-    assert said.exit_code == 0
-    assert "Predicted at 0 30 30 0 90 0 deg" in said.stdout
+
+
+def test_a_prediction_is_told_in_tables(session_file):
+    folder = Path(session_file).parent
+    arm = load_arm("viper_s650")
+    found = predict_posture(arm, viper_result(folder), [0.0, 30.0, 30.0, 0.0, 90.0, 0.0])
+    modes, shapes = prediction_tables(found)
+    assert str(modes.title).startswith("Predicted at 0 30 30 0 90 0 deg")
+    assert modes.row_count == len(shapes.columns) - 1 == 5
 
 
 @pytest.mark.parametrize(
