@@ -13,9 +13,10 @@ from rich.console import Console
 from analyzer.identification.identify import identify
 from analyzer.identification.penalty_of_session import penalty_of_session
 from analyzer.report import write_report
+from protocols.frf_records import FrfEstimator
 from protocols.session.hdf5 import read_session
 from tui.arm_commands import comma_numbers
-from tui.fit import fit_session
+from tui.fit import FitSettings, fit_lines, fit_session
 from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables
@@ -46,17 +47,42 @@ def fit(
     band: Annotated[
         tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
     ] = None,
+    estimator: Annotated[
+        FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")
+    ] = None,
+    exponential_end: Annotated[
+        float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")
+    ] = None,
+    force_window: Annotated[
+        float | None, typer.Option(help="Seconds of the force kept from the trigger on.")
+    ] = None,
+    keep_hits: Annotated[
+        int | None, typer.Option(min=1, help="Hits averaged at most at a point.")
+    ] = None,
+    max_order: Annotated[
+        int, typer.Option(min=4, max=300, help="Highest order of the stabilisation.")
+    ] = 60,
     as_json: Json = False,
 ) -> None:
     """Fit modes in every posture of a session.
 
-    Example: armodal fit session.h5 --band 3 400 --json
+    Example: armodal fit session.h5 --band 3 400 --estimator hv --json
     """
-    value, table = fit_session(read_session(session), band_hz=band)
+    settings = FitSettings(
+        band_hz=band,
+        estimator=estimator,
+        exponential_end=exponential_end,
+        force_s=force_window,
+        keep_hits=keep_hits,
+        max_order=max_order,
+    )
+    value, table = fit_session(read_session(session), settings)
     if as_json:
         _print_json(value)
         return
     out.print(table)
+    for line in fit_lines(value):
+        out.print(line, markup=False)
     for note in value["warnings"]:
         out.print(f"note: {note}", markup=False)
 
