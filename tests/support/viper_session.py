@@ -3,10 +3,10 @@
 from functools import cache
 
 import numpy as np
-from any_arm import plant_of_arm
 from offline_lab import simulate_session
 
 from analyzer.identification.identify import identify
+from hil_sim.study.plant_of_arm import plant_of_arm
 from protocols.arm.files import load_arm
 
 STIFFER, MORE_DAMPED = 1.1, 1.3  # truth over the arm file's belief
