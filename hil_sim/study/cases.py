@@ -5,17 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hil_sim.study.arms import StudyArm, study_arm
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, SIZED
 from hil_sim.study.measure import measured
 from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
-from hil_sim.study.places import ArmPlaces
+from hil_sim.study.places import ArmPlaces, Hidden
+from hil_sim.study.prominence import Bystander
+from hil_sim.study.sizing import Sized, clear_size
 from protocols.arm.files import ARMS_DIRECTORY
 from protocols.arm.records import Arm
 from protocols.errors import PlantError
@@ -37,7 +39,7 @@ class CaseSpec:
     arm: str
     seed: int
     kinds: tuple[str, ...]
-    magnitude: str  # "clear", "medium", "faint"; "none" for nulls
+    magnitude: str | float  # "clear", "medium", "faint", or times clear; "none" for nulls
     ladder: bool = False
 
 
@@ -102,7 +104,7 @@ def make_case(
     seed: int,
     arm: str,
     effect: str | tuple[str, ...] | None = None,
-    magnitude: str = "clear",
+    magnitude: str | float = "clear",
     *,
     ladder: bool = False,
     number: int = 1,
@@ -118,7 +120,7 @@ def make_case(
     effect
         Name in `LIBRARY` or `OUTSIDE`, several of them, or None for a null.
     magnitude
-        "clear", "medium" (half) or "faint" (a quarter).
+        "clear", "medium" (half), "faint" (a quarter), or a factor on clear.
     ladder
         Every point is hit at the arm's ladder of levels.
 
@@ -146,9 +148,10 @@ def sealed(spec: CaseSpec) -> SealedCase:
             raise PlantError(
                 f"no effect is called {kind!r}; wanted one of {', '.join((*LIBRARY, *OUTSIDE))}"
             )
-    if spec.kinds and spec.magnitude not in MAGNITUDES:
+    if spec.kinds and isinstance(spec.magnitude, str) and spec.magnitude not in MAGNITUDES:
         raise PlantError(
-            f"no magnitude is called {spec.magnitude!r}; wanted one of {', '.join(MAGNITUDES)}"
+            f"no magnitude is called {spec.magnitude!r}; wanted one of {', '.join(MAGNITUDES)}, or a "
+            "factor"
         )
     return SealedCase(spec)
 
@@ -173,22 +176,25 @@ def write_case(case: SealedCase, folder: Path) -> CaseFiles:
 
 def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
     """Tables of the plant with its effects, and the truth about them."""
-    rng = np.random.default_rng([spec.seed, 1])
-    tables = erring_plant_tables(study, rng)
-    places = ArmPlaces(study, tables)
-    truths = []
-    for name in spec.kinds:
+    plain = erring_plant_tables(study, np.random.default_rng([spec.seed, 1]))
+    places = ArmPlaces(study, plain)
+    bystander = Bystander(study, plain)
+    tables, truths = plain, []
+    for i, name in enumerate(spec.kinds):
         make = LIBRARY.get(name) or OUTSIDE[name]
-        made = make(places, rng, MAGNITUDES[spec.magnitude])
-        replaced = [(t["kind"], t["joint"]) for t in made.tables if t["kind"] == "bearing"]
-        kept = [
-            t
-            for t in tables["effects"]
-            if (t["kind"], t.get("joint")) not in replaced
-            and not (t["kind"] == "hysteretic" == name)
-        ]
-        tables["effects"] = [*kept, *made.tables]
-        truths.append(made.truth())
+
+        def stream(place: int, number: int = i) -> np.random.Generator:
+            return np.random.default_rng([spec.seed, 3, number, place])
+
+        sized = Sized(size=1.0, place=0, stands_out=0.0)
+        if name in SIZED:
+            sized = clear_size(make, places, bystander, partial(_with, plain), stream)
+        factor = spec.magnitude
+        if isinstance(factor, str):
+            factor = MAGNITUDES[factor]
+        made = make(places, stream(sized.place), sized.size * factor)
+        tables = _with(tables, made)
+        truths.append(made.truth() | {"clear_stands_out": sized.stands_out or None})
     verdict = "named" if truths else "nothing_detectable"
     if any(name in OUTSIDE for name in spec.kinds):
         verdict = "outside_library"
@@ -210,3 +216,15 @@ def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
         },
         "plant": tables,
     }
+
+
+def _with(tables: Tables, made: Hidden) -> Tables:
+    """The arm with what is hidden in the place of an error of the same kind there."""
+    bearings = [table["joint"] for table in made.tables if table["kind"] == "bearing"]
+    kept = [
+        table
+        for table in tables["effects"]
+        if not (table["kind"] == "bearing" and table["joint"] in bearings)
+        and not (table["kind"] == "hysteretic" and made.name == "hysteretic")
+    ]
+    return tables | {"effects": [*kept, *made.tables]}

@@ -37,7 +37,6 @@ def hysteretic(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "kind": "hysteretic",
         "joints": tuple(places.elastic),
         "loss_factor": loss,
-        "replaces_viscous": magnitude > 0.7,
     }
     return hidden("hysteretic", places.elastic, table, loss_factor=loss)
 
