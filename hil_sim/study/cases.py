@@ -16,6 +16,7 @@ from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, SIZED
 from hil_sim.study.measure import measured
 from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
 from hil_sim.study.places import ArmPlaces, Hidden
+from hil_sim.study.plant_of_arm import rotations
 from hil_sim.study.prominence import Bystander
 from hil_sim.study.sizing import Sized, clear_size
 from protocols.arm.files import ARMS_DIRECTORY
@@ -25,7 +26,16 @@ from protocols.plan_records import Plan
 from protocols.session.hdf5 import write_session
 from protocols.session.records import Session
 
-__all__ = ["CaseFiles", "CaseSpec", "SealedCase", "make_case", "sealed", "write_case"]
+__all__ = [
+    "CaseFiles",
+    "CaseSpec",
+    "KnownMass",
+    "SealedCase",
+    "braked",
+    "make_case",
+    "sealed",
+    "write_case",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +51,22 @@ class CaseSpec:
     kinds: tuple[str, ...]
     magnitude: str | float  # "clear", "medium", "faint", or times clear; "none" for nulls
     ladder: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownMass:
+    """A body that the laboratory adds, its centre in the arm file's link frame."""
+
+    link: str
+    mass_kg: float
+    center_m: tuple[float, float, float]
+
+    def on(self, tables: Tables, arm: Arm) -> Tables:
+        """Tables of the arm with the body on it."""
+        center = rotations(arm)[self.link] @ np.array(self.center_m)
+        body = {"kind": "payload", "link": self.link, "mass_kg": self.mass_kg}
+        body |= {"center_m": tuple(center.tolist())}
+        return tables | {"effects": [*tables["effects"], body]}
 
 
 class SealedCase:
@@ -70,12 +96,40 @@ class SealedCase:
         """Hash of the truth's text, to be printed before any verdict."""
         return hashlib.sha256(self.open_truth().encode()).hexdigest()
 
-    def session(self) -> Session:
-        """Measure, in process, in some seconds."""
-        tables, _ = self._hidden
-        spec = self._spec
-        levels = self._study.ladder_n if spec.ladder else None
-        return measured(plant_of_tables(tables), self.arm, self.plan, spec.seed, levels)
+    def session(
+        self,
+        plan: Plan | None = None,
+        *,
+        levels_n: tuple[float, ...] | None = None,
+        known_mass: KnownMass | None = None,
+        brakes: bool = False,
+        run: int = 0,
+    ) -> Session:
+        """Measure, in process, in some seconds.
+
+        Parameters
+        ----------
+        plan
+            Another test of the same arm, such as the workflow asks for; its `fixed_point` is hit
+            along the postures' `hit_direction`.
+        levels_n
+            Peak forces at each point, one a hit; None takes the case's own.
+        known_mass
+            A mass that the laboratory bolts on.
+        brakes
+            With the brakes on no servo gives way; transmissions do.
+        run
+            Number of the measurement, so that noise and swings are others.
+        """
+        spec, (tables, _) = self._spec, self._hidden
+        if levels_n is None and spec.ladder:
+            levels_n = self._study.ladder_n
+        if known_mass is not None:
+            tables = known_mass.on(tables, self.arm)
+        if brakes:
+            tables = braked(tables)
+        plant = plant_of_tables(tables)
+        return measured(plant, self.arm, plan or self.plan, spec.seed, levels_n, run)
 
     def open_truth(self) -> str:
         """The sealed truth as JSON: only the marker of a study opens it."""
@@ -150,8 +204,8 @@ def sealed(spec: CaseSpec) -> SealedCase:
             )
     if spec.kinds and isinstance(spec.magnitude, str) and spec.magnitude not in MAGNITUDES:
         raise PlantError(
-            f"no magnitude is called {spec.magnitude!r}; wanted one of {', '.join(MAGNITUDES)}, or a "
-            "factor"
+            f"no magnitude is called {spec.magnitude!r}; wanted one of "
+            f"{', '.join(MAGNITUDES)}, or a factor"
         )
     return SealedCase(spec)
 
@@ -216,6 +270,16 @@ def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
         },
         "plant": tables,
     }
+
+
+def braked(tables: Tables) -> Tables:
+    """A brake holds the rotor a thousand times as stiff as its servo."""
+    key = "servo_stiffness_n_m_per_rad"
+    effects = [
+        table | {key: 1000.0 * table[key]} if table.get(key) else table
+        for table in tables["effects"]
+    ]
+    return tables | {"effects": effects}
 
 
 def _with(tables: Tables, made: Hidden) -> Tables:

@@ -9,7 +9,7 @@ units of an allowance, 1 % of each line, 0.5 % of each channel and noise; the fl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -79,7 +79,10 @@ class Bystander:
     """The erring arm of one case without any effect, and its sensitivities."""
 
     def __init__(self, study: StudyArm, tables: Tables) -> None:
-        self._study = study
+        plan = study.plan
+        everywhere = tuple(point.id for point in study.arm.points)
+        postures = tuple(replace(posture, points=everywhere) for posture in plan.postures)
+        self._study = replace(study, plan=replace(plan, postures=postures))
         self._tables = tables
         self._plant = plant_of_tables(tables)
         self.s, self._noise = _lines_and_noise(study, self._plant)
