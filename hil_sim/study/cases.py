@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from hil_sim.plant_file import PlantFile, plant_text
 from hil_sim.study.arms import StudyArm, study_arm
 from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, SIZED
 from hil_sim.study.measure import measured
@@ -138,6 +139,10 @@ class SealedCase:
     def plant_tables(self) -> Tables:
         """Tables of the plant file; they hold the truth."""
         return self._hidden[0]
+
+    def plant_text(self) -> str:
+        """Text of the plant file, for a laboratory in real time; it holds the truth."""
+        return plant_text(PlantFile.model_validate(self._hidden[0]))
 
     @cached_property
     def _hidden(self) -> tuple[Tables, dict[str, Any]]:

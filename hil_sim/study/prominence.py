@@ -28,10 +28,11 @@ __all__ = ["Bystander", "frfs_of"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
-BAND_HZ = (6.0, 120.0)
+BAND_HZ = (6.0, 100.0)
 EVERY = 4  # lines of the record's resolution that are looked at
-DECAY_END = 0.03  # of the exponential that takes the records to their Laplace lines
+DECAY_RAD_S = 2.0 * np.pi * 2.5  # real part of the Laplace lines: as wide as modes are apart
 LINE, CHANNEL = 0.01, 0.005  # allowance
+FLOOR_MOTION = 0.05  # allowance on the base, as part of the arm's middle channel
 TILT, DIRECTION = 0.016, 0.022  # rad
 PART = 0.1  # of a deviation, the step of differences
 ITERATIONS = 8
@@ -152,15 +153,16 @@ class Bystander:
         wanted = self._model(self._plant)
         columns = self._columns(wanted)
         sensor, hammer = self._plant.truth.accelerometer, self._plant.truth.hammer
-        # What the floor passes on to a base that stands still is in nobody's model.
+        # Any floor passes something on: base motion of a few per cent of the arm's tells nothing.
         points = [self._plant.point(name) for name in self._study.plan.postures[0].points]
-        line = np.array([1.0 if point.body == BASE else LINE for point in points])[:, None, None]
+        moving = np.array([point.body != BASE for point in points])
         result = []
         for i in range(len(wanted)):
             size = np.abs(wanted[i])
             rms = np.sqrt(np.mean(size**2, axis=-1, keepdims=True))
+            rms[~moving] = FLOOR_MOTION / CHANNEL * np.median(rms[moving])
             noisy = self._noise**2 * (sensor.noise_m_s2**2 + (hammer.noise_n * size) ** 2)
-            allowance = np.sqrt((line * size) ** 2 + (CHANNEL * rms) ** 2 + noisy)
+            allowance = np.sqrt((LINE * size) ** 2 + (CHANNEL * rms) ** 2 + noisy)
             local = _stacked(self._local(wanted[i], i) / allowance).T
             # What belongs to the posture alone is refitted in either kind of posture.
             gain = np.asarray(np.linalg.solve(local.T @ local + np.eye(local.shape[1]), local.T))
@@ -293,4 +295,5 @@ def _lines(n: int, rate_hz: float) -> tuple[ComplexArray, npt.NDArray[np.intp]]:
     """Laplace variable in rad/s of the lines looked at, and their numbers in the record's FFT."""
     f_hz = np.fft.rfftfreq(n, 1.0 / rate_hz)
     lines = np.flatnonzero((f_hz > BAND_HZ[0]) & (f_hz < BAND_HZ[1]))[::EVERY]
-    return np.log(1.0 / DECAY_END) * rate_hz / n + 2j * np.pi * f_hz[lines], lines
+    s: ComplexArray = DECAY_RAD_S + 2j * np.pi * f_hz[lines].astype(np.complex128)
+    return s, lines

@@ -5,6 +5,7 @@ from hashlib import sha256
 import numpy as np
 import pytest
 
+from hil_sim.plant_file import PlantFile, load_plant_file
 from hil_sim.small_motion import Mounting, linearise
 from hil_sim.study import (
     LIBRARY,
@@ -162,6 +163,14 @@ def test_files_of_a_case_hold_session_arm_and_hashed_truth(tmp_path):
     assert files.session.name == "case-0008.h5"
     assert sha256(files.truth.read_bytes()).hexdigest() == files.truth_sha256
     assert len(read_session(files.session).hits) == 270
+
+
+@pytest.mark.parametrize("effect", ["exponential_window", "wrong_point", "friction", "one_sided"])
+def test_the_plant_file_of_a_case_is_the_same_plant(tmp_path, effect):
+    case = make_case(3, "ur5", effect)
+    path = tmp_path / "plant.toml"
+    path.write_text(case.plant_text(), encoding="utf-8")
+    assert load_plant_file(path) == PlantFile.model_validate(case.plant_tables())
 
 
 def test_unknown_names_are_refused_with_those_wanted():
