@@ -284,8 +284,9 @@ def _lines_and_noise(study: StudyArm, plant: Plant) -> tuple[ComplexArray, Array
     s, _ = _lines(sampling.samples, rate_hz)
     t = np.arange(sampling.samples) / rate_hz
     width = float(np.mean(hand.width_s))
-    inside = (t > 0.0) & (t < width)
-    pulse = np.where(inside, np.sin(np.pi * t / width), 0.0) * np.sqrt(np.prod(study.peak_n))
+    phase = (t - sampling.pretrigger / rate_hz) / width
+    inside = (phase > 0.0) & (phase < 1.0)
+    pulse = np.where(inside, np.sin(np.pi * phase), 0.0) * np.sqrt(np.prod(study.peak_n))
     force = np.abs(np.exp(-np.outer(s, t)) @ pulse)
     noise = np.sqrt(np.sum(np.exp(-2.0 * s[0].real * t)) / study.plan.hits_per_point) / force
     return s, noise
