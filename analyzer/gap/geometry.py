@@ -28,9 +28,7 @@ class PostureGeometry:
 
 def geometry_at(superset: Superset, joints_rad: Array) -> PostureGeometry:
     """Geometry of a posture."""
-    return _of(
-        superset.posture(joints_rad), superset.gravity_stiffness_per_mass(joints_rad)
-    )
+    return _of(superset.posture(joints_rad), superset.gravity_stiffness_per_mass(joints_rad))
 
 
 def moved_geometry(

@@ -185,7 +185,9 @@ class PosedModel:
         for i, joint in enumerate(ordinary.arm.joints):
             beside = self._geometry_beside(offset, i)
             moved = _assembled(hypothesis, beside, lines, values).system()
-            put(f"encoder {joint.name}", found.by_change(Change.between(system, moved, _ANGLE_STEP)))
+            put(
+                f"encoder {joint.name}", found.by_change(Change.between(system, moved, _ANGLE_STEP))
+            )
         for instance in hypothesis.instances:
             for parameter in instance.parameters:
                 if parameter.name in assembly.compliance_of or parameter.name in assembly.loss_of:
@@ -228,5 +230,3 @@ def _inertia_changes(
         moved, _ = ordinary.link_inertias(link, {**values, name: values[name] + step})
         changes.append((moved - start) / step)
     return np.stack(changes)
-
-

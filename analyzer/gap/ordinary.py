@@ -87,11 +87,11 @@ class Ordinary:
                 for what, s in zip(_INERTIAL, std, strict=True)
             ]
             found.append(
-                Parameter(
-                    name=f"encoder {joint.name}", mean=0.0, std=tolerances.encoder_offset_rad
-                )
+                Parameter(name=f"encoder {joint.name}", mean=0.0, std=tolerances.encoder_offset_rad)
             )
-        found += [Parameter(name=f"ln gain {a}", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"]
+        found += [
+            Parameter(name=f"ln gain {a}", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
+        ]
         found.append(Parameter(name="ln hammer", mean=0.0, std=tolerances.hammer_gain))
         found.append(Parameter(name="delay", mean=0.0, std=_DELAY_STD_S))
         for name in self.postures:

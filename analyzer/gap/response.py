@@ -94,9 +94,7 @@ class Response:
         left, right = self.through_compliances(coordinates)
         return np.asarray(left * right[:, :, None])
 
-    def through_compliances(
-        self, coordinates: Sequence[int]
-    ) -> tuple[ComplexArray, ComplexArray]:
+    def through_compliances(self, coordinates: Sequence[int]) -> tuple[ComplexArray, ComplexArray]:
         """What is recorded of a unit yield, and the torque that a unit hit puts there.
 
         Returns
@@ -172,11 +170,13 @@ class Response:
             dZx -= b[self.lines.hit]
         y = -np.einsum("lnmi,lmn->lmi", self.Y, dZx, optimize=True)
         if change.seen is not None or change.tilted is not None:
-            seen = 0.0 if change.seen is None else (s**2)[:, None, None] * np.einsum(
-                "min,lmn->lmi", change.seen, self.x
+            seen = (
+                0.0
+                if change.seen is None
+                else (s**2)[:, None, None] * np.einsum("min,lmn->lmi", change.seen, self.x)
             )
-            tilted = 0.0 if change.tilted is None else np.einsum(
-                "min,lmn->lmi", change.tilted, self.x
+            tilted = (
+                0.0 if change.tilted is None else np.einsum("min,lmn->lmi", change.tilted, self.x)
             )
             more = np.einsum("mij,lmj->lmi", system.mix, seen + tilted)
             y = y + self.factor[:, None, None] * more
@@ -210,9 +210,7 @@ def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Re
     o_HU = (s**2)[:, None, None, None] * np.einsum(
         "min,lnmk->lmik", system.seen, HU, optimize=True
     ) + np.einsum("min,lnmk->lmik", system.tilted, HU, optimize=True)
-    S = ms2[:, None, None, None] * np.linalg.inv(
-        np.eye(3) + ms2[:, None, None, None] * UHU
-    )
+    S = ms2[:, None, None, None] * np.linalg.inv(np.eye(3) + ms2[:, None, None, None] * UHU)
     b = np.einsum("hjn,hj->hn", system.hit, system.force)
     x0 = (H @ b.T).transpose(0, 2, 1)[:, lines.hit]  # (L, m, n)
     SUx = np.einsum("lmjk,lmk->lmj", S, np.einsum("mkn,lmn->lmk", U, x0), optimize=True)

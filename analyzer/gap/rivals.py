@@ -75,9 +75,7 @@ def find_rivals(
     finals = []
     for f in [base, *others[:_FINALISTS]]:
         tell(f"sharply: {f.hypothesis.name}")
-        finals.append(
-            fit_hypothesis(sharp, f.hypothesis, start=f.values, postures=postures)
-        )
+        finals.append(fit_hypothesis(sharp, f.hypothesis, start=f.values, postures=postures))
     return Rivals(
         present=finals[0],
         rivals=tuple(sorted(finals[1:], key=lambda f: f.evidence)),
@@ -131,5 +129,3 @@ def _distinct(fits: Sequence[Fit]) -> list[Fit]:
             seen.add(key)
             kept.append(fit)
     return kept
-
-

@@ -47,9 +47,7 @@ class Candidate:
 def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """Linear gain of every instance on top of a fit, best first."""
     new = [i for i in instances if i.parameters]
-    wide = replace(
-        fit.hypothesis, instances=(*fit.hypothesis.instances, *(_small(i) for i in new))
-    )
+    wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *(_small(i) for i in new)))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **fit.values}
     parts = stage.quadratics(wide, space, values, range(len(stage.lines)))
@@ -162,8 +160,7 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
 
     words = EffectWords(name="probe", title="probe", changes="", signature="")
     parameters = tuple(
-        Parameter(name=name, mean=0.0, std=compliance_parameter("", ordinary).std)
-        for name in names
+        Parameter(name=name, mean=0.0, std=compliance_parameter("", ordinary).std) for name in names
     )
     return Instance(effect=words, place="", parameters=parameters, builder=build), names
 
@@ -211,9 +208,7 @@ def _best_lines(
                     twists.append(np.concatenate([np.cross(point, u), u]))
                     lines.append((u, point))
     t = np.array(twists)
-    q = np.stack(
-        [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS], axis=1
-    )
+    q = np.stack([t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS], axis=1)
     g = q @ slope
     h = np.einsum("ki,ij,kj->k", q, gram, q) + 1.0
     gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)

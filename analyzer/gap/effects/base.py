@@ -49,9 +49,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
 
     rock = compliance_parameter("", ordinary)
     parameters = [
-        Parameter(
-            name=name, mean=0.0, low=0.0, std=rock.std * (1.0 if i >= 3 else _METRE**2)
-        )
+        Parameter(name=name, mean=0.0, low=0.0, std=rock.std * (1.0 if i >= 3 else _METRE**2))
         for i, name in enumerate(names)
     ]
     total = sum(joint.link.mass_kg for joint in ordinary.arm.joints)
