@@ -16,9 +16,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from scipy.stats import t as student
 
-_TESTS = Path(__file__).parents[1] / "tests"
-sys.path.insert(0, str(_TESTS / "analyzer" / "modal"))
-sys.path.insert(0, str(_TESTS / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 import hammer
 from any_arm import plant_of_arm
