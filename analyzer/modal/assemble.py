@@ -8,6 +8,7 @@ import numpy.typing as npt
 from analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
 from analyzer.modal.forms import derivative_order
 from analyzer.modal.modes import ModalModel, Mode
+from analyzer.modal.noise import SMOOTHED_LINES
 from analyzer.modal.plscf import Stabilisation
 from analyzer.modal.rank_one import RankOneFit
 from analyzer.modal.regression import residual_terms
@@ -128,9 +129,10 @@ def _gain_variance(
     if not np.any(frf.variance > 0.0):
         return np.zeros(fit.poles.size)
     result = np.empty(fit.poles.size)
-    spacing = float(np.min(np.diff(freq)))
+    least_hz = (SMOOTHED_LINES + 1.0) * float(np.min(np.diff(freq)))
     for m, pole in enumerate(fit.poles):
-        reach = max((frf.decay_rad_s - pole.real) / (2.0 * np.pi), spacing)
+        # Wider than the scatter was smoothed over: smoothing keeps the sum over the lines.
+        reach = max((frf.decay_rad_s - pole.real) / (2.0 * np.pi), least_hz)
         near = np.abs(freq - pole.imag / (2.0 * np.pi)) <= reach
         power = np.abs(fit.participation[:, m]) ** 2
         share = 1.0 if transposed else float(np.sum(power**2) / np.sum(power) ** 2)

@@ -1,16 +1,13 @@
 """Variance of an averaged FRF from few hits.
 
 Three hits leave two complex, four real, degrees of freedom a line: too few for a weight. The
-scatter is therefore set beside a two-part model that all FRFs of the posture share, their ratio
-averaged over neighbouring lines and drawn towards 1, and held above the noise seen before the
-trigger:
+scatter is therefore averaged over neighbouring lines, then drawn towards a two-part model that
+all FRFs of the posture share, and held above the noise seen before the trigger:
 
-    scatter   v1 = sum|X_h - H F_h|^2 / ((n - 1) sum|F_h|^2)
+    scatter   v1 = mean over 2m+1 lines of sum|X_h - H F_h|^2 / ((n - 1) sum|F_h|^2)
     model     v0 = floor + r^2 |H|^2, r^2 the median over FRFs of the mean of (v1 - floor)/|H|^2
               on the quarter of lines where |H|^2 stands highest above the floor
-    variance  v  = max(floor, v0 (nu1 <v1 / v0> + nu0) / (nu1 + nu0)), <> the mean of 2m+1 lines
-
-Averaging the ratio, not v1, keeps a resonance narrower than those lines as high as it is.
+    variance  v  = max(floor, (nu1 v1 + nu0 v0) / (nu1 + nu0))
 
 `floor` is the noise floor carried to the FRF, r the relative scatter of hits (aim, level,
 nonlinearity), nu1 the degrees of freedom of v1 and nu0 the weight of the model. With one hit
@@ -22,9 +19,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["hit_scatter_variance", "independent_line_share", "smooth_lines"]
+__all__ = ["SMOOTHED_LINES", "hit_scatter_variance", "independent_line_share", "smooth_lines"]
 
-_HALF_WIDTH = 4  # lines on either side: about nine lines, some four of them independent
+SMOOTHED_LINES = 4  # lines on either side: about nine lines, some four of them independent
 _SINGLE_HIT_RELATIVE = 0.01
 _MODEL_DOF = 12.0
 _CLEAR_SHARE = 0.25
@@ -86,7 +83,8 @@ def hit_scatter_variance(
     (n_resp, n_ref, n_freq) float64
         Variance, positive wherever the floor is.
     """
-    lines = 1.0 + 2.0 * _HALF_WIDTH * independent_share
+    smoothed = smooth_lines(scatter, SMOOTHED_LINES)
+    lines = 1.0 + 2.0 * SMOOTHED_LINES * independent_share
     dof = (2.0 * (n_hits - 1) * lines)[..., None]
     several = n_hits > 1
     if np.any(several):
@@ -94,13 +92,12 @@ def hit_scatter_variance(
             magnitude_squared, np.finfo(float).tiny
         )
         clear = ratio <= np.quantile(ratio, _CLEAR_SHARE, axis=-1, keepdims=True)
-        share = np.where(clear, (scatter - floor) / np.maximum(magnitude_squared, 1e-300), 0.0)
+        share = np.where(clear, (smoothed - floor) / np.maximum(magnitude_squared, 1e-300), 0.0)
         mean = share.sum(axis=-1) / clear.sum(axis=-1)
         relative = max(float(np.median(mean[several])), 0.0)
     else:
         relative = _SINGLE_HIT_RELATIVE**2
     model = floor + relative * magnitude_squared
-    ratio = smooth_lines(scatter / np.maximum(model, np.finfo(float).tiny), _HALF_WIDTH)
-    mixed = model * (dof * ratio + _MODEL_DOF) / (dof + _MODEL_DOF)
+    mixed = (dof * smoothed + _MODEL_DOF * model) / (dof + _MODEL_DOF)
     result: npt.NDArray[np.float64] = np.maximum(mixed, floor)
     return result

@@ -77,7 +77,7 @@ def common_gain_variance(
         (n_resp, n_ref, n_freq): averaged FRFs, FRFs minus model, and E|error|^2 by the scatter
         of hits.
     near
-        (n_freq,) the lines within the mode's half bandwidth.
+        (n_freq,) the lines where the mode dominates.
     """
     beyond = variance[..., near] - np.abs(misfit[..., near]) ** 2
     size = float(np.sum(np.abs(values[..., near]) ** 2))
