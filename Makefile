@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+BENCH_STAMP := $(VENV)/.installed-bench
 # The board's device library, compiled for this machine: the simulated board runs on it.
 DEVICE_LIBRARY := protocols/c/build/libarmodal_board.so
 DEVICE_SOURCES := $(wildcard protocols/c/src/* protocols/c/include/*) protocols/c/build.py
@@ -21,6 +22,11 @@ $(STAMP): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
 	@touch $@
 
+# What the benches measure themselves against.
+$(BENCH_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[bench]'
+	@touch $@
+
 $(DEVICE_LIBRARY): $(STAMP) $(DEVICE_SOURCES)
 	$(BIN)/python -m protocols.c.build
 	@touch $@
@@ -37,7 +43,7 @@ check: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(DEVICE_LIBRARY)
+bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
 
 sizes: $(STAMP)
