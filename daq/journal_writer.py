@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -48,16 +49,13 @@ class JournalWriter:
         JournalError
             If it exists or cannot be written.
         """
-        lock = lock_journal(path)
         try:
-            fd = files.create(path)
+            lock, fd = _locked(path, files.create)
         except FileExistsError:
-            lock.release()
             raise JournalError(
                 f"{path} exists already: resume that session, or give another name"
             ) from None
         except OSError as error:
-            lock.release()
             raise _cannot("begin", path, error) from error
         writer = cls(path, fd, lock, files)
         try:
@@ -83,11 +81,9 @@ class JournalWriter:
         JournalError
             If it cannot be read or written, is in use, or holds records behind damage.
         """
-        lock = lock_journal(path)
         try:
-            fd = files.open(path)
+            lock, fd = _locked(path, files.open)
         except OSError as error:
-            lock.release()
             raise _cannot("resume", path, error) from error
         writer = cls(path, fd, lock, files)
         try:
@@ -160,6 +156,15 @@ class JournalWriter:
         finally:
             self._files.close(fd)
         self._files.cut(self._fd, good_end)
+
+
+def _locked(path: Path, open_file: Callable[[Path], int]) -> tuple[SessionLock, int]:
+    lock = lock_journal(path)
+    try:
+        return lock, open_file(path)
+    except BaseException:
+        lock.release()
+        raise
 
 
 def _check_may_append(path: Path, journal: Journal) -> None:

@@ -17,7 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from daq.holder import Holder, Life, read_holder, this_process
-from protocols.errors import ArmodalError, JournalError, PortError
+from protocols.errors import JournalError, PortError
 
 __all__ = ["HeldError", "SessionLock", "lock_folder", "lock_journal", "lock_port"]
 
@@ -97,18 +97,34 @@ def lock_journal(path: Path) -> SessionLock:
     Raises
     ------
     JournalError
-        If another session holds it, or the folder takes no file.
+        If another session holds it.
+    OSError
+        If the folder takes no file.
     """
-    beside = path.with_name(f".{path.name}.lock")
-    return _lock(beside, f"the journal {path}", JournalError, shared=True)
+    try:
+        return SessionLock(path.with_name(f".{path.name}.lock"), shared=True)
+    except HeldError as error:
+        raise JournalError(f"the journal {path} is in use by {error}") from None
 
 
 def lock_port(name: str) -> SessionLock:
-    """Hold a serial port, by whatever name it was given; errors are PortError."""
-    real = os.path.realpath(name)
-    digest = hashlib.sha256(os.fsencode(real)).hexdigest()[:16]
+    """Hold a serial port, by whatever name it was given.
+
+    Raises
+    ------
+    PortError
+        If another session holds it, or the lock cannot be made.
+    """
+    digest = hashlib.sha256(os.fsencode(os.path.realpath(name))).hexdigest()[:16]
     path = lock_folder() / f"port-{digest}.lock"
-    return _lock(path, f"port {name}", PortError, shared=False)
+    try:
+        return SessionLock(path, shared=False)
+    except HeldError as error:
+        raise PortError(f"port {name} is in use by {error}") from None
+    except OSError as error:
+        raise PortError(
+            f"cannot lock port {name} with {path}: {error.strerror}; check rights and free space"
+        ) from error
 
 
 def lock_folder() -> Path:
@@ -141,17 +157,6 @@ def lock_folder() -> Path:
             "XDG_RUNTIME_DIR to a folder of your own"
         )
     return folder
-
-
-def _lock(path: Path, what: str, kind: type[ArmodalError], *, shared: bool) -> SessionLock:
-    try:
-        return SessionLock(path, shared=shared)
-    except HeldError as error:
-        raise kind(f"{what} is in use by {error}") from None
-    except OSError as error:
-        raise kind(
-            f"cannot lock {what} with {path}: {error.strerror}; check path, rights and free space"
-        ) from error
 
 
 def _locked(fd: int) -> bool | None:
