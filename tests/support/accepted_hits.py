@@ -1,0 +1,79 @@
+"""Whether a disk after a stop holds every hit that was announced as accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from daq.journal_writer import JournalWriter
+from protocols.errors import JournalError
+from protocols.session.compare import first_difference
+from protocols.session.hdf5 import read_session
+from protocols.session.journal import Mark, MarkKind, encode_mark, read_journal
+from protocols.session.recovery import rebuild
+from protocols.session.records import Hit, Session
+
+AGAIN = encode_mark(Mark(kind=MarkKind.NOTE, posture=None, point=None, host_s=0.0, note="again"))
+
+
+def laid_out(files: Mapping[str, bytes], folder: Path) -> None:
+    """Make a folder hold exactly these files."""
+    for path in folder.iterdir():
+        path.unlink()
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+
+
+def missing(announced: Mapping[int, Hit], session: Session) -> str | None:
+    """Return what is wrong with the announced hits of a session, if anything."""
+    there = {hit.number: hit for hit in session.hits}
+    for number, hit in announced.items():
+        if number not in there:
+            return f"hit {number} is lost"
+        difference = first_difference(there[number], hit, f"hit {number}")
+        if difference is not None:
+            return f"{difference} is not what was measured"
+    return None
+
+
+def wrong_after_stop(
+    files: Mapping[str, bytes], announced: Mapping[int, Hit], folder: Path, journal: str
+) -> str | None:
+    """Recover and resume from these files; return what is wrong, if anything.
+
+    `armodal recover` must bring back all announced hits and say what it dropped, and the session
+    must go on. A session file that is there must be whole.
+    """
+    laid_out(files, folder)
+    for path in folder.glob("*.h5"):
+        read_session(path)
+    path = folder / journal
+    try:
+        found = rebuild(path, folder / "recovered.h5", software="torture")
+    except JournalError as error:
+        return f"not recovered: {error}" if announced else None
+    wrong = missing(announced, found.session)
+    if wrong is not None:
+        return wrong
+    told = " ".join(found.session.warnings)
+    if found.dropped_bytes and f"the {found.dropped_bytes} bytes behind are dropped" not in told:
+        return f"{found.dropped_bytes} bytes were dropped without a word"
+    return _wrong_after_resuming(path, announced, found.dropped_bytes)
+
+
+def _wrong_after_resuming(
+    path: Path, announced: Mapping[int, Hit], dropped_bytes: int
+) -> str | None:
+    before = path.read_bytes()
+    writer, _ = JournalWriter.resume(path)
+    writer.append(AGAIN)
+    writer.close()
+    journal = read_journal(path)
+    if journal.dropped_bytes or journal.marks[-1].note != "again":
+        return "the session did not go on"
+    if dropped_bytes:
+        asides = [aside.read_bytes() for aside in path.parent.glob(f"{path.name}.torn-*")]
+        if before[-dropped_bytes:] not in asides:
+            return "the torn tail was not kept"
+    here = {hit.number: hit for hit in journal.hits}
+    return next((f"hit {n} is lost by resuming" for n in announced if n not in here), None)
