@@ -8,7 +8,6 @@ thing assumed is that a single sector is written wholly or not at all.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +16,9 @@ import numpy as np
 
 from protocols.file_layer import Disk
 from protocols.session.records import Hit
+
+# Which point it is, the files there, and the hits announced by then.
+Point = tuple[str, dict[str, bytes], dict[int, Hit]]
 
 
 @dataclass(frozen=True)
@@ -84,15 +86,10 @@ class RecordingDisk(Disk):
         self.log.append(Change("folder"))
 
     def found(self, path: Path) -> None:
-        """Take a file as it lies there, left by a killed session and never synced."""
+        """Take bytes behind a file's end, left by a killed session and never synced."""
         inode = self._of_name[path.name]
-        before = replayed(self.log).files[inode].now
-        data = path.read_bytes()
-        common = len(os.path.commonprefix([before, data]))
-        if common < len(before):
-            self.log.append(Change("cut", inode=inode, size=common))
-        if data[common:]:
-            self.log.append(Change("write", inode=inode, data=data[common:]))
+        size = len(replayed(self.log).files[inode].now)
+        self.log.append(Change("write", inode=inode, data=path.read_bytes()[size:]))
 
 
 @dataclass
@@ -155,8 +152,7 @@ class DiskState:
             if rng.random() < 0.5:
                 names = _renamed(names, changed)
         return {
-            name: _mixed(self.files[inode].versions, rng, sector)
-            for name, inode in names.items()
+            name: _mixed(self.files[inode].versions, rng, sector) for name, inode in names.items()
         }
 
 
@@ -193,22 +189,14 @@ def replayed(log: list[Change]) -> DiskState:
     return state
 
 
-def kill_points(
-    log: list[Change], rng: np.random.Generator, *, cuts: int
-) -> Iterator[tuple[str, dict[str, bytes], dict[int, Hit]]]:
-    """Yield the disk of a kill at every change, within writes at up to `cuts` more places.
-
-    Yields
-    ------
-    str, mapping, mapping
-        Which point it is, the files, and the hits announced by then.
-    """
+def kill_points(log: list[Change], rng: np.random.Generator, *, places: int) -> Iterator[Point]:
+    """Yield the disk of a kill at every change, within writes at up to `places` more."""
     state = DiskState()
     for index, change in enumerate(log):
         if change.kind != "announce":
             yield f"before change {index} ({change.kind})", state.stopped(), dict(state.announced)
         if change.kind == "write":
-            for n in _places(len(change.data), cuts, rng):
+            for n in _places(len(change.data), places, rng):
                 yield (
                     f"{n} of {len(change.data)} bytes into change {index}",
                     state.stopped(change.data[:n], change.inode),
@@ -218,16 +206,14 @@ def kill_points(
     yield "after the last change", state.stopped(), dict(state.announced)
 
 
-def _places(size: int, cuts: int, rng: np.random.Generator) -> list[int]:
+def _places(size: int, most: int, rng: np.random.Generator) -> list[int]:
     """Return where to stop within a write: the edges of its fields, and anywhere."""
     edges = [n for n in (1, 7, 8, 12, size - 5, size - 4, size - 1) if 0 < n < size]
-    inside = rng.integers(1, size, cuts).tolist() if size > 1 else []
-    return sorted({*edges[:cuts], *inside[: max(cuts - len(edges), 0)]})
+    inside = rng.integers(1, size, most).tolist() if size > 1 else []
+    return sorted({*edges[:most], *inside[: max(most - len(edges), 0)]})
 
 
-def power_cuts(
-    log: list[Change], rng: np.random.Generator, *, each: int
-) -> Iterator[tuple[str, dict[str, bytes], dict[int, Hit]]]:
+def power_cuts(log: list[Change], rng: np.random.Generator, *, each: int) -> Iterator[Point]:
     """Yield `each` disks of a power cut after every change that leaves something unsynced."""
     state = DiskState()
     for index, change in enumerate(log):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from daq.commands import Stop
-from daq.events import Event, Failed, Finished, HitJudged, Prompted
+from daq.events import Event, Failed, Finished, HitJudged, Prompted, SessionOpened
 from daq.session_machine import Prompt, PromptKind
-from protocols.session.records import Hit
+from protocols.session.journal import read_journal
 from tui.acquire import Operator
 
 PLAN = """
@@ -42,15 +43,24 @@ hit_direction = [-0.383, -0.821, 0.423]
 
 
 class Announcing:
-    """A connection that notes which hits were told to be accepted before it says so."""
+    """A connection that notes which hits are told to be accepted, just before they are.
 
-    def __init__(self, inner: Connection[Any, Any], note: Callable[[Hit], None]) -> None:
+    A session that is resumed tells of all accepted hits that it found.
+    """
+
+    def __init__(
+        self, inner: Connection[Any, Any], note: Callable[..., None], journal: Path
+    ) -> None:
         self._inner = inner
         self._note = note
+        self._journal = journal
 
     def send(self, event: Event) -> None:
         if isinstance(event, HitJudged) and event.hit.verdict.accepted:
             self._note(event.hit)
+        if isinstance(event, SessionOpened) and event.hits_before:
+            found = read_journal(self._journal).hits[: event.hits_before]
+            self._note(*(hit for hit in found if hit.verdict.accepted))
         self._inner.send(event)
 
     def recv(self) -> object:

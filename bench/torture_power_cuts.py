@@ -1,0 +1,44 @@
+"""Cut the power wherever something of a session is not synced yet.
+
+What was synced is there. Of the rest every sector, of 512 B or 4 KiB, shows any version it had
+since the sync, zeros, or bytes nobody wrote; lengths and names are each old or new, in any order
+(`tests/support/recorded_disk.py`). From there the session file is recovered, and the session
+resumed.
+
+    python bench/torture_power_cuts.py [seed]
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from figures import Figure, told
+from recorded_session import recorded, tried
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+
+from recorded_disk import power_cuts
+
+WANTED = 5000
+
+
+def main() -> int:
+    seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+    rng = np.random.default_rng(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        log = recorded(seed, Path(folder)).log
+    n_points = sum(1 for _ in power_cuts(log, rng, each=1))
+    cuts, wrong = tried(power_cuts(log, rng, each=-(-WANTED * 11 // (10 * n_points))), "power cuts")
+    return told(
+        [
+            Figure("sector replays of power cuts", str(cuts), str(WANTED), cuts >= WANTED),
+            Figure("... with an accepted hit lost or altered", str(len(wrong)), "0", not wrong),
+        ]
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
