@@ -1,6 +1,6 @@
 """The acquisition as a process to be killed: `torture_real_kills.py` starts it.
 
-    python bench/acquisition_process.py SOCKET BOARD CAN JOURNAL PLAN TIME_SCALE
+python bench/acquisition_process.py SOCKET BOARD CAN JOURNAL PLAN TIME_SCALE
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ from hil_sim.lab import Laboratory, start_laboratory
 from protocols.arm.files import load_arm
 from protocols.errors import JournalError
 from protocols.plan import load_plan
-from protocols.session.journal import read_journal
+from protocols.session.journal import encode_hit, read_journal
 from protocols.session.recovery import rebuild
 from tui.acquire import ScriptedOperator
 
@@ -142,8 +142,8 @@ def one_journal(
         if journal.exists() and not told_of:
             journal.unlink()  # it may have been killed before anything was recorded
         if told_of and rng.random() < 1 / 4:
-            data = journal.read_bytes()
-            journal.write_bytes(data + data[-HALF:])  # behind it there is no whole record
+            with journal.open("ab") as file:
+                file.write(encode_hit(read_journal(journal).hits[-1])[:HALF])
             checked(journal, told_of, tally)
         killing = Killing(laboratory, folder, journal, rng)
         heard = killing.run(operator)

@@ -11,7 +11,13 @@ from pathlib import Path
 from daq.session_lock import SessionLock, lock_journal
 from protocols.errors import JournalError
 from protocols.file_layer import DISK, FileLayer, write_all
-from protocols.session.journal import Journal, begin_journal, decode_journal, read_journal_bytes
+from protocols.session.journal import (
+    Journal,
+    begin_journal,
+    decode_journal,
+    read_journal_bytes,
+    scan,
+)
 from protocols.session.records import SessionHeader
 
 __all__ = ["JournalWriter"]
@@ -91,7 +97,11 @@ class JournalWriter:
             journal = decode_journal(data)
             _check_may_append(path, journal)
             writer._cut(data, journal.good_end)
-            # What a killed session wrote last may be in the system's memory only.
+            # What a killed session wrote last may be in the system's memory only. And what a
+            # refused sync held, the system takes for written: only if it is written again will
+            # it be.
+            last = _last_record(data)
+            files.rewrite(path, data[last : journal.good_end], last)
             files.sync(fd)
             files.sync_folder(path.parent)
         except OSError as error:
@@ -173,6 +183,12 @@ def _check_may_append(path: Path, journal: Journal) -> None:
             f"{path} is damaged at byte {journal.good_end} and holds complete records "
             "behind: it is left as it is; recover it, and begin another session"
         )
+
+
+def _last_record(data: bytes) -> int:
+    """Return where the last complete record begins; the first one goes with the magic."""
+    records = scan(data).records
+    return records[-1].offset if len(records) > 1 else 0
 
 
 _WAYS_BACK = {

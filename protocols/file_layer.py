@@ -28,6 +28,9 @@ class FileLayer(Protocol):
     def write(self, fd: int, data: bytes | memoryview) -> int:
         """Append bytes; return how many were taken."""
 
+    def rewrite(self, path: Path, data: bytes, at: int) -> None:
+        """Write bytes once more that are in a file already, from byte `at` on."""
+
     def sync(self, fd: int) -> None:
         """Return once everything written to the file is durable."""
 
@@ -62,6 +65,16 @@ class Disk:
     def write(self, fd: int, data: bytes | memoryview) -> int:
         """Append bytes."""
         return os.write(fd, data)
+
+    def rewrite(self, path: Path, data: bytes, at: int) -> None:
+        """Write bytes once more, so that the next sync has them to sync."""
+        fd = os.open(path, os.O_WRONLY)
+        try:
+            while data:
+                written = os.pwrite(fd, data, at)
+                data, at = data[written:], at + written
+        finally:
+            os.close(fd)
 
     def sync(self, fd: int) -> None:
         """Make a file's bytes and length durable."""

@@ -25,7 +25,7 @@ Point = tuple[str, dict[str, bytes], dict[int, Hit]]
 class Change:
     """One operation on the disk, or an announcement between two."""
 
-    kind: str  # create, write, sync, cut, replace, remove, folder, announce
+    kind: str  # create, write, rewrite, sync, unsynced, cut, replace, remove, folder, announce
     name: str = ""
     inode: int = -1
     data: bytes = b""
@@ -64,9 +64,17 @@ class RecordingDisk(Disk):
         self.log.append(Change("write", inode=self._inodes[fd], data=bytes(data[:written])))
         return written
 
+    def rewrite(self, path: Path, data: bytes, at: int) -> None:
+        super().rewrite(path, data, at)
+        self.log.append(Change("rewrite", inode=self._of_name[path.name], size=at))
+
     def sync(self, fd: int) -> None:
         super().sync(fd)
         self.log.append(Change("sync", inode=self._inodes[fd]))
+
+    def forgotten(self, fd: int) -> None:
+        """Note that a sync was refused."""
+        self.log.append(Change("unsynced", inode=self._inodes[fd]))
 
     def cut(self, fd: int, size: int) -> None:
         super().cut(fd, size)
@@ -94,11 +102,26 @@ class RecordingDisk(Disk):
 
 @dataclass
 class _File:
-    versions: list[bytes] = field(default_factory=lambda: [b""])  # the first one is durable
+    """Versions of a file since the last sync, the first one durable.
+
+    What a refused sync held is forgotten by the system: no later sync writes it, until it is
+    written again. `stuck` are the versions from the refusal on.
+    """
+
+    versions: list[bytes] = field(default_factory=lambda: [b""])
+    stuck: list[bytes] = field(default_factory=list)
 
     @property
     def now(self) -> bytes:
         return self.versions[-1]
+
+    def synced(self) -> None:
+        self.versions = [*self.stuck, self.now]
+
+    def forget_stuck(self, at: int) -> None:
+        """Everything from byte `at` on was written again, or is gone."""
+        if self.stuck and at <= len(self.stuck[0]):
+            self.stuck = []
 
 
 @dataclass
@@ -121,9 +144,14 @@ class DiskState:
         elif change.kind == "cut":
             file = self.files[change.inode]
             file.versions.append(file.now[: change.size])
+            file.forget_stuck(change.size)
+        elif change.kind == "rewrite":
+            self.files[change.inode].forget_stuck(change.size)
         elif change.kind == "sync":
+            self.files[change.inode].synced()
+        elif change.kind == "unsynced":
             file = self.files[change.inode]
-            file.versions = [file.now]
+            file.stuck = list(file.versions)
         elif change.kind == "replace":
             self._rename({change.target: self.names[change.name], change.name: None})
         elif change.kind == "remove":
@@ -213,12 +241,19 @@ def _places(size: int, most: int, rng: np.random.Generator) -> list[int]:
     return sorted({*edges[:most], *inside[: max(most - len(edges), 0)]})
 
 
-def power_cuts(log: list[Change], rng: np.random.Generator, *, each: int) -> Iterator[Point]:
-    """Yield `each` disks of a power cut after every change that leaves something unsynced."""
+def power_cuts(
+    log: list[Change], rng: np.random.Generator, *, each: int, first: int = 0
+) -> Iterator[Point]:
+    """Yield `each` disks of a power cut after every change that leaves something unsynced.
+
+    Changes before the `first` are not looked at.
+    """
     state = DiskState()
     for index, change in enumerate(log):
         state.apply(change)
         unsynced = state.pending_names or any(len(f.versions) > 1 for f in state.files.values())
+        if index < first:
+            continue
         if change.kind == "announce" and not unsynced:
             yield f"after change {index}", state.stopped(), dict(state.announced)
         if not unsynced:
