@@ -11,7 +11,6 @@ import dataclasses
 import multiprocessing
 import os
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Iterable
@@ -20,7 +19,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
-from accepted_hits import wrong_after_stop
+from accepted_hits import quick_folder, wrong_after_stop
 from recorded_disk import Point, RecordingDisk
 from simulated_session import PLAN, Announcing, operate
 
@@ -123,7 +122,7 @@ def _batches(points: Iterable[Point]) -> Iterable[list[Point]]:
 
 def _wrong_of(batch: list[Point]) -> tuple[int, list[str]]:
     wrong = []
-    with tempfile.TemporaryDirectory() as home:
+    with quick_folder() as home:
         for where, files, announced in batch:
             said = wrong_after_stop(files, announced, Path(home), "session.journal")
             if said is not None:

@@ -24,6 +24,7 @@ from recorded_session import recorded
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
+from accepted_hits import quick_folder
 from faulty_disk import FaultyDisk, wrong_with_faulty_disk
 
 from protocols.session.journal import load_journal
@@ -36,12 +37,11 @@ def main() -> int:
     seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
     rng = np.random.default_rng(seed)
     count, wrong, began = 0, [], time.monotonic()
-    with tempfile.TemporaryDirectory() as home:
+    with tempfile.TemporaryDirectory() as home, quick_folder() as faulty:
         recorded(seed, Path(home))
         session = load_journal(Path(home, "session.journal"))
         session = dataclasses.replace(session, hits=session.hits[:HITS])
-        folder = Path(home, "faulty")
-        folder.mkdir()
+        folder = Path(faulty)
         for lasting in (False, True):
             for code in CODES:
                 at = 0

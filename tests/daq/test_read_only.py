@@ -119,6 +119,7 @@ def test_a_controller_on_a_python_can_bus_receives_no_frame(lab, fakes, robots):
             )
         )
         session_over(lab, fakes, "virtual:armodal-read-only")
+        robots[0].close()
         assert controller.recv(0.0) is None
 
 

@@ -18,7 +18,6 @@ from daq.events import Event, Failed, Finished
 from daq.session_machine import Prompt, PromptKind
 from daq.settings import AcquisitionSettings
 from protocols.file_layer import DISK, FileLayer
-from protocols.session.records import Hit
 
 SCALE = 16.0  # lab seconds a second
 
@@ -70,12 +69,10 @@ def whole_session(
     codes: list[int] = []
     thread = threading.Thread(target=lambda: codes.append(run_acquisition(settings, teller, files)))
     thread.start()
+    lab.controller.silent = False
     end = operate(ours, Hammer(lab, counts), heard=heard)
+    lab.controller.silent = True  # nobody reads its line any more
     thread.join(10.0)
     for connection in (ours, theirs):
         connection.close()
     return end, codes[0]
-
-
-def accepted(heard: list[Hit]) -> dict[int, Hit]:
-    return {hit.number: hit for hit in heard}
