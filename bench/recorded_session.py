@@ -34,7 +34,7 @@ from tui.acquire import ScriptedOperator
 
 TIME_SCALE = 16.0
 POINTS = ["2", "5", "8", "11"]
-HITS = 8
+HITS = 4
 HALF = 5000  # bytes of the record in whose writing the session was killed
 BATCH = 50
 

@@ -5,7 +5,7 @@ since the sync, zeros, or bytes nobody wrote; lengths and names are each old or 
 (`tests/support/recorded_disk.py`). From there the session file is recovered, and the session
 resumed.
 
-    python bench/torture_power_cuts.py [seed]
+    python bench/torture_power_cuts.py [seed] [replays]
 """
 
 from __future__ import annotations
@@ -26,15 +26,16 @@ WANTED = 5000
 
 
 def main() -> int:
-    seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+    numbers = [int(argument) for argument in sys.argv[1:]]
+    seed, wanted = (*numbers, *(1, WANTED)[len(numbers) :])
     rng = np.random.default_rng(seed)
     with tempfile.TemporaryDirectory() as folder:
         log = recorded(seed, Path(folder)).log
     n_points = sum(1 for _ in power_cuts(log, rng, each=1))
-    cuts, wrong = tried(power_cuts(log, rng, each=-(-WANTED * 11 // (10 * n_points))), "power cuts")
+    cuts, wrong = tried(power_cuts(log, rng, each=-(-wanted * 11 // (10 * n_points))), "power cuts")
     return told(
         [
-            Figure("sector replays of power cuts", str(cuts), str(WANTED), cuts >= WANTED),
+            Figure("sector replays of power cuts", str(cuts), str(wanted), cuts >= wanted),
             Figure("... with an accepted hit lost or altered", str(len(wrong)), "0", not wrong),
         ]
     )

@@ -52,13 +52,13 @@ def folder():
 def test_a_kill_at_any_change_loses_no_accepted_hit(record, folder):
     points = list(kill_points(record(RecordingDisk()), np.random.default_rng(1), places=6))
     assert {len(announced) for _, _, announced in points} == set(range(HITS + 1))
-    for where, files, announced in points[:: len(points) // 60]:
+    for where, files, announced in points[:: len(points) // 30]:
         assert wrong_after_stop(files, announced, folder, NAME) is None, where
 
 
 def test_a_power_cut_with_reordered_sectors_loses_no_accepted_hit(record, folder):
     points = list(power_cuts(record(RecordingDisk()), np.random.default_rng(2), each=6))
-    for where, files, announced in points[:: len(points) // 60]:
+    for where, files, announced in points[:: len(points) // 30]:
         assert wrong_after_stop(files, announced, folder, NAME) is None, where
 
 
@@ -83,17 +83,17 @@ def test_a_disk_that_refuses_a_change_is_named_and_loses_nothing(
 ):
     record(RecordingDisk())
     session = load_journal(lab.journal)
-    session = dataclasses.replace(session, hits=session.hits[:2])
+    session = dataclasses.replace(session, hits=session.hits[:1])
     rng = np.random.default_rng(4)
-    # Every change of such a session: begun, two hits, its file derived twice.
+    # Every change of such a session: begun, a hit, its file derived twice.
     at = 0
     while True:
         disk = FaultyDisk(at, code, lasting=lasting)
         assert wrong_with_faulty_disk(session, disk, folder, rng) is None, at
         if not disk.refused:
             break
-        at += 1 if code == errno.EIO else 3
-    assert at >= 20  # create, write, sync, folder; two hits; two files of five changes
+        at += 1 if code == errno.EIO and lasting else 5
+    assert at >= 14  # four to begin, two a hit, and five and four for its files
 
 
 @pytest.mark.parametrize(
