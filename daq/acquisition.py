@@ -9,6 +9,8 @@ from __future__ import annotations
 import gc
 import secrets
 import select
+import signal
+import threading
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -75,6 +77,7 @@ def run_acquisition(
     int
         Exit code: 0, or 2 after a `Failed` event.
     """
+    _leave_interrupts_to_the_operator()
     prepare_judge()
     outbox = Outbox(channel)
     journal = _Journal(files=files)
@@ -89,6 +92,12 @@ def run_acquisition(
     outbox.put(finished)
     outbox.finish(FAREWELL_WALL_S)
     return 0
+
+
+def _leave_interrupts_to_the_operator() -> None:
+    """Ignore Ctrl-C, which a terminal sends to both: the operator's program says stop."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _run(

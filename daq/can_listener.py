@@ -212,7 +212,8 @@ class PythonCanListener:
                 "it up?"
             ) from error
         # The bus object lives on behind `recv`; not even by way of it can a frame be sent.
-        bus.send = bus.send_periodic = _never_send
+        for way_out in ("send", "send_periodic"):
+            setattr(bus, way_out, _never_send)
         self.error_frames = 0
         self._fetched: list[tuple[float, list[CanFrame]]] = []
         self._receive = bus.recv

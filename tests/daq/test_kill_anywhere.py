@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import dataclasses
 import errno
+import multiprocessing
+import os
+import signal
 import sys
 from pathlib import Path
 
@@ -16,11 +19,12 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from accepted_hits import missing, quick_folder, wrong_after_stop
-from fake_session import whole_session
+from fake_session import SCALE, Hammer, settings_of, whole_session
 from faulty_disk import FaultyDisk, wrong_with_faulty_disk
 from recorded_disk import RecordingDisk, kill_points, power_cuts
 
-from daq.events import Failed, Finished, HitJudged
+from daq.acquisition import run_acquisition
+from daq.events import Failed, Finished, HitJudged, Prompted
 from daq.journal_writer import JournalWriter
 from protocols.session.journal import encode_hit, load_journal, read_journal
 from protocols.session.recovery import rebuild
@@ -142,3 +146,52 @@ def test_a_hit_whose_sync_was_refused_is_written_again_when_resumed(record, lab)
     assert journal.hits[-1].number == 9
     assert [(c.kind, c.size) for c in disk.log] == [("rewrite", size), ("sync", 0), ("folder", 0)]
     assert read_journal(lab.journal).hits[-1].number == 9
+
+
+@pytest.fixture
+def acquiring(lab, fakes):
+    """Run an acquisition in a process of its own, up to its first accepted hit."""
+    lab.board.scale = lab.controller.scale = SCALE
+    settings = settings_of(lab)
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=run_acquisition, args=(settings, theirs))
+    process.start()
+    theirs.close()
+    hammer = Hammer(lab, fakes["record"]())
+    heard = None
+    while not isinstance(heard, HitJudged):
+        heard = ours.recv()
+        assert not isinstance(heard, Failed), heard.message
+        command = hammer.act(heard.prompt) if isinstance(heard, Prompted) else None
+        if command is not None:
+            ours.send(command)
+    yield process, ours, heard.hit
+    lab.controller.silent = True
+    ours.close()
+    process.kill()
+    process.join()
+
+
+def test_a_killed_process_leaves_its_hits_and_a_lock_that_stops_nobody(acquiring, lab, fakes):
+    process, _, hit = acquiring
+    process.kill()
+    process.join()
+    assert process.exitcode == -signal.SIGKILL
+    recovered = rebuild(lab.journal, lab.journal.with_suffix(".h5"), software="test")
+    assert missing({hit.number: hit}, recovered.session) is None
+    assert "the session was not closed" in " ".join(recovered.session.warnings)
+    end, code = whole_session(lab, fakes["record"](), resume=True)
+    assert (code, end.complete) == (0, True)
+
+
+def test_an_interrupt_of_the_terminal_ends_the_session_in_good_order(acquiring, lab):
+    process, ours, hit = acquiring
+    os.kill(process.pid, signal.SIGINT)  # as Ctrl-C sends it, to both
+    ours.close()
+    process.join(20.0)
+    assert process.exitcode == 0
+    journal = read_journal(lab.journal)
+    assert journal.end is not None
+    assert "has gone" in journal.end.reason
+    assert journal.hits[0].number == hit.number

@@ -6,7 +6,6 @@ import multiprocessing
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +39,20 @@ class Hammer:
         return None
 
 
+def settings_of(lab: Any, **changes: Any) -> AcquisitionSettings:
+    """Settings of a session with these fakes."""
+    given = {
+        "board_port": lab.board.name,
+        "can_channel": lab.controller.name,
+        "arm": lab.arm,
+        "plan": lab.plan,
+        "journal": lab.journal,
+        "still_s": 0.05,
+        "time_scale": SCALE,
+    }
+    return AcquisitionSettings(**{**given, **changes})
+
+
 def whole_session(
     lab: Any,
     counts: np.ndarray,
@@ -54,18 +67,9 @@ def whole_session(
     `announced` is called with each hit just before it is told to be accepted.
     """
     lab.board.scale = lab.controller.scale = SCALE
-    given = {
-        "board_port": lab.board.name,
-        "can_channel": lab.controller.name,
-        "arm": lab.arm,
-        "plan": lab.plan,
-        "journal": lab.journal,
-        "still_s": 0.05,
-        "time_scale": SCALE,
-    }
-    settings = AcquisitionSettings(**{**given, **changes})
+    settings = settings_of(lab, **changes)
     ours, theirs = multiprocessing.Pipe()
-    teller = Announcing(theirs, announced, Path(settings.journal))
+    teller = Announcing(theirs, announced, settings.journal)
     codes: list[int] = []
     thread = threading.Thread(target=lambda: codes.append(run_acquisition(settings, teller, files)))
     thread.start()
