@@ -33,6 +33,7 @@ from simulated_session import PLAN, operate
 
 from daq.events import Event, Failed, HitJudged, SessionOpened
 from hil_sim.lab import Laboratory, start_laboratory
+from hil_sim.ledger import read_ledger
 from protocols.arm.files import load_arm
 from protocols.errors import JournalError
 from protocols.plan import load_plan
@@ -178,11 +179,14 @@ def main() -> int:
         points = '["2", "5", "8", "11"]'
         plan = PLAN.format(hits=100, samples=2048, points=points)
         (folder / "plan.toml").write_text(plan, encoding="utf-8")
-        with start_laboratory("rv4frl", seed=seed, time_scale=TIME_SCALE) as laboratory:
+        with start_laboratory(
+            "rv4frl", seed=seed, time_scale=TIME_SCALE, directory=folder / "lab"
+        ) as laboratory:
             while tally.kills < kills and not tally.wrong:
                 more = min(KILLS_OF_A_JOURNAL, kills - tally.kills)
                 one_journal(laboratory, folder, more, rng, tally)
                 print(tally, flush=True)
+        (end,) = read_ledger(folder / "lab" / "ledger.jsonl").of("end")
     print(*tally.wrong, sep="\n")
     return told(
         [
@@ -198,6 +202,12 @@ def main() -> int:
                 str(len(tally.wrong)),
                 "0",
                 not tally.wrong,
+            ),
+            Figure(
+                "requests to transmit that the CAN adapter got meanwhile",
+                str(end["can_transmissions"]),
+                "0",
+                end["can_transmissions"] == 0,
             ),
         ]
     )
