@@ -32,7 +32,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         log = recorded(seed, Path(folder)).log
     n_points = sum(1 for _ in power_cuts(log, rng, each=1))
-    cuts, wrong = tried(power_cuts(log, rng, each=-(-wanted * 11 // (10 * n_points))), "power cuts")
+    cuts, wrong = tried(power_cuts(log, rng, each=-(-wanted * 13 // (10 * n_points))), "power cuts")
     return told(
         [
             Figure("sector replays of power cuts", str(cuts), str(wanted), cuts >= wanted),
