@@ -45,7 +45,7 @@ def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Ar
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
-    """Everything of a hypothesis in one posture that does not depend on frequency; n coordinates."""
+    """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
 
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)

@@ -49,7 +49,7 @@ class Candidate:
 
 def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """Linear gain of every instance on top of a fit, best first."""
-    new = [i.probe or i for i in instances if i.parameters and not i.relaxes]
+    new = [i for i in instances if i.parameters and not i.relaxes]
     wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *(_small(i) for i in new)))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **fit.values}
@@ -64,26 +64,24 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
             gain, size, std = _relaxed_gain(fit, instance)
             found.append(Candidate(instance=instance, gain=gain, size=size, size_std=std))
             continue
-        looked_at = instance.probe or instance
-        names = [p.name for p in looked_at.parameters]
+        names = [p.name for p in instance.parameters]
         own = np.array([space.index[n] for n in names])
-        sizes = (looked_at.size, *looked_at.sizes)
-        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in looked_at.parameters])
+        sizes = (instance.size, *instance.sizes)
+        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
         gain, step, stds, follow = _gain(gradient, curvature, free, own, one_sided)
-        at = names.index(looked_at.size)
+        at = names.index(instance.size)
         unit = space.std[own]
         reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
         u = np.clip(fit.u[fit.free] + follow, fit.space.low[fit.free], fit.space.high[fit.free])
         moved = fit.u.copy()
         moved[fit.free] = u
-        begin = reached if instance.begin is None else instance.begin(reached)
         found.append(
             Candidate(
                 instance=instance,
                 gain=gain,
                 size=float(step[at] * unit[at]),
                 size_std=float(stds[at] * unit[at]),
-                begin={**fit.space.values(moved), **begin},
+                begin={**fit.space.values(moved), **reached},
             )
         )
     return sorted(found, key=lambda c: -c.gain)

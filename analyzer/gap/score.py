@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -122,29 +122,32 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
     stiffness
         Believed stiffness of each joint: a coupling is counted in their geometric mean.
     """
-    p, name, place = effect["parameters"], effect["name"], effect["place"]
-    if name == "released_joint":
-        return 1.0 / float(p["stiffness_n_m_per_rad"])
-    if name in ("bearing", "link_axis"):
-        return float(p["compliance_rad_per_n_m"])
-    if name == "base":
-        return 1.0 / float(p["rock_x_n_m_per_rad"])
-    if name == "coupling":
+    p, place = effect["parameters"], effect["place"]
+
+    def coupling() -> float:
         mean = float(np.sqrt(np.prod([stiffness[j] for j in place])))
         return float(p["cross_stiffness_n_m_per_rad"]) / mean
-    if name == "servo":
-        return 1.0 / float(p["servo_stiffness_n_m_per_rad"])
-    if name in ("channel_gain", "hammer_gain"):
-        return float(np.log(p["factor"]))
-    if name == "encoder_offset":
-        return -float(np.deg2rad(p["offset_deg"]))
-    if name == "delay":
-        return float(p["delay_s"]) * (-1.0 if place == "hammer" else 1.0)
-    direct = {"payload": "mass_kg", "rotor": "inertia_kg_m2", "hysteretic": "loss_factor"}
-    return float(p[direct[name]]) if name in direct else None
+
+    sizes: dict[str, Callable[[], float]] = {
+        "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
+        "bearing": lambda: p["compliance_rad_per_n_m"],
+        "link_axis": lambda: p["compliance_rad_per_n_m"],
+        "base": lambda: 1.0 / p["rock_x_n_m_per_rad"],
+        "coupling": coupling,
+        "servo": lambda: 1.0 / p["servo_stiffness_n_m_per_rad"],
+        "channel_gain": lambda: np.log(p["factor"]),
+        "hammer_gain": lambda: np.log(p["factor"]),
+        "encoder_offset": lambda: -np.deg2rad(p["offset_deg"]),
+        "delay": lambda: p["delay_s"] * (-1.0 if place == "hammer" else 1.0),
+        "payload": lambda: p["mass_kg"],
+        "rotor": lambda: p["inertia_kg_m2"],
+        "hysteretic": lambda: p["loss_factor"],
+    }
+    found = sizes.get(effect["name"])
+    return None if found is None else float(found())
 
 
 def size_found(effect: EffectFound) -> tuple[float, float, float]:
-    """Value and 95 % interval of an effect's first parameter that says how large it is."""
-    interval = next(iter(effect.parameters.values()))
+    """Value and 95 % interval of the parameter that says how large an effect is."""
+    interval = effect.parameters[effect.size]
     return interval.value, interval.low, interval.high
