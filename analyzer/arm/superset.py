@@ -194,7 +194,9 @@ class Superset:
             rotation[i] = T[:3, :3] @ point.R_link_sensor
             J = link_jacobian[link + 1]
             jacobian[i, 3:] = J[3:]
-            jacobian[i, :3] = J[:3] + np.cross(J[3:].T, position[i]).T
+            x, y, z = position[i]
+            skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+            jacobian[i, :3] = J[:3] - skew @ J[3:]
         return jacobian, rotation, position
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from analyzer.arm.superset import Superset
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.geometry import PostureGeometry, geometry_at, moved_geometry
+from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.response import Change, Response, respond
@@ -23,7 +23,7 @@ __all__ = ["Hypothesis", "PosedModel"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-_ANGLE_STEP = 1e-4  # rad, of differences by a joint angle: the second order is 1e-8
+_INERTIA_STEP = 1e-6
 _RELATIVE_STEP = 1e-3  # of a parameter's prior deviation
 
 
@@ -53,29 +53,13 @@ class PosedModel:
     """Predictions in one posture, with the geometry of the last angles at hand."""
 
     def __init__(self, superset: Superset, joints_rad: Array) -> None:
-        self._superset = superset
-        self._read = np.asarray(joints_rad)
-        self._nominal = geometry_at(superset, self._read)
-        self._beside: dict[tuple[bytes, int], PostureGeometry] = {}
-
-    def _geometry(self, offset: Array) -> PostureGeometry:
-        return moved_geometry(self._superset, self._nominal, self._read + offset)
-
-    def _geometry_beside(self, offset: Array, joint: int) -> PostureGeometry:
-        key = (offset.tobytes(), joint)
-        if key not in self._beside:
-            if len(self._beside) > 6 * len(offset):
-                self._beside.clear()
-            moved = offset.copy()
-            moved[joint] += _ANGLE_STEP
-            self._beside[key] = self._geometry(moved)
-        return self._beside[key]
+        self._near = GeometryNear(superset, joints_rad)
 
     def response(
         self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
     ) -> Response:
         """Predict a posture's FRFs."""
-        geometry = self._geometry(hypothesis.ordinary.encoder(values))
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
         assembly = _assembled(hypothesis, geometry, lines, values)
         return respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
 
@@ -131,7 +115,7 @@ class PosedModel:
     ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
         ordinary = hypothesis.ordinary
         offset = ordinary.encoder(values)
-        geometry = self._geometry(offset)
+        geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
         system = assembly.system()
         found = respond(system, lines, sensor_mass_kg=_sensor_mass(assembly))
@@ -144,7 +128,7 @@ class PosedModel:
 
         # Joints; k enters with its hysteretic part.
         n = system.mass.shape[0]
-        by_loss = np.zeros_like(y)
+        by_common_loss = np.zeros_like(y)
         for i in ordinary.elastic:
             name = ordinary.arm.joints[i].name
             row = np.zeros(n)
@@ -154,19 +138,22 @@ class PosedModel:
             k = float(np.exp(values[f"ln k {name}"]))
             by_stiffness = k * found.by_stretch(row, 1.0)
             put(f"ln k {name}", (1.0 + 1j * values["loss"]) * by_stiffness)
-            by_loss = by_loss + 1j * by_stiffness
+            by_common_loss = by_common_loss + 1j * by_stiffness
             c = float(np.exp(values[f"ln c {name}"]))
             put(f"ln c {name}", c * found.by_stretch(row, lines.s_rad_s))
-        put("loss", by_loss)
+        put("loss", by_common_loss)
         compliances = assembly.compliance_of
         rows = found.by_compliances(list(compliances.values()))
         for name, row in zip(compliances, rows, strict=True):
             put(name, row)
         of_coordinate = {at: i for i, at in enumerate(compliances.values())}
-        for name, at in assembly.loss_of.items():
-            slower = -system.compliance[at] * lines.s_rad_s
-            slower = slower / (1.0 + system.compliance_loss_s[at] * lines.s_rad_s)
-            put(name, rows[of_coordinate[at]] * slower)
+        for name, coordinates in assembly.loss_of.items():
+            by_loss = np.zeros_like(y)
+            for at in coordinates:
+                slower = -system.compliance[at] * lines.s_rad_s
+                slower = slower / (1.0 + system.compliance_loss_s[at] * lines.s_rad_s)
+                by_loss = by_loss + rows[of_coordinate[at]] * slower
+            put(name, by_loss)
         for link in range(len(ordinary.arm.joints)):
             names = ordinary.inertia_names(link)
             rows = found.by_link_inertia(link, _inertia_changes(ordinary, link, names, values))
@@ -183,9 +170,9 @@ class PosedModel:
             for side, letter in enumerate("ab"):
                 put(f"aim {letter} {lines.name}", found.by_force(0, sides[:, side]))
         for i, joint in enumerate(ordinary.arm.joints):
-            beside = self._geometry_beside(offset, i)
-            moved = _assembled(hypothesis, beside, lines, values).system()
-            put(f"encoder {joint.name}", found.by_change(Change.between(system, moved, _ANGLE_STEP)))
+            beside, step = self._near.beside(offset, i)
+            moved = replace(assembly, geometry=beside).system()
+            put(f"encoder {joint.name}", found.by_change(Change.between(system, moved, step)))
         for instance in hypothesis.instances:
             for parameter in instance.parameters:
                 if parameter.name in assembly.compliance_of or parameter.name in assembly.loss_of:
@@ -221,12 +208,11 @@ def _inertia_changes(
     ordinary: Ordinary, link: int, names: tuple[str, ...], values: Mapping[str, float]
 ) -> Array:
     """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
-    start, _ = ordinary.link_inertias(link, values)
+    z = np.array([values[name] for name in names])
+    start, _ = ordinary.link_inertia(link, z)
     changes = []
-    for name in names:
-        step = 1e-6
-        moved, _ = ordinary.link_inertias(link, {**values, name: values[name] + step})
-        changes.append((moved - start) / step)
+    for i in range(len(names)):
+        moved = z.copy()
+        moved[i] += _INERTIA_STEP
+        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
     return np.stack(changes)
-
-

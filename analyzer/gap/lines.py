@@ -98,9 +98,7 @@ def shifted_lines(
 
     Variance is moved as white noise in time is: it falls as the window's energy does.
     """
-    return tuple(
-        _thinned(superset, _moved(frf, stage), stage, sensor_mass_kg) for frf in frfs
-    )
+    return tuple(_thinned(superset, _moved(frf, stage), stage, sensor_mass_kg) for frf in frfs)
 
 
 def _from_the_hit(hit: Hit) -> Hit:
@@ -181,9 +179,7 @@ def _thinned(
             "it; measure it with the controller's angles on the bus"
         )
     step = float(np.median(np.diff(frf.freq_hz)))
-    inside = np.flatnonzero(
-        (frf.freq_hz >= stage.band_hz[0]) & (frf.freq_hz <= stage.band_hz[1])
-    )
+    inside = np.flatnonzero((frf.freq_hz >= stage.band_hz[0]) & (frf.freq_hz <= stage.band_hz[1]))
     lines = inside[:: max(round(stage.step_hz / step), 1)]
     if lines.size < 4:
         raise EstimateError(

@@ -16,7 +16,7 @@ __all__ = [
     "softening",
 ]
 
-HYSTERETIC_LOSS = 0.12
+HYSTERETIC_LOSS = 0.15
 DASHPOT = 2.0  # about the joints between its ends, of their mean damping
 LOAD_DAMPING = 2.0  # more damping at the largest load of the postures
 # Amplitude-dependent: as parts of the joint's swing after a hit of middle level.

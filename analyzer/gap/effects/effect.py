@@ -1,4 +1,4 @@
-"""What an effect is: words for people, parameters with ranges, and what it does to the equations."""
+"""What an effect is: words for people, parameters, and what it does to the equations."""
 
 from __future__ import annotations
 
@@ -40,6 +40,12 @@ class Describer(Protocol):
     def __call__(self, values: Mapping[str, float]) -> dict[str, object]: ...
 
 
+class Begin(Protocol):
+    """Turns what the probe found into values to begin with."""
+
+    def __call__(self, values: Mapping[str, float]) -> dict[str, float]: ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instance:
     """An effect at a place: at one joint, in one link, in one channel."""
@@ -50,6 +56,10 @@ class Instance:
     relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
     builder: Builder | None = None
     describe: Describer | None = None
+    # Where the equations are not smooth at zero size: another form for the linear look there, and
+    # the values a fit begins with from what that look found.
+    probe: Instance | None = None
+    begin: Begin | None = None
     size: str = ""  # the parameter that says how large
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name

@@ -66,9 +66,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint,
                 parameters=(
                     Parameter(name=soft, mean=0.0, std=gamma, low=0.0),
-                    Parameter(
-                        name=loss, mean=3e-4, std=3e-4, low=0.0
-                    ),
+                    Parameter(name=loss, mean=3e-4, std=3e-4, low=0.0),
                     Parameter(name=inertia, mean=0.5 * moment, std=0.5 * moment, low=0.0),
                 ),
                 builder=build,
