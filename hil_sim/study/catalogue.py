@@ -73,7 +73,6 @@ SIZED = frozenset(
         "payload",
         "rotor",
         "servo",
-        "hysteretic",
         "encoder_offset",
         "link_torsion",
         "wrist_coupling",

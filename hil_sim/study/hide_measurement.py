@@ -23,7 +23,7 @@ HAMMER_GAIN = 0.16
 DELAY_S = 6e-4
 ENCODER_DEG = 4.0
 HIT_DEG = 12.0
-WINDOW = 1.4  # minus the logarithm of its end
+WINDOW = 3.0  # minus the logarithm of its end
 MOVED_M = 0.12
 
 Rng = np.random.Generator

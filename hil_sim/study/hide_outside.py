@@ -9,7 +9,7 @@ from hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
 __all__ = ["dress_pack", "one_sided", "parallelogram_bar"]
 
 PACK = 0.045  # of the arm's mass
-CRACK = 1.9  # open, of the arm's joint compliance
+CRACK = 0.8  # open, of the arm's joint compliance
 LOSS_S = 4e-5
 BAR = 0.6  # of the far joint's stiffness, where bar and tail are square
 

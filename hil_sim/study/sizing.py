@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import ValidationError
 
 from hil_sim.study.catalogue import Maker
 from hil_sim.study.model_error import Tables
 from hil_sim.study.places import ArmPlaces, Hidden
 from hil_sim.study.prominence import Bystander
+from protocols.errors import PlantError
 
 __all__ = ["Sized", "clear_size"]
 
@@ -67,10 +69,17 @@ def _at(
     place: int,
 ) -> Sized:
     """Search one place: the error above the floor grows about as the size does."""
-    size, low, high = 0.5, 0.0, np.inf
+    size, low, high, largest = 0.5, 0.0, np.inf, LARGEST
     best = Sized(size=LARGEST, place=place, stands_out=0.0)
     for _ in range(TRIALS):
-        stands_out = bystander.stands_out(with_effect(make(places, stream(place), size)))
+        try:
+            stands_out = bystander.stands_out(with_effect(make(places, stream(place), size)))
+        except (PlantError, ValidationError):  # no arm can have so much of it
+            if size <= low:
+                return best
+            largest = 0.5 * (low + size)
+            size = largest
+            continue
         if stands_out >= WANTED:
             high = size
             best = Sized(size=size, place=place, stands_out=stands_out)
@@ -80,11 +89,11 @@ def _at(
             low = size
             if best.stands_out < WANTED and stands_out > best.stands_out:
                 best = Sized(size=size, place=place, stands_out=stands_out)
-            if size >= LARGEST:
+            if size >= largest:
                 return best
         above = max(stands_out**2 - 1.0, 1e-6)
         size *= float(np.clip(np.sqrt((AIM**2 - 1.0) / above), 1.0 / 6.0, 4.0))
         if not low < size < high:
             size = np.sqrt(low * high) if low > 0.0 else 0.4 * high
-        size = min(size, LARGEST)
+        size = min(size, largest)
     return best
