@@ -40,7 +40,7 @@ def survey_workspace(
     elastic = elastic_joints(arm)
     # Joint 1 turns the arm as a whole: file 002, section 6, leaves it at zero.
     study = study_workspace(arm, elastic, n_postures, seed=seed, still=(0,), progress=progress)
-    notes: list[str] = []
+    notes = list(arm.effects_left_out())
     sweep: CouplingSweep | None = None
     mapped: FrequencyMap | None = None
     if len(arm.joints) > SWEPT:
