@@ -14,7 +14,7 @@ from rich.table import Table
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.identify import estimate_frfs, identify
-from analyzer.report import write_report
+from analyzer.report import gap_path, read_gap, write_report
 from daq.events import Event
 from daq.settings import AcquisitionSettings
 from hil_sim.lab import start_laboratory
@@ -298,7 +298,9 @@ def report(
     """
     measured = read_session(session)
     path = output or session.with_suffix(".html")
-    write_report(measured, identify(measured, _say), path)
+    beside = gap_path(session)
+    gap = read_gap(beside) if beside.exists() else None
+    write_report(measured, identify(measured, _say), path, gap)
     if as_json:
         _print_json({"report": str(path)})
     else:

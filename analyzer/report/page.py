@@ -10,9 +10,11 @@ from typing import Any
 import jinja2
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.records import GapResult
 from analyzer.identification.records import Identification
 from analyzer.modal import hit_choices, missing_mode_hints
 from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
+from analyzer.report.gap_section import gap_section
 from protocols.session.records import Session
 
 __all__ = ["write_report"]
@@ -20,7 +22,9 @@ __all__ = ["write_report"]
 TOP_OVER_HIGHEST_MODE = 1.5
 
 
-def write_report(session: Session, identification: Identification, path: Path) -> None:
+def write_report(
+    session: Session, identification: Identification, path: Path, gap: GapResult | None = None
+) -> None:
     """Write one self-contained HTML page; an older one is replaced only when it is complete.
 
     Raises
@@ -33,7 +37,10 @@ def write_report(session: Session, identification: Identification, path: Path) -
         autoescape=True,
         undefined=jinja2.StrictUndefined,
     )
-    html = environment.get_template("report.html").render(**_content(session, identification))
+    html = environment.get_template("report.html").render(
+        **_content(session, identification),
+        gap="" if gap is None else gap_section(gap, with_plotly=False),
+    )
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
         with part.open("x", encoding="utf-8") as file:
