@@ -50,7 +50,11 @@ def gap_section(result: GapResult, *, with_plotly: bool) -> str:
         advice=_ADVICE[result.verdict],
         pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
         figures=[
-            f.to_html(full_html=False, include_plotlyjs=with_plotly and i == 0)
+            f.to_html(
+                full_html=False,
+                include_plotlyjs=with_plotly and i == 0,
+                config={"displayModeBar": False},
+            )
             for i, f in enumerate(figures)
         ],
     )
@@ -89,6 +93,7 @@ def _stiffness_figure(result: GapResult) -> Any:
         x=k,
         y=[str(escape(row.joint)) for row in rows],
         mode="markers",
+        marker={"size": 11},
         error_x={
             "type": "data",
             "symmetric": False,
@@ -96,7 +101,9 @@ def _stiffness_figure(result: GapResult) -> Any:
             "arrayminus": [x - row.low for row, x in zip(rows, k, strict=True)],
         },
     )
-    figure.update_layout(height=120 + 40 * len(rows), title="Joint stiffness, N m/rad")
+    figure.update_layout(
+        height=140 + 40 * len(rows), title="Joint stiffness, N m/rad", margin={"t": 50, "b": 40}
+    )
     return figure
 
 
