@@ -16,6 +16,7 @@ from analyzer.planning.clearance import Clearance
 from analyzer.planning.selective import plan_tests
 from analyzer.workspace.spectrum import elastic_joints
 from protocols.arm.files import load_arm
+from protocols.arm.records import Arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
 from tui.mozzi import (
@@ -77,6 +78,14 @@ def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]
     return values
 
 
+def _plain_arm(source: str) -> Arm:
+    """Load an arm for a calculation that knows only its links and joints, and say so."""
+    arm = load_arm(source)
+    for note in arm.effects_left_out():
+        err.print(f"note: {note}", markup=False)
+    return arm
+
+
 @app.command("plan")
 def plan_command(
     arm: ArmName,
@@ -98,7 +107,7 @@ def plan_command(
 
     Example: armodal plan viper_s650 --out viper-plan.toml
     """
-    the_arm = load_arm(arm)
+    the_arm = _plain_arm(arm)
     elastic = elastic_joints(the_arm)
     other = other_plan(the_arm, elastic, beside)
     found = plan_tests(
@@ -149,7 +158,7 @@ def mozzi_command(
 
     Example: armodal mozzi viper_s650 --posture 0,0,60,0,40,0 --wrench 0,50,-100,0,0,0 --at 0,0,0.1
     """
-    the_arm = load_arm(arm)
+    the_arm = _plain_arm(arm)
     load, tool = comma_numbers(wrench, "--wrench", 6), comma_numbers(at, "--at", 3)
     if rank:
         rows = rank_random_postures(the_arm, load, tool, n=rank, best=best, seed=seed)

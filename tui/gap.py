@@ -2,14 +2,78 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import asdict
+from datetime import UTC, datetime
+from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
+from analyzer.gap.add import added_effects, joint_estimates
 from analyzer.gap.records import GapResult, PostureGap
+from analyzer.gap.workflow import GapOutcome
+from analyzer.report import gap_path, gap_to_json
+from protocols.arm.rewrite import text_with_effects
+from protocols.errors import ArmError, SessionError
+from protocols.session.records import Session
 
-__all__ = ["gap_json", "gap_tables"]
+__all__ = ["gap_json", "gap_tables", "keep_gap", "replace_text"]
+
+
+def keep_gap(
+    session: Session, session_path: Path, outcome: GapOutcome, arm_out: Path | None
+) -> dict[str, Path]:
+    """Write the result beside the session and, if something was named, a new arm file.
+
+    Returns
+    -------
+    what was written, by key: `result`, `arm_file`
+
+    Raises
+    ------
+    ArmError
+        If the arm file is there already.
+    SessionError
+        If a file cannot be written.
+    """
+    written = {"result": gap_path(session_path)}
+    replace_text(written["result"], gap_to_json(outcome.result))
+    if outcome.result.effects:
+        path = arm_out or session_path.with_suffix(".arm.toml")
+        arm = session.header.arm
+        if arm_out is not None and path.exists():
+            raise ArmError(f"{path} is there already; give --arm-out another name")
+        digest = sha256(session_path.read_bytes()).hexdigest()
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        text = text_with_effects(
+            arm,
+            added_effects(outcome.result, session_sha256=digest, created=now),
+            stiffness=joint_estimates(outcome.result, f"armodal gap, session {digest[:12]}"),
+        )
+        replace_text(path, text)
+        written["arm_file"] = path
+    return written
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all.
+
+    Raises
+    ------
+    SessionError
+        If that is refused.
+    """
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except OSError as problem:
+        part.unlink(missing_ok=True)
+        raise SessionError(
+            f"cannot write {path}: {problem.strerror}; check folder and disk"
+        ) from problem
 
 
 def gap_json(result: GapResult) -> dict[str, Any]:

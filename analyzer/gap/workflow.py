@@ -11,6 +11,7 @@ from analyzer.arm.reduced import model_modes, reduce_model
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.checks.session import check_session
+from analyzer.gap.add import instances_of_file
 from analyzer.gap.compare import disagreement_map, posture_gap
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
@@ -106,8 +107,8 @@ def find_gap(
     test = _test_postures(session, stages[-1].lines)
     notes = _notes(session, single_hits)
 
-    present = Hypothesis(ordinary=ordinary)
-    start: dict[str, float] = {}
+    from_file, start = instances_of_file(ordinary)
+    present = Hypothesis(ordinary=ordinary, instances=from_file)
     named: list[tuple[Fit, Fit, HeldOut, HeldOut, Judged]] = []
     before: Fit | None = None
     while True:

@@ -151,7 +151,7 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
         model_moves=moves,
         modal_models=models + held_out_models,
         frfs=fitted + held_out,
-        notes=fit_notes(fit, fitted, shares),
+        notes=(*superset.arm.effects_left_out(), *fit_notes(fit, fitted, shares)),
     )
 
 

@@ -12,9 +12,11 @@ from typing import Any
 import jinja2
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.records import GapResult
 from analyzer.identification.records import Identification
 from analyzer.modal import hit_choices, missing_mode_hints
 from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
+from analyzer.report.gap_section import gap_section
 from protocols.session.records import Session
 
 __all__ = ["ReportSection", "write_report"]
@@ -37,6 +39,7 @@ def write_report(
     path: Path,
     *,
     sections: Sequence[ReportSection] = (),
+    gap: GapResult | None = None,
 ) -> None:
     """Write one self-contained HTML page; an older one is replaced only when it is complete.
 
@@ -51,7 +54,8 @@ def write_report(
         undefined=jinja2.StrictUndefined,
     )
     html = environment.get_template("report.html").render(
-        **_content(session, identification, sections)
+        **_content(session, identification, sections),
+        gap="" if gap is None else gap_section(gap, with_plotly=False),
     )
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:

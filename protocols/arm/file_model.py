@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from protocols.arm.effect_section import EffectTable
 from protocols.toml_reader import FileModel, Name, Vector3, not_wanted
 
 __all__ = [
@@ -263,3 +264,4 @@ class ArmFile(FileModel):
     ] = Field(default={})
     tolerances: TolerancesTable
     can: CanSection | None = None
+    effects: Annotated[list[EffectTable], Field(max_length=32)] = Field(default=[])

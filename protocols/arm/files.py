@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from protocols.arm.can_section import can_mapping
 from protocols.arm.dh import dh_transform
+from protocols.arm.effect_section import added_effect
 from protocols.arm.file_model import ArmFile, JointTable, MassesTable, PointTable
 from protocols.arm.masses import filled_masses, replaced_links, table_link
 from protocols.arm.records import Arm, Estimate, InertialLink, Joint, Point, Tolerances
@@ -130,6 +131,10 @@ def arm_from_texts(
         text=text,
         urdf_text=urdf_text,
         sha256=_sha256(text, urdf_text, database_text if file.can is not None else None),
+        effects=tuple(
+            added_effect(table, path=f"effects[{i}]", links=link_names, origin=origin)
+            for i, table in enumerate(file.effects)
+        ),
     )
 
 

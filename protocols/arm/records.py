@@ -6,15 +6,19 @@ frame of the first link. Lengths m, angles rad here; files carry degrees where t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "AddedEffect",
     "Arm",
     "CanMapping",
     "DriveStateSignal",
+    "EffectEvidence",
+    "EffectParameter",
     "Estimate",
     "InertialLink",
     "Joint",
@@ -123,6 +127,39 @@ class CanMapping:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EffectParameter:
+    """A parameter of an effect, in the unit its name says: value, one std, 95 % interval."""
+
+    name: str
+    value: float
+    std: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectEvidence:
+    """What an effect of the arm stands on."""
+
+    gain_nats: float  # of log evidence over the model without it
+    held_out_gain_nats: float  # of log density on postures it was not fitted to
+    confidence: float  # that it is this and no other effect of the library, 0 to 1
+    session_sha256: str  # of the session file it was found in
+    created: str  # ISO 8601, with zone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AddedEffect:
+    """What the plain model of links and joints lacks, as a gap analysis named it."""
+
+    name: str  # of the library of effects
+    place: str  # joint, link, channel, or what else it is of
+    parameters: tuple[EffectParameter, ...]
+    description: Mapping[str, str | float | tuple[float, ...]]  # link, direction, point_m, ...
+    evidence: EffectEvidence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Arm:
     """A serial arm of revolute joints, as the user believes it to be."""
 
@@ -137,6 +174,14 @@ class Arm:
     text: str  # the arm file as read
     urdf_text: str | None  # the URDF it names, as read
     sha256: str  # over both texts and the database
+    effects: tuple[AddedEffect, ...] = ()
+
+    def effects_left_out(self) -> tuple[str, ...]:
+        """Return what a calculation with the plain model of links and joints must say."""
+        if not self.effects:
+            return ()
+        named = ", ".join(f"{effect.name} ({effect.place})" for effect in self.effects)
+        return (f"the arm file's effects are not in this calculation: {named}",)
 
     def point(self, point_id: str) -> Point:
         """Return the test point called `point_id`, or raise KeyError."""

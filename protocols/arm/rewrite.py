@@ -1,14 +1,18 @@
-"""Write other inertials into an arm file and leave everything else as it stands."""
+"""Write other values into an arm file and leave everything else as it stands."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import InlineTable, Table
 
-from protocols.arm.records import InertialLink
+from protocols.arm.files import arm_from_texts
+from protocols.arm.records import AddedEffect, Arm, Estimate, InertialLink
+from protocols.errors import ArmError
 
-__all__ = ["text_with_inertials"]
+__all__ = ["text_with_effects", "text_with_inertials"]
 
 _DIGITS = 6
 
@@ -41,6 +45,118 @@ def text_with_inertials(text: str, links: Sequence[InertialLink], *, name: str, 
         ]
         joint["link"] = table
     return tomlkit.dumps(document)
+
+
+def text_with_effects(
+    arm: Arm,
+    effects: Sequence[AddedEffect],
+    *,
+    stiffness: Mapping[str, Estimate] | None = None,
+    damping: Mapping[str, Estimate] | None = None,
+    name: str | None = None,
+) -> str:
+    """Return an arm's text with its effects, and values of its joints, replaced.
+
+    Parameters
+    ----------
+    arm
+        Its text is read with comments and order, and keeps both where nothing changes.
+    effects
+        All effects of the new arm. One that the arm has already, with the same values, keeps its
+        lines; one that is not among them is taken out.
+    stiffness, damping
+        N m/rad and N m s/rad by joint; joints not named keep theirs.
+    name
+        Of the new arm; None keeps it.
+
+    Raises
+    ------
+    ArmError
+        If a joint is not the arm's, or a value is one that an arm file cannot hold.
+    """
+    try:
+        document = tomlkit.parse(arm.text)
+        if name is not None:
+            document["name"] = name
+        joints = {str(joint["name"]): joint for joint in document["joints"]}
+        for key, values in (
+            ("stiffness_n_m_per_rad", stiffness or {}),
+            ("damping_n_m_s_per_rad", damping or {}),
+        ):
+            for joint, estimate in values.items():
+                if joint not in joints:
+                    raise ArmError(
+                        f"arm {arm.name!r}: wanted one of the joints {', '.join(joints)}, "
+                        f"got {joint!r}"
+                    )
+                _put(joints[joint], key, _estimate(estimate))
+        if tuple(effects) != arm.effects:
+            # One that stays as it is keeps its lines.
+            kept = list(zip(arm.effects, document.get("effects", []), strict=True))
+            document.pop("effects", None)
+            tables = tomlkit.aot()
+            for effect in effects:
+                tables.append(
+                    next(
+                        (t for e, t in kept if e == effect and isinstance(t, Table)),
+                        _effect(effect),
+                    )
+                )
+            if effects:
+                document["effects"] = tables
+        text = tomlkit.dumps(document)
+    except TOMLKitError as problem:
+        raise ArmError(f"arm {arm.name!r}: its text cannot be rewritten: {problem}") from problem
+    database = None if arm.can is None else arm.can.database_text
+    changed = arm_from_texts(
+        text, urdf_text=arm.urdf_text, database_text=database, origin=f"arm {name or arm.name}"
+    )
+    if changed.effects != tuple(effects):
+        raise ArmError(f"arm {arm.name!r}: wanted effects as an array of tables, [[effects]]")
+    return text
+
+
+def _put(joint: Table, key: str, value: InlineTable) -> None:
+    """Replace a value and keep the comment at the end of its line."""
+    old = joint.get(key)
+    if old is not None and not isinstance(old, Table):
+        value.trivia.comment_ws, value.trivia.comment = old.trivia.comment_ws, old.trivia.comment
+    joint[key] = value
+
+
+def _estimate(estimate: Estimate) -> InlineTable:
+    table = tomlkit.inline_table()
+    table["value"] = float(estimate.value)
+    table["std"] = float(estimate.std)
+    table["source"] = estimate.source
+    return table
+
+
+def _effect(effect: AddedEffect) -> Table:
+    table = tomlkit.table()
+    table["name"] = effect.name
+    table["place"] = effect.place
+    parameters = tomlkit.table()
+    for p in effect.parameters:
+        inline = tomlkit.inline_table()
+        for key, value in (("value", p.value), ("std", p.std), ("low", p.low), ("high", p.high)):
+            inline[key] = float(value)
+        parameters[p.name] = inline
+    table["parameters"] = parameters
+    if effect.description:
+        description = tomlkit.inline_table()
+        for key, said in effect.description.items():
+            description[key] = list(said) if isinstance(said, tuple) else said
+        table["description"] = description
+    e = effect.evidence
+    evidence = tomlkit.table()
+    evidence["gain_nats"] = float(e.gain_nats)
+    evidence["held_out_gain_nats"] = float(e.held_out_gain_nats)
+    evidence["confidence"] = float(e.confidence)
+    evidence["session_sha256"] = e.session_sha256
+    evidence["created"] = e.created
+    table["evidence"] = evidence
+    return table
 
 
 def _short(value: float) -> float:

@@ -1,1 +1,1 @@
-"""The library of effects, one file each; `docs/effects.md` lists them."""
+"""The library of effects, one file each; `docs/theory-gap.md` lists them."""

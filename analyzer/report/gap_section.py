@@ -1,0 +1,127 @@
+"""The gap result as a part of the report, and as a page of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jinja2
+import plotly.graph_objects as go
+from markupsafe import escape
+
+from analyzer.gap.records import GapResult, Verdict
+
+__all__ = ["gap_page", "gap_section"]
+
+_WORDS = {
+    Verdict.NAMED: "Named.",
+    Verdict.AMBIGUOUS: "Ambiguous.",
+    Verdict.NOTHING_DETECTABLE: "Nothing detectable.",
+    Verdict.OUTSIDE_LIBRARY: "Outside the library.",
+}
+_ADVICE = {
+    Verdict.NAMED: "see the rivals below",
+    Verdict.AMBIGUOUS: "make the test that tells the standing rivals below apart",
+    Verdict.NOTHING_DETECTABLE: "nothing; what could still hide is listed below",
+    Verdict.OUTSIDE_LIBRARY: "look at the place the map of disagreement shows",
+}
+_STYLE = """body { font: 15px/1.45 system-ui, sans-serif; max-width: 1100px; margin: 2em auto;
+padding: 0 1em; color: #222 } table { border-collapse: collapse; margin: 1em 0 }
+th, td { padding: .25em .7em; text-align: left; border-bottom: 1px solid #ddd; vertical-align: top }
+th { background: #f3f5f7 } caption { text-align: left; font-weight: 600 }
+.verdict { background: #fff3d0; padding: .6em 1em; font-size: 1.15em }
+.verdict.named, .verdict.nothing_detectable { background: #e3f3e6 }
+.small { color: #666; font-size: .9em }
+@media print { tr, .js-plotly-plot { break-inside: avoid } }"""
+
+
+def gap_section(result: GapResult, *, with_plotly: bool) -> str:
+    """Return the section as HTML; `with_plotly` puts the library of the plots into it."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("analyzer.report", "."),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    after = {gap.posture: gap for gap in result.gap_after}
+    figures = [f for f in (_gap_figure(result), _stiffness_figure(result)) if f is not None]
+    figures += _map_figures(result)
+    return environment.get_template("gap.html").render(
+        r=result,
+        verdict_words=_WORDS[result.verdict],
+        advice=_ADVICE[result.verdict],
+        pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
+        figures=[
+            f.to_html(
+                full_html=False,
+                include_plotlyjs=with_plotly and i == 0,
+                config={"displayModeBar": False},
+            )
+            for i, f in enumerate(figures)
+        ],
+    )
+
+
+def gap_page(result: GapResult, summary: str) -> str:
+    """Return one self-contained HTML page; `summary` says in plain text which session it is of."""
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>armodal: gap</title>'
+        f'<style>{_STYLE}</style></head><body><p class="small">{escape(summary)}</p>'
+        f"{gap_section(result, with_plotly=True)}</body></html>"
+    )
+
+
+def _gap_figure(result: GapResult) -> Any:
+    if not result.gap_before:
+        return None
+    figure = go.Figure()
+    for name, gaps in (("before", result.gap_before), ("after", result.gap_after)):
+        figure.add_bar(
+            x=[str(escape(g.posture)) for g in gaps],
+            y=[100 * g.frf_error for g in gaps],
+            name=name,
+        )
+    figure.update_layout(height=320, title="FRF error by posture, %", margin={"t": 50})
+    return figure
+
+
+def _stiffness_figure(result: GapResult) -> Any:
+    rows = result.joint_stiffness_ranges
+    if not rows:
+        return None
+    k = [row.k_n_m_per_rad for row in rows]
+    figure = go.Figure()
+    figure.add_scatter(
+        x=k,
+        y=[str(escape(row.joint)) for row in rows],
+        mode="markers",
+        marker={"size": 11},
+        error_x={
+            "type": "data",
+            "symmetric": False,
+            "array": [row.high - x for row, x in zip(rows, k, strict=True)],
+            "arrayminus": [x - row.low for row, x in zip(rows, k, strict=True)],
+        },
+    )
+    figure.update_layout(
+        height=140 + 40 * len(rows), title="Joint stiffness, N m/rad", margin={"t": 50, "b": 40}
+    )
+    return figure
+
+
+def _map_figures(result: GapResult) -> list[Any]:
+    figures = []
+    for band in sorted({cell.band_hz for cell in result.where}):
+        cells = [cell for cell in result.where if cell.band_hz == band]
+        figure = go.Figure(
+            go.Heatmap(
+                x=[str(escape(f"{cell.point} {cell.axis}")) for cell in cells],
+                y=[str(escape(cell.posture)) for cell in cells],
+                z=[cell.ratio for cell in cells],
+                colorscale="Viridis",
+            )
+        )
+        figure.update_xaxes(type="category")
+        figure.update_yaxes(type="category")
+        title = f"Disagreement, {band[0]:.4g} to {band[1]:.4g} Hz (1: scatter explains it)"
+        figure.update_layout(height=340, title=title)
+        figures.append(figure)
+    return figures

@@ -1,0 +1,128 @@
+"""The gap part of the report: all verdicts, what it must say, and its file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from analyzer.gap.records import (
+    Disagreement,
+    EffectFound,
+    GapResult,
+    Gate,
+    Hidden,
+    Interval,
+    ModeMatch,
+    PostureGap,
+    RivalRow,
+    StiffnessRange,
+    Verdict,
+)
+from analyzer.report.gap_file import gap_from_json, gap_to_json
+from analyzer.report.gap_section import gap_page
+from protocols.errors import EstimateError
+
+P = {"axis compliance link_3": Interval(value=2.1e-5, std=1e-6, low=1.9e-5, high=2.3e-5)}
+MODE = ModeMatch(
+    measured_hz=12.34,
+    model_hz=13.5,
+    measured_damping_ratio=0.02,
+    model_damping_ratio=0.03,
+    mac=0.91,
+)
+BEFORE = tuple(
+    PostureGap(posture=f"p{i}", held_out=i == 2, frf_error=0.3, floor=0.05, modes=(MODE,))
+    for i in range(3)
+)
+NAMED = GapResult(
+    verdict=Verdict.NAMED,
+    summary="Link 3 bends about an axis of its own.",
+    effects=(
+        EffectFound(
+            name="link_axis",
+            title="Compliance axis inside a link",
+            place="link_3",
+            parameters=P,
+            description={"link": "link_3", "direction": [0.0, 0.0, 1.0]},
+            confidence=0.998,
+            gain=812.0,
+            held_out_gain=240.0,
+            signature="a mode about one line",
+            confused_with=("bearing",),
+            told_by="a hit along the axis",
+            remedy="tighten the flange of link 3",
+        ),
+    ),
+    rivals=(
+        RivalRow(
+            name="bearing",
+            title="Bearing",
+            place="joint_3",
+            gain=3.0,
+            behind=0.5,
+            standing=True,
+            material=True,
+            parameters=P,
+            told_by="another posture",
+        ),
+    ),
+    hidden=(Hidden(name="payload", place="link_6", parameter="payload", largest=0.4),),
+    joint_stiffness_ranges=(
+        StiffnessRange(joint="joint_1", k_n_m_per_rad=14000.0, k_std=90.0, low=13800, high=14200),
+    ),
+    gap_before=BEFORE,
+    gap_after=tuple(replace(gap, frf_error=0.06) for gap in BEFORE),
+    where=tuple(
+        Disagreement(posture=p, point=str(i), axis=a, band_hz=b, ratio=1.0 + i)
+        for p in ("p0", "p1")
+        for i in range(6)
+        for a in "xyz"
+        for b in ((5.0, 20.0), (20.0, 60.0))
+    ),
+    interface="between link 3 and link 4",
+    gates=(Gate(check="reciprocity", outcome="passed", words="as it should"),),
+    notes=("one posture was held out",),
+    misfit_per_line=0.52,
+)
+
+
+@pytest.mark.parametrize("verdict", list(Verdict))
+def test_every_verdict_has_its_page_and_its_file(verdict) -> None:
+    bare = verdict is not Verdict.NAMED
+    result = replace(NAMED, verdict=verdict, effects=() if bare else NAMED.effects)
+    page = gap_page(result, "session 1")
+    assert result.summary in page
+    assert gap_from_json(gap_to_json(result)) == result
+
+
+def test_the_page_says_what_to_do_and_how_sure() -> None:
+    page = gap_page(NAMED, "session 1")
+    for said in ("99.8 %", "tighten the flange", "30.0 %", "6.0 %", "between link 3", "13800"):
+        assert said in page
+
+
+def test_text_is_shown_and_never_run() -> None:
+    evil = "<script>alert(1)</script>"
+    posture = replace(BEFORE[0], posture=evil)
+    page = gap_page(replace(NAMED, summary=evil, gap_before=(posture,)), evil)
+    assert evil not in page
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"named"', '"certain"'),
+        ('"summary"', '"summery"'),
+        ('"notes"', '"more": 1, "notes"'),
+        ("0.998", '"0.998"'),
+        ("0.998", "NaN"),
+        ("0.998", "null"),
+        ("{", "["),
+    ],
+)
+def test_a_file_that_is_no_result_is_refused(old, new) -> None:
+    text = gap_to_json(NAMED)
+    assert old in text
+    with pytest.raises(EstimateError, match="run `armodal gap` again"):
+        gap_from_json(text.replace(old, new, 1))
