@@ -1,7 +1,7 @@
 """Kill a session at every change of its files.
 
 Before and after every create, write, sync, cut, renaming and removal, and within every write at
-up to 45 places, the disk is laid out as a kill there leaves it: everything done, and a part of the
+up to 75 places, the disk is laid out as a kill there leaves it: everything done, and a part of the
 write. From there the session file is recovered, and the session resumed.
 
     python bench/torture_kill_points.py [seed]
@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 from recorded_disk import kill_points
 
-PLACES = 45
+PLACES = 75
 
 
 def main() -> int:
