@@ -13,7 +13,7 @@ from simulated_session import Announcing, operate
 
 from daq.acquisition import run_acquisition
 from daq.commands import Command, Ready
-from daq.events import Event, Failed, Finished
+from daq.events import Event
 from daq.session_machine import Prompt, PromptKind
 from daq.settings import AcquisitionSettings
 from protocols.file_layer import DISK, FileLayer
@@ -24,7 +24,7 @@ SCALE = 16.0  # lab seconds a second
 class Hammer:
     """Mounts at once, and hits as soon as a whole block can lie behind the prompt."""
 
-    patience_s = None
+    patience_s = 1.0  # a block that seems to lie before the prompt is set aside
 
     def __init__(self, lab: Any, counts: np.ndarray) -> None:
         self._lab = lab
@@ -61,7 +61,7 @@ def whole_session(
     announced: Callable[..., None] = lambda *hits: None,
     heard: Callable[[Event], None] = lambda event: None,
     **changes: Any,
-) -> tuple[Finished | Failed | None, int]:
+) -> tuple[Event | None, int]:
     """Run a session to its end; return its last word and the exit code.
 
     `announced` is called with each hit just before it is told to be accepted.

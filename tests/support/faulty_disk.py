@@ -35,6 +35,10 @@ class FaultyDisk(RecordingDisk):
         self.healthy = False
         self.refused: list[str] = []
 
+    def fail_from_now(self) -> None:
+        """Refuse the next change."""
+        self._left = 0
+
     def _try(self, kind: str, change: Callable[[], T]) -> T:
         self._left -= 1
         due = self._left < 0 if self._lasting else self._left == -1

@@ -79,10 +79,12 @@ def operate(
     *,
     heard: Callable[[Event], None] = lambda event: None,
     stop_after: int | None = None,
-) -> Finished | Failed | None:
+    until_hit: bool = False,
+) -> Event | None:
     """Do what a session asks until it ends; None where it ended without a word.
 
-    After `stop_after` accepted hits the operator says stop.
+    After `stop_after` accepted hits the operator says stop; `until_hit` leaves the session running
+    and returns the first accepted hit.
     """
     pending: Prompt | None = None
     asked_s = 0.0
@@ -101,6 +103,8 @@ def operate(
                 return event
             if isinstance(event, HitJudged) and event.hit.verdict.accepted:
                 accepted += 1
+                if until_hit:
+                    return event
                 if accepted == stop_after:
                     channel.send(Stop(reason="enough"))
             if isinstance(event, Prompted):
