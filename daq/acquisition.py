@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import gc
 import secrets
-import select
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -19,18 +18,17 @@ from typing import Any
 from daq import session_machine
 from daq.board_link import BoardLink
 from daq.board_session import BoardSession
-from daq.can_listener import CanSource, open_can
-from daq.clock import Clock, SystemClock
+from daq.can_listener import CanSource
+from daq.clock import Clock
 from daq.commands import Command, Ready, Retake, Skip, Stop
 from daq.events import BoardFound, Failed, Finished, SessionOpened
 from daq.joint_state import JointState
 from daq.journal_writer import JournalWriter
 from daq.judge import prepare_judge
 from daq.losses import LossTally
-from daq.outbox import Outbox
-from daq.serial_port import SerialPort
 from daq.session_loop import SessionLoop
 from daq.settings import AcquisitionSettings
+from daq.surroundings import EventQueue, Surroundings
 from protocols.arm.records import CanMapping
 from protocols.board.records import IepeState
 from protocols.errors import ArmError, ArmodalError, CanError, JournalError
@@ -53,7 +51,11 @@ class _Journal:
     earlier: Journal | None = None
 
 
-def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]) -> int:
+def run_acquisition(
+    settings: AcquisitionSettings,
+    channel: Connection[Any, Any],
+    surroundings: Surroundings | None = None,
+) -> int:
     """Run a session until its plan is done, `Stop` comes, the listener goes, or it fails.
 
     Parameters
@@ -63,6 +65,8 @@ def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]
     channel
         Receives commands (`daq.commands`), is sent events (`daq.events`). A slow listener is
         never waited for.
+    surroundings
+        Clock and lines; those of this machine when None.
 
     Returns
     -------
@@ -70,11 +74,12 @@ def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]
         Exit code: 0, or 2 after a `Failed` event.
     """
     prepare_judge()
-    outbox = Outbox(channel)
+    surroundings = surroundings or Surroundings.of(settings)
+    outbox = surroundings.make_outbox(channel)
     journal = _Journal()
     try:
         with ExitStack() as stack:
-            finished = _run(settings, channel, outbox, journal, stack)
+            finished = _run(settings, channel, surroundings, outbox, journal, stack)
     except ArmodalError as error:
         path = str(journal.writer.path) if journal.writer else None
         outbox.put(Failed(message=str(error), kind=type(error).__name__, journal=path))
@@ -88,11 +93,12 @@ def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]
 def _run(
     settings: AcquisitionSettings,
     channel: Connection[Any, Any],
-    outbox: Outbox,
+    surroundings: Surroundings,
+    outbox: EventQueue,
     journal: _Journal,
     stack: ExitStack,
 ) -> Finished:
-    clock = SystemClock(settings.time_scale)
+    clock = surroundings.clock
     mapping = settings.arm.can
     if mapping is None:
         raise ArmError(
@@ -100,9 +106,9 @@ def _run(
         )
     if settings.resume:
         _resume(settings, journal, stack)
-    can_source = open_can(settings.can_channel, mapping.bitrate)
+    can_source = surroundings.open_can(settings, mapping.bitrate)
     stack.callback(can_source.close)
-    port = SerialPort(settings.board_port, baud=settings.board_baud)
+    port = surroundings.open_board(settings)
     stack.callback(port.close)
     link = BoardLink(port, clock, reply_timeout_s=settings.reply_timeout_s)
     losses = LossTally()
@@ -180,10 +186,10 @@ def _loop(
     while loop.ended is None:
         while board.waits_for_reply and clock.now_s() - begun_s < turn_s:
             # A prompt reader makes round trips short; all else can wait for the turn.
-            readable = bool(select.select([board.fileno()], [], [], turn_wall_s)[0])
+            readable = bool(clock.wait([board.fileno()], turn_wall_s))
             board.turn(clock.now_s(), readable=readable)
         clock.sleep(begun_s + turn_s - clock.now_s())
-        ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
+        ready = clock.wait(waited_on, turn_wall_s if polled else IDLE_WALL_S)
         begun_s = now_s = clock.now_s()
         if polled or can_source.fileno() in ready:
             can_source.collect(now_s)
@@ -226,7 +232,7 @@ def _hear_every_joint(
         if source.fileno() < 0:
             clock.sleep(min(left_s, IDLE_WALL_S / clock.wall_s(1.0)))
         else:
-            select.select([source.fileno()], [], [], clock.wall_s(left_s))
+            clock.wait([source.fileno()], clock.wall_s(left_s))
         source.collect(clock.now_s())
         for at_s, frames in source.take():
             n_frames += len(frames)

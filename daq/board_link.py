@@ -6,8 +6,6 @@ while it lasts, replies come back in the same list as data and nothing blocks.
 
 from __future__ import annotations
 
-import select
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
@@ -216,7 +214,8 @@ class BoardLink:
             tag=self._tag,
         )
         self._sequence = (self._sequence + 1) & 0xFFFFFFFF
-        self._sent[self._tag] = (self._clock.now_s(), time.monotonic())
+        now_s = self._clock.now_s()
+        self._sent[self._tag] = (now_s, self._clock.wall_s(now_s))
         self._port.write(encode_frame(header, payload))
         return self._tag
 
@@ -249,7 +248,7 @@ class BoardLink:
         if not self._sent:
             return
         oldest = next(iter(self._sent.values()))[1]
-        if time.monotonic() - oldest > TRIES * self._wait_wall_s:
+        if self._wall_s() - oldest > TRIES * self._wait_wall_s:
             raise DeviceTimeoutError(
                 f"the board on {self._port.name} has stopped answering; check it, then resume"
             )
@@ -269,9 +268,9 @@ class BoardLink:
         bytes_before, frames_before = self.received_bytes, self.frames
         for _ in range(TRIES):
             self.send(kind, payload)
-            until = time.monotonic() + self._wait_wall_s
-            while (left := until - time.monotonic()) > 0.0:
-                if not select.select([self._port], [], [], left)[0]:
+            until = self._wall_s() + self._wait_wall_s
+            while (left := until - self._wall_s()) > 0.0:
+                if not self._clock.wait([self._port.fileno()], left):
                     break
                 frames = self._receive()
                 for index, frame in enumerate(frames):
@@ -281,6 +280,10 @@ class BoardLink:
                         return frame, found
                     self._hold([frame])
         raise self._no_answer(kind, self.received_bytes - bytes_before, self.frames - frames_before)
+
+    def _wall_s(self) -> float:
+        """Seconds of the waiting process: patience with a reply is none of the laboratory's."""
+        return self._clock.wall_s(self._clock.now_s())
 
     def _hold(self, frames: list[Frame]) -> None:
         self._held.extend(frames[: HELD_FRAMES - len(self._held)])

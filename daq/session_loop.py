@@ -21,9 +21,9 @@ from daq.journal_writer import JournalWriter
 from daq.judge import force_column, judge_record
 from daq.judge_posture import judge_posture, with_posture
 from daq.losses import LossTally
-from daq.outbox import Outbox
 from daq.session_machine import PromptKind, SessionState
 from daq.settings import AcquisitionSettings
+from daq.surroundings import EventQueue
 from protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
 from protocols.session.records import Hit, JointReading
 
@@ -61,7 +61,7 @@ class SessionLoop:
         joints: JointState,
         losses: LossTally,
         journal: JournalWriter,
-        outbox: Outbox,
+        outbox: EventQueue,
         state: SessionState,
         next_hit: int,
         turn_s: float,
