@@ -9,7 +9,7 @@ from __future__ import annotations
 import gc
 import secrets
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from multiprocessing.connection import Connection
@@ -31,7 +31,16 @@ from daq.settings import AcquisitionSettings
 from daq.surroundings import EventQueue, Surroundings
 from protocols.arm.records import CanMapping
 from protocols.board.records import IepeState
-from protocols.errors import ArmError, ArmodalError, CanError, JournalError
+from protocols.errors import (
+    ArmError,
+    ArmodalError,
+    BoardRefusedError,
+    CanError,
+    DeviceLostError,
+    DeviceTimeoutError,
+    FrameError,
+    JournalError,
+)
 from protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
 from protocols.session.records import SessionHeader
 
@@ -154,11 +163,15 @@ def _run(
     gc.collect()
     gc.freeze()
     cpu_before_s = time.process_time()
-    _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
-    loop.flush_losses()
+    try:
+        _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
+    except ArmodalError as error:
+        with suppress(JournalError):
+            loop.interrupt(str(error))
+        raise
+    _stop(loop, board, clock)
     reason = loop.ended or ""
     writer.append(encode_end(End(reason=reason, host_s=clock.now_s())))
-    board.stop()
     return Finished(
         complete=loop.complete,
         reason=reason,
@@ -168,6 +181,15 @@ def _run(
         cpu_s=time.process_time() - cpu_before_s,
         previews_dropped=outbox.previews_dropped,
     )
+
+
+def _stop(loop: SessionLoop, board: BoardSession, clock: Clock) -> None:
+    """Stop the board; what it counted to the last is kept, or that it did not tell."""
+    try:
+        board.stop()
+    except (BoardRefusedError, DeviceLostError, DeviceTimeoutError, FrameError) as error:
+        loop.note(f"what the board lost at the very end is not known: {error}", clock.now_s())
+    loop.flush_losses()
 
 
 def _loop(

@@ -124,11 +124,12 @@ class JointState:
             found = cycle
         return None if found is None else _reading(found, found.newest_s, 0.0)
 
-    def spread_rad(self, since_s: float) -> float | None:
-        """Return the largest range any joint has covered since then; None if not yet known."""
+    def spread_rad(self, since_s: float, until_s: float = math.inf) -> float | None:
+        """Return the largest range any joint covered in a time; None if it is not known."""
         angles = []
         for cycle in reversed(self._cycles):
-            angles.append(cycle.joints_rad)
+            if cycle.oldest_s <= until_s:
+                angles.append(cycle.joints_rad)
             if cycle.oldest_s <= since_s:
                 return float(np.ptp(np.array(angles), axis=0).max())
         return None

@@ -74,7 +74,7 @@ class Board:
             self._answer()
         self._sample()
         while self.firmware.poll():
-            if not self._flush():
+            if Fault.DEVICE_OVERFLOW in self._faults or not self._flush():
                 return
         self._flush()
 
