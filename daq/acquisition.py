@@ -169,7 +169,7 @@ def _run(
         with suppress(JournalError):
             loop.interrupt(str(error))
         raise
-    _stop(loop, board, clock)
+    taken = _stop(loop, board, clock)
     reason = loop.ended or ""
     writer.append(encode_end(End(reason=reason, host_s=clock.now_s())))
     return Finished(
@@ -180,16 +180,21 @@ def _run(
         rejected=loop.rejected + sum(not hit.verdict.accepted for hit in hits),
         cpu_s=time.process_time() - cpu_before_s,
         previews_dropped=outbox.previews_dropped,
+        samples_taken=taken,
+        samples_seen=board.stream.samples,
+        samples_missing=board.stream.missing,
     )
 
 
-def _stop(loop: SessionLoop, board: BoardSession, clock: Clock) -> None:
-    """Stop the board; what it counted to the last is kept, or that it did not tell."""
+def _stop(loop: SessionLoop, board: BoardSession, clock: Clock) -> int | None:
+    """Stop the board and return the samples it took; what it counted to the last is kept."""
+    taken = None
     try:
-        board.stop()
+        taken = board.stop().next_sample
     except (BoardRefusedError, DeviceLostError, DeviceTimeoutError, FrameError) as error:
         loop.note(f"what the board lost at the very end is not known: {error}", clock.now_s())
     loop.flush_losses()
+    return taken
 
 
 def _loop(

@@ -230,13 +230,18 @@ class BoardSession:
             watch("trigger", self.status.triggers_missed, "triggers the board missed", now_s)
             watch("stream", self.status.adc_overruns, "overruns of the converter", now_s)
 
-    def stop(self) -> None:
-        """Stop sampling, and take in what was on the way and the last counts."""
+    def stop(self) -> BoardStatus:
+        """Stop sampling, take in what was on the way, and return the last counts."""
         self._link.stop()
-        self.status, _ = self._link.status()
+        status, _ = self._link.status()
+        self.status = status
         now_s = self._clock.now_s()
         for frame in self._link.pump():
             self._take_or_count(frame, now_s)
+        # What the board dropped behind the last frame that came shows in no gap.
+        unseen = min(status.next_sample - self.stream.expected, status.stream_samples_dropped)
+        self._losses.add("stream", unseen, "preview samples dropped at the end", now_s)
+        return status
 
     def _take_or_count(self, frame: Frame, now_s: float) -> None:
         try:

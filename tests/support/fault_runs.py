@@ -76,7 +76,9 @@ def script_of(seed):
     faults = [MATRIX[of_kind]]
     if turn % 2:
         faults.append(MATRIX[int(rng.integers(len(MATRIX)))])
-    lasting = [0 if f in ONCE else int(np.exp(rng.uniform(np.log(16), np.log(4000)))) for f in faults]
+    lasting = [
+        0 if f in ONCE else int(np.exp(rng.uniform(np.log(16), np.log(4000)))) for f in faults
+    ]
     if turn % 3 == 2:
         at = int(rng.integers(0, LAST_SAMPLE))
         return tuple(

@@ -394,12 +394,15 @@ class VirtualOperator:
 
 
 def heard_stream(end, session):
-    """Sample indices and counts of the preview that came to the host's end, in order."""
-    decoder, heard, last = FrameDecoder(), [], -1
+    """The preview that came to the host's end in order, as long as the board was the same one."""
+    decoder, heard, last, described = FrameDecoder(), [], -1, None
     frames = decoder.feed(bytes(end.heard))
     for frame in frames:
         if frame.header.session != session or frame.header.sequence <= last:
             continue
+        described = described or frame.header.dictionary_hash
+        if frame.header.dictionary_hash != described:
+            break
         last = frame.header.sequence
         if frame.header.type is FrameType.STREAM:
             with suppress(ValueError):

@@ -1,0 +1,4 @@
+PTY_MATRIX = ()
+
+
+def run_on_ptys(number): ...
