@@ -97,6 +97,7 @@ class Outcome:
     violations: list = field(default_factory=list)
     endings: list = field(default_factory=list)
     counts: Counter = field(default_factory=Counter)
+    journal: bytes = b""
 
 
 def run_seed(seed, *, script=None, plan=None):
@@ -127,6 +128,8 @@ def run_seed(seed, *, script=None, plan=None):
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             lab.close()
+        if settings.journal.exists():
+            outcome.journal = settings.journal.read_bytes()
         if settings.journal.exists() and not outcome.violations:
             Checker(lab, read_journal(settings.journal), outcome).check()
     return outcome

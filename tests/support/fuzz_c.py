@@ -1,0 +1,5 @@
+C_DECODER = "board frames in C"
+
+
+def fuzz_c(n, rng):
+    raise NotImplementedError
