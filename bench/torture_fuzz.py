@@ -119,8 +119,8 @@ def main() -> int:
         faults += int(found["faults"])
         print(
             f"{name}: {found['bytes']:,} bytes in {found['inputs']:,} inputs, "
-            f"{found['faults']} faults, slowest {found['slowest_s']} s, peak {found['peak_mb']} MB, "
-            f"{time.monotonic() - begun_s:.0f} s",
+            f"{found['faults']} faults, slowest {found['slowest_s']} s, "
+            f"peak {found['peak_mb']} MB, {time.monotonic() - begun_s:.0f} s",
             flush=True,
         )
         for line in found["told"]:

@@ -20,6 +20,7 @@ def judge_posture(
     tolerance_rad: float,
     moved_rad: float,
     spread_rad: float | None = None,
+    silence: str = "",
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return reasons and notes against a hit from the readings around it.
 
@@ -35,6 +36,8 @@ def judge_posture(
         Largest distance of any joint between the two readings, or on the way.
     spread_rad
         Largest range any joint covered from `before` to `after`, None where it is not known.
+    silence
+        A sentence where nothing was known of the arm for too long in between.
     """
     reasons: list[str] = []
     notes: list[str] = []
@@ -62,6 +65,9 @@ def judge_posture(
             )
     if len(known) == 2:
         change_rad = max(largest_difference_rad(known[0], known[1]), spread_rad or 0.0)
+        if silence:
+            reasons.append("stale")
+            notes.append(silence)
         if change_rad > moved_rad:
             reasons.append("moved")
             notes.append(

@@ -33,7 +33,9 @@ POSTURE_EVERY_WALL_S = 0.05
 PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
+SILENCE_S, SILENT_CYCLES = 0.05, 4.0  # of the bus during a hit: no arm goes and returns so fast
 NOTE_LENGTH = 4096  # of a sentence in the journal
+SILENCE_WALL_S = 0.05  # the bus's process may be held up for so long
 AFTER_WALL_S = 0.15  # the bus's process is given at least so long for a newer angle
 
 
@@ -244,6 +246,17 @@ class SessionLoop:
             host_s=now_s,
         )
 
+    def _silence(self, before: JointReading, after: JointReading) -> str:
+        """Say that nothing was known of the arm for too long during a hit; empty if it was."""
+        can = self._settings.arm.can
+        silence_s = self._joints.silence_s(before.host_s, after.host_s)
+        if can is None:
+            return ""
+        floor_s = SILENCE_WALL_S / self._clock.wall_s(1.0)
+        if silence_s <= max(SILENCE_S, SILENT_CYCLES / can.rate_hz, floor_s):
+            return ""
+        return f"no joint angles for {silence_s:.3g} s during the hit"
+
     def _set_aside(self, block: CapturedBlock, now_s: float, why: str) -> None:
         self._board.release(block.info.block_id, now_s)
         column = force_column(self._board.channels)
@@ -285,6 +298,7 @@ class SessionLoop:
                 posture.tolerance_rad,
                 self._moved_rad(posture.tolerance_rad),
                 self._joints.spread_rad(before.host_s, after.host_s),
+                self._silence(before, after),
             ),
         )
         hit = Hit(

@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from fractions import Fraction
 from importlib import resources
 from pathlib import Path
 
@@ -124,8 +125,7 @@ def example_dictionary():
 
 def board_payloads():
     """Return (type, payload) of every message."""
-    from fractions import Fraction
-
+    hello = hello_fragments(encode_dictionary(example_dictionary()))
     counts = np.arange(-80, 80, dtype=np.int32).reshape(-1, 4) * 5000
     status = BoardStatus(
         state=BoardState.RUNNING, next_sequence=7, next_sample=1 << 40, buffered_blocks=2,
@@ -135,6 +135,7 @@ def board_payloads():
         rate_hz=Fraction(51200, 31), channel_mask=15, trigger_channel=0, trigger_level_counts=3000,
         slope=Slope.RISING, pretrigger=64, block_length=256, stream=True,
     )  # fmt: skip
+    block = Samples(first_sample=1000, counts=counts, block_id=3)
     info = BlockInfo(
         block_id=3, first_sample=1000, length=256, trigger_sample=1064, trigger_ticks=1 << 33
     )
@@ -142,12 +143,12 @@ def board_payloads():
         (FrameType.CONFIGURE, encode_configuration(configuration)),
         (FrameType.RESEND, encode_resend(3, 0, 64)),
         (FrameType.RELEASE, encode_release(3)),
-        *((FrameType.HELLO_REPLY, f) for f in hello_fragments(encode_dictionary(example_dictionary()))),
+        *((FrameType.HELLO_REPLY, fragment) for fragment in hello),
         (FrameType.STATUS_REPLY, encode_status(status)),
         (FrameType.CONFIGURE_REPLY, encode_reply(ReplyCode.BAD_VALUE, "rate cannot be made")),
         (FrameType.STREAM, encode_samples(Samples(first_sample=64, counts=counts))),
         (FrameType.BLOCK_READY, encode_block_info(info)),
-        (FrameType.BLOCK_DATA, encode_samples(Samples(first_sample=1000, counts=counts, block_id=3))),
+        (FrameType.BLOCK_DATA, encode_samples(block)),
     ]  # fmt: skip
 
 

@@ -194,11 +194,13 @@ def _epochs(folder):
 
 
 def _held_against(journal, announced, epochs):
-    violations = []
+    violations: list[str] = []
     kept = {hit.number: hit for hit in journal.hits}
-    for hit in announced:
-        if not np.array_equal(kept[hit.number].counts, hit.counts):
-            violations.append(f"hit {hit.number} was announced otherwise than it is kept")
+    violations += [
+        f"hit {hit.number} was announced otherwise than it is kept"
+        for hit in announced
+        if not np.array_equal(kept[hit.number].counts, hit.counts)
+    ]
     for hit in journal.hits:
         n = len(hit.counts)
         if n and not any(

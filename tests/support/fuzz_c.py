@@ -49,9 +49,12 @@ def fuzz_c(n_bytes, rng):
         program = compile_fuzz(folder)
         if program is None:
             return _told(0, 0, 1, "no C compiler here makes sanitized programs")
-        with (Path(folder) / "said").open("w+") as said, subprocess.Popen(
-            [str(program)], stdin=subprocess.PIPE, stdout=said, stderr=said
-        ) as process:
+        with (
+            (Path(folder) / "said").open("w+") as said,
+            subprocess.Popen(
+                [str(program)], stdin=subprocess.PIPE, stdout=said, stderr=said
+            ) as process,
+        ):
             assert process.stdin is not None
             try:
                 for data in c_inputs(n_bytes, rng):

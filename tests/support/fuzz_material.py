@@ -12,7 +12,7 @@ from protocols.frf_records import Dof, FrequencyResponse, FrfForm
 from protocols.session.journal import decode_journal, session_of
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "protocols" / "foreign"))
-from samples import chain_file, whole_file  # noqa: E402
+from samples import chain_file, whole_file
 
 
 def decoders_in(folder):

@@ -9,7 +9,7 @@ import numpy as np
 from hil_sim.plant_file import PlantFile
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "hil_sim"))
-from synthetic_laboratory import truth  # noqa: E402
+from synthetic_laboratory import truth
 
 PULSE_SAMPLES = 8
 RING_COUNTS = 300_000

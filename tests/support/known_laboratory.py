@@ -10,12 +10,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from support.known_arm import KnownArm, KnownBlow, known_truth  # noqa: E402
+from support.known_arm import KnownArm, KnownBlow, known_truth
 
-from hil_sim.__main__ import options_of, parse, run  # noqa: E402
-from hil_sim.lab_process import ArmInCell, LabProcess  # noqa: E402
-from hil_sim.plant import build_plant  # noqa: E402
-from protocols.errors import ArmodalError  # noqa: E402
+from hil_sim.__main__ import options_of, parse, run
+from hil_sim.lab_process import ArmInCell, LabProcess
+from hil_sim.plant import build_plant
+from protocols.errors import ArmodalError
 
 PEAK_COUNTS = 100_000
 HEAD = struct.Struct("<qq")

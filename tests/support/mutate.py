@@ -11,7 +11,8 @@ TELLING_TOKENS = (
     b"0", b"-1", b"1e308", b"-1e400", b"nan", b"inf", b"-0.0", b"1e-320", b"9" * 25, b"0x1F",
     b"true", b'""', b'"\\u0000"', b'"../../etc/passwd"', b'"/dev/zero"', b"[]", b"{}", b"[[]]",
     b'"' + b"a" * 300 + b'"', b"1979-05-27", b"\xff\xfe", b"'", b"[[joints]]", b"[points]",
-    b'"\\ud800"', b"=", b"#", b"\n\n", b"\t", b"\x00", "\u2028\u00e9".encode(), b"1_000", b".5", b"5.",
+    b'"\\ud800"', b"=", b"#", b"\n\n", b"\t", b"\x00", "\u2028\u00e9".encode(), b"1_000",
+    b".5", b"5.",
 )  # fmt: skip
 _TOKEN = re.compile(rb'"[^"\n]*"|[-+]?[0-9][0-9_.eE+-]*|[A-Za-z_][A-Za-z0-9_]*|[\[\]{}=<>/,:;]')
 

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from support.known_arm import KnownArm, KnownBlow, known_truth
 
 from daq.can_listener import SlcanListener
 from daq.commands import Ready, Stop
@@ -29,7 +30,6 @@ from protocols.board.codec import FrameDecoder
 from protocols.board.messages import decode_samples
 from protocols.board.records import FrameType
 from protocols.errors import DeviceLostError, PortError
-from support.known_arm import KnownArm, KnownBlow, known_truth
 
 STEP_S = 0.004  # of the laboratory, between two looks at what is due
 WAIT_S = 0.001
