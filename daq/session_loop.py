@@ -33,9 +33,9 @@ POSTURE_EVERY_WALL_S = 0.05
 PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
-SILENCE_S, SILENT_CYCLES = 0.05, 4.0  # of the bus during a hit: no arm goes and returns so fast
+SILENCE_S, SILENT_CYCLES = 0.1, 4.0  # of the bus during a hit: no arm goes and returns so fast
 NOTE_LENGTH = 4096  # of a sentence in the journal
-SILENCE_WALL_S = 0.05  # the bus's process may be held up for so long
+SILENCE_WALL_S = 0.1  # the bus's process may be held up for so long
 AFTER_WALL_S = 0.15  # the bus's process is given at least so long for a newer angle
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,6 +18,7 @@ from support.fuzz_material import decoders_in
 
 from protocols.errors import ForeignFileError
 from protocols.foreign.arrays_measured import npy_array
+from protocols.foreign.mat_elements import plain_variables
 
 NAMES = (
     "board frames", "slcan", "journal", "arm", "arm without files", "urdf", "dbc", "plan",
@@ -69,3 +71,27 @@ def test_the_c_decoders_bear_changed_bytes_under_the_sanitizers(tmp_path):
         sum(len(data) - 4 for data in c_inputs(100_000, np.random.default_rng(1)))
         == (found["bytes"])
     )
+
+
+def mat_with_type(kind):
+    """A MATLAB file whose numbers are said to be of an element type."""
+    stream = io.BytesIO()
+    scipy.io.savemat(stream, {"time": np.arange(4.0)})
+    data = bytearray(stream.getvalue())
+    at = data.index(b"time") + 4
+    data[at : at + 4] = kind.to_bytes(4, "little")
+    return bytes(data)
+
+
+def test_numbers_of_a_matlab_file_are_of_a_type_it_knows():
+    assert plain_variables(mat_with_type(9)) == ["time"]
+    for kind in (0, 8, 11, 14, 19, 200, 65535):
+        with pytest.raises(ValueError, match=f"data of type {kind}"):
+            plain_variables(mat_with_type(kind))
+
+
+def test_structs_of_a_matlab_file_are_passed_over():
+    stream = io.BytesIO()
+    content = {"notes": {"who": "x"}, "time": np.arange(4.0), "names": np.array(["a"], object)}
+    scipy.io.savemat(stream, content, do_compression=True)
+    assert plain_variables(stream.getvalue()) == ["time", "names"]
