@@ -35,10 +35,11 @@ def clipped(counts: Counts, channels: tuple[Channel, ...], share: float) -> list
 def stuck(counts: Counts, channels: tuple[Channel, ...], start: int) -> list[str]:
     """Name the responses that repeat one count for a while after the hit."""
     after = counts[max(start, 0) :]
-    if len(after) <= _STUCK:
+    if len(after) < _STUCK:
         return []
+    n = _STUCK - 1  # differences between as many counts
     changes = np.cumsum(np.diff(after, axis=0) != 0, axis=0)
-    still = (changes[_STUCK - 1 :] == np.vstack([0 * changes[:1], changes[:-_STUCK]])).any(axis=0)
+    still = (changes[n - 1 :] == np.vstack([0 * changes[:1], changes[:-n]])).any(axis=0)
     return [
         channel.name
         for channel, is_still in zip(channels, still, strict=True)

@@ -102,7 +102,5 @@ def test_a_slow_trip_is_neither_a_jump_nor_believed():
     for trip in steady_trips(40):
         tracker.add(trip)
     # Held up for a second and a half on the way back: its middle is 0.75 s off.
-    assert not tracker.add(
-        RoundTrip(sent_s=20.0, received_s=21.5, ticks=round(TICK_HZ * 20.001))
-    )
+    assert not tracker.add(RoundTrip(sent_s=20.0, received_s=21.5, ticks=round(TICK_HZ * 20.001)))
     assert tracker.fit().host_s(TICK_HZ * 20) == pytest.approx(20.0, abs=1e-3)
