@@ -52,12 +52,12 @@ KNOWN_POSTURE_DEG = [0.0] * 6
 class OperatorByScript:
     """Answers prompts over the laboratory's socket, one after the other, in a thread."""
 
-    def __init__(self, path, send):
+    def __init__(self, path):
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._socket.settimeout(10.0)
         self._socket.connect(str(path))
         self._file = self._socket.makefile("rb")
-        self._send = send
+        self.send = lambda command: None
         self._wanted = None
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._serve, daemon=True)
@@ -99,7 +99,7 @@ class OperatorByScript:
             self._ask(do="posture", name=prompt.posture.name, joints_deg=joints_deg)
         elif prompt.kind is PromptKind.POINT:
             self._ask(do="mount", point=prompt.sensor_point)
-            self._send(Ready())
+            self.send(Ready())
         elif prompt.kind is PromptKind.HIT:
             self._ask(do="hit", point=prompt.hit_point, direction=[0.0, -1.0, 0.0])
 
@@ -130,15 +130,17 @@ def run_on_ptys(number, faults=None):
                 time_scale=TIME_SCALE,
             )
             violations, announced, endings = [], [], []
+            operator = OperatorByScript(laboratory.operator)
             for _ in range(3):
                 resumed = replace(settings, resume=settings.journal.exists())
-                ending = _acquire(resumed, laboratory.operator, announced)
+                ending = _acquire(resumed, operator, announced)
                 endings.append(ending)
                 if ending is None:
                     violations.append("it did not end")
                     break
                 if isinstance(ending, Finished):
                     break
+            operator.close()
         epochs = _epochs(Path(folder) / "lab")
         journal = read_journal(settings.journal)
         violations += _held_against(journal, announced, epochs)
@@ -151,11 +153,11 @@ def run_on_ptys(number, faults=None):
         )
 
 
-def _acquire(settings, operator_path, announced):
+def _acquire(settings, operator, announced):
     ours, theirs = multiprocessing.Pipe()
     thread = threading.Thread(target=run_acquisition, args=(settings, theirs), daemon=True)
     thread.start()
-    operator = OperatorByScript(operator_path, ours.send)
+    operator.send = ours.send
     begun_s, stopped, ending = time.monotonic(), False, None
     try:
         while ending is None and time.monotonic() < begun_s + 2.0 * LONGEST_WALL_S:
@@ -172,7 +174,6 @@ def _acquire(settings, operator_path, announced):
             elif isinstance(event, Failed | Finished):
                 ending = event
     finally:
-        operator.close()
         thread.join(10.0)
         ours.close()
         theirs.close()
