@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import gc
 import secrets
-import select
 import signal
 import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from multiprocessing.connection import Connection
@@ -21,21 +20,29 @@ from typing import Any
 from daq import session_machine
 from daq.board_link import BoardLink
 from daq.board_session import BoardSession
-from daq.can_listener import CanSource, open_can
-from daq.clock import Clock, SystemClock
+from daq.can_listener import CanSource
+from daq.clock import Clock
 from daq.commands import Command, Ready, Retake, Skip, Stop
 from daq.events import BoardFound, Failed, Finished, SessionOpened
 from daq.joint_state import JointState
 from daq.journal_writer import JournalWriter
 from daq.judge import prepare_judge
 from daq.losses import LossTally
-from daq.outbox import Outbox
-from daq.serial_port import SerialPort
 from daq.session_loop import SessionLoop
 from daq.settings import AcquisitionSettings
+from daq.surroundings import EventQueue, Surroundings
 from protocols.arm.records import CanMapping
 from protocols.board.records import IepeState
-from protocols.errors import ArmError, ArmodalError, CanError, JournalError
+from protocols.errors import (
+    ArmError,
+    ArmodalError,
+    BoardRefusedError,
+    CanError,
+    DeviceLostError,
+    DeviceTimeoutError,
+    FrameError,
+    JournalError,
+)
 from protocols.file_layer import DISK, FileLayer
 from protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
 from protocols.session.records import SessionHeader
@@ -58,7 +65,10 @@ class _Journal:
 
 
 def run_acquisition(
-    settings: AcquisitionSettings, channel: Connection[Any, Any], files: FileLayer = DISK
+    settings: AcquisitionSettings,
+    channel: Connection[Any, Any],
+    surroundings: Surroundings | None = None,
+    files: FileLayer = DISK,
 ) -> int:
     """Run a session until its plan is done, `Stop` comes, the listener goes, or it fails.
 
@@ -69,6 +79,8 @@ def run_acquisition(
     channel
         Receives commands (`daq.commands`), is sent events (`daq.events`). A slow listener is
         never waited for.
+    surroundings
+        Clock and lines; those of this machine when None.
     files
         What the journal is written through.
 
@@ -79,11 +91,12 @@ def run_acquisition(
     """
     _leave_interrupts_to_the_operator()
     prepare_judge()
-    outbox = Outbox(channel)
+    surroundings = surroundings or Surroundings.of(settings)
+    outbox = surroundings.make_outbox(channel)
     journal = _Journal(files=files)
     try:
         with ExitStack() as stack:
-            finished = _run(settings, channel, outbox, journal, stack)
+            finished = _run(settings, channel, surroundings, outbox, journal, stack)
     except ArmodalError as error:
         path = str(journal.writer.path) if journal.writer else None
         outbox.put(Failed(message=str(error), kind=type(error).__name__, journal=path))
@@ -103,11 +116,12 @@ def _leave_interrupts_to_the_operator() -> None:
 def _run(
     settings: AcquisitionSettings,
     channel: Connection[Any, Any],
-    outbox: Outbox,
+    surroundings: Surroundings,
+    outbox: EventQueue,
     journal: _Journal,
     stack: ExitStack,
 ) -> Finished:
-    clock = SystemClock(settings.time_scale)
+    clock = surroundings.clock
     mapping = settings.arm.can
     if mapping is None:
         raise ArmError(
@@ -115,9 +129,9 @@ def _run(
         )
     if settings.resume:
         _resume(settings, journal, stack)
-    can_source = open_can(settings.can_channel, mapping.bitrate)
+    can_source = surroundings.open_can(settings, mapping.bitrate)
     stack.callback(can_source.close)
-    port = SerialPort(settings.board_port, baud=settings.board_baud)
+    port = surroundings.open_board(settings)
     stack.callback(port.close)
     link = BoardLink(port, clock, reply_timeout_s=settings.reply_timeout_s)
     losses = LossTally()
@@ -163,11 +177,15 @@ def _run(
     gc.collect()
     gc.freeze()
     cpu_before_s = time.process_time()
-    _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
-    loop.flush_losses()
+    try:
+        _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
+    except ArmodalError as error:
+        with suppress(JournalError):
+            loop.interrupt(str(error))
+        raise
+    taken = _stop(loop, board, clock)
     reason = loop.ended or ""
     writer.append(encode_end(End(reason=reason, host_s=clock.now_s())))
-    board.stop()
     return Finished(
         complete=loop.complete,
         reason=reason,
@@ -176,7 +194,21 @@ def _run(
         rejected=loop.rejected + sum(not hit.verdict.accepted for hit in hits),
         cpu_s=time.process_time() - cpu_before_s,
         previews_dropped=outbox.previews_dropped,
+        samples_taken=taken,
+        samples_seen=board.stream.samples,
+        samples_missing=board.stream.missing,
     )
+
+
+def _stop(loop: SessionLoop, board: BoardSession, clock: Clock) -> int | None:
+    """Stop the board and return the samples it took; what it counted to the last is kept."""
+    taken = None
+    try:
+        taken = board.stop().next_sample
+    except (BoardRefusedError, DeviceLostError, DeviceTimeoutError, FrameError) as error:
+        loop.note(f"what the board lost at the very end is not known: {error}", clock.now_s())
+    loop.flush_losses()
+    return taken
 
 
 def _loop(
@@ -195,10 +227,10 @@ def _loop(
     while loop.ended is None:
         while board.waits_for_reply and clock.now_s() - begun_s < turn_s:
             # A prompt reader makes round trips short; all else can wait for the turn.
-            readable = bool(select.select([board.fileno()], [], [], turn_wall_s)[0])
+            readable = bool(clock.wait([board.fileno()], turn_wall_s))
             board.turn(clock.now_s(), readable=readable)
         clock.sleep(begun_s + turn_s - clock.now_s())
-        ready = select.select(waited_on, [], [], turn_wall_s if polled else IDLE_WALL_S)[0]
+        ready = clock.wait(waited_on, turn_wall_s if polled else IDLE_WALL_S)
         begun_s = now_s = clock.now_s()
         if polled or can_source.fileno() in ready:
             can_source.collect(now_s)
@@ -241,7 +273,7 @@ def _hear_every_joint(
         if source.fileno() < 0:
             clock.sleep(min(left_s, IDLE_WALL_S / clock.wall_s(1.0)))
         else:
-            select.select([source.fileno()], [], [], clock.wall_s(left_s))
+            clock.wait([source.fileno()], clock.wall_s(left_s))
         source.collect(clock.now_s())
         for at_s, frames in source.take():
             n_frames += len(frames)

@@ -6,8 +6,6 @@ while it lasts, replies come back in the same list as data and nothing blocks.
 
 from __future__ import annotations
 
-import select
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
@@ -108,6 +106,7 @@ class BoardLink:
         self._sequences = SequenceTracker()
         self._sent: dict[int, tuple[float, float]] = {}  # tag: lab time, wall time
         self._held: list[Frame] = []
+        self._lost: DeviceLostError | None = None  # to be raised once what came before is out
         self.received_bytes = 0
 
     @property
@@ -172,6 +171,7 @@ class BoardLink:
 
     def start(self) -> None:
         """Start sampling; a repeated START that finds the board running is none the worse."""
+        self._held.clear()
         code, reason = decode_reply(self._exchange(FrameType.START).frame.payload)
         if code is ReplyCode.WRONG_STATE and self.status()[0].state is BoardState.RUNNING:
             return
@@ -216,7 +216,8 @@ class BoardLink:
             tag=self._tag,
         )
         self._sequence = (self._sequence + 1) & 0xFFFFFFFF
-        self._sent[self._tag] = (self._clock.now_s(), time.monotonic())
+        now_s = self._clock.now_s()
+        self._sent[self._tag] = (now_s, self._clock.wall_s(now_s))
         self._port.write(encode_frame(header, payload))
         return self._tag
 
@@ -245,11 +246,18 @@ class BoardLink:
         return bool(self._sent)
 
     def check_alive(self) -> None:
-        """Raise DeviceTimeoutError if a command has waited for its reply three times too long."""
+        """Raise if the board is lost, or a command has waited for its reply three times too long.
+
+        Raises
+        ------
+        DeviceLostError, DeviceTimeoutError
+        """
+        if self._lost is not None:
+            raise self._lost
         if not self._sent:
             return
         oldest = next(iter(self._sent.values()))[1]
-        if time.monotonic() - oldest > TRIES * self._wait_wall_s:
+        if self._wall_s() - oldest > TRIES * self._wait_wall_s:
             raise DeviceTimeoutError(
                 f"the board on {self._port.name} has stopped answering; check it, then resume"
             )
@@ -269,9 +277,9 @@ class BoardLink:
         bytes_before, frames_before = self.received_bytes, self.frames
         for _ in range(TRIES):
             self.send(kind, payload)
-            until = time.monotonic() + self._wait_wall_s
-            while (left := until - time.monotonic()) > 0.0:
-                if not select.select([self._port], [], [], left)[0]:
+            until = self._wall_s() + self._wait_wall_s
+            while (left := until - self._wall_s()) > 0.0:
+                if not self._clock.wait([self._port.fileno()], left):
                     break
                 frames = self._receive()
                 for index, frame in enumerate(frames):
@@ -280,7 +288,13 @@ class BoardLink:
                         self._hold(frames[index + 1 :])
                         return frame, found
                     self._hold([frame])
+                if self._lost is not None:
+                    raise self._lost
         raise self._no_answer(kind, self.received_bytes - bytes_before, self.frames - frames_before)
+
+    def _wall_s(self) -> float:
+        """Seconds of the waiting process: patience with a reply is none of the laboratory's."""
+        return self._clock.wall_s(self._clock.now_s())
 
     def _hold(self, frames: list[Frame]) -> None:
         self._held.extend(frames[: HELD_FRAMES - len(self._held)])
@@ -294,22 +308,30 @@ class BoardLink:
             return frames
         kept = []
         for frame in frames:
-            header = frame.header
-            if header.session != found.session:
-                raise DeviceLostError(
-                    f"the board on {self._port.name} has restarted (session {found.session:08x} "
-                    f"became {header.session:08x}): its blocks are gone; resume the session"
-                )
-            if header.dictionary_hash != found.dictionary_hash:
-                raise DeviceLostError(
-                    f"the board on {self._port.name} now describes itself differently (dictionary "
-                    f"hash {found.dictionary_hash:04x} became {header.dictionary_hash:04x}): a "
-                    "sensor or its supply has changed; check the sensors, then resume"
-                )
+            self._lost = self._lost or self._another_board(found, frame.header)
+            if self._lost is not None:
+                break
             # A frame older than the one before is a repetition.
-            if self._sequences.check(header) >= 0:
+            if self._sequences.check(frame.header) >= 0:
                 kept.append(frame)
+        if self._lost is not None and not kept:
+            raise self._lost
         return kept
+
+    def _another_board(self, found: FoundBoard, header: Header) -> DeviceLostError | None:
+        """Return why a frame is not of the board that HELLO found; None where it is."""
+        if header.session != found.session:
+            return DeviceLostError(
+                f"the board on {self._port.name} has restarted (session {found.session:08x} "
+                f"became {header.session:08x}): its blocks are gone; resume the session"
+            )
+        if header.dictionary_hash != found.dictionary_hash:
+            return DeviceLostError(
+                f"the board on {self._port.name} now describes itself differently (dictionary "
+                f"hash {found.dictionary_hash:04x} became {header.dictionary_hash:04x}): a "
+                "sensor or its supply has changed; check the sensors, then resume"
+            )
+        return None
 
     def _accept(self, kind: FrameType, code: ReplyCode, reason: str) -> None:
         if code is not ReplyCode.OK:

@@ -142,6 +142,7 @@ class BoardSession:
         )
         self.stream = StreamWatch(n_channels)
         self._tracker = ClockTracker(found.dictionary.tick_hz)
+        self._jumped_sample = 0
         self._status_at_s = 0.0
         self._releasing: dict[int, float] = {}  # block: wall-scaled time of the last RELEASE
         self._release_tags: deque[tuple[int, int]] = deque(maxlen=64)
@@ -156,6 +157,21 @@ class BoardSession:
     def clock_fit(self) -> ClockFit:
         """Host time of the board's ticks."""
         return self._tracker.fit()
+
+    def clock_known(self, block: CapturedBlock) -> bool | None:
+        """Whether a block's ticks are of the clock that is followed; None while unknown.
+
+        They are not where the block began before a jump was noticed, and it is not known before
+        a round trip that began after the block was announced.
+        """
+        if block.info.first_sample < self._jumped_sample:
+            return False
+        return True if block.announced_s <= self._tracker.seen_s else None
+
+    @property
+    def clock_jumped_s(self) -> float:
+        """Host time when the board's clock was last found to have jumped."""
+        return self._tracker.jumped_s
 
     @property
     def waits_for_reply(self) -> bool:
@@ -179,10 +195,7 @@ class BoardSession:
     def turn(self, now_s: float, *, readable: bool) -> None:
         """Take in what has come, if anything has, and ask for what is missing; never waits."""
         for frame in self._link.pump() if readable else ():
-            try:
-                self._take(frame, now_s)
-            except FrameError:
-                self._malformed += 1
+            self._take_or_count(frame, now_s)
         for wanted in self._blocks.overdue(now_s):
             self._link.send(
                 FrameType.RESEND, encode_resend(wanted.block_id, wanted.first, wanted.count)
@@ -217,9 +230,24 @@ class BoardSession:
             watch("trigger", self.status.triggers_missed, "triggers the board missed", now_s)
             watch("stream", self.status.adc_overruns, "overruns of the converter", now_s)
 
-    def stop(self) -> None:
-        """Stop sampling."""
+    def stop(self) -> BoardStatus:
+        """Stop sampling, take in what was on the way, and return the last counts."""
         self._link.stop()
+        status, _ = self._link.status()
+        self.status = status
+        now_s = self._clock.now_s()
+        for frame in self._link.pump():
+            self._take_or_count(frame, now_s)
+        # What the board dropped behind the last frame that came shows in no gap.
+        unseen = min(status.next_sample - self.stream.expected, status.stream_samples_dropped)
+        self._losses.add("stream", unseen, "preview samples dropped at the end", now_s)
+        return status
+
+    def _take_or_count(self, frame: Frame, now_s: float) -> None:
+        try:
+            self._take(frame, now_s)
+        except FrameError:
+            self._malformed += 1
 
     def _take(self, frame: Frame, now_s: float) -> None:
         kind = frame.header.type
@@ -228,13 +256,16 @@ class BoardSession:
         elif kind is FrameType.BLOCK_DATA:
             self._blocks.add(decode_samples(frame), now_s)
         elif kind is FrameType.BLOCK_READY:
-            self._blocks.announce(decode_block_info(frame.payload), now_s)
+            if self._blocks.announce(decode_block_info(frame.payload), now_s):
+                # The reply shows whether the clock is still what it was.
+                self._link.send(FrameType.STATUS)
         elif kind in _REPLIES:
             reply = self._link.reply_of(frame)
             if kind is FrameType.STATUS_REPLY:
-                self._take_status(decode_status(frame.payload))
-                if reply is not None:
-                    self._tracker.add(reply.trip)
+                status = decode_status(frame.payload)
+                self._take_status(status)
+                if reply is not None and self._tracker.add(reply.trip):
+                    self._jumped_sample = status.next_sample
             elif kind is FrameType.RELEASE_REPLY:
                 self._confirm_release(frame)
 

@@ -6,12 +6,11 @@ through python-can, of which only the receiving half is kept.
 
 from __future__ import annotations
 
-import select
-import time
 from typing import Any, Protocol
 
 import can
 
+from daq.clock import Clock, SystemClock
 from daq.serial_port import BytePort, SerialPort
 from protocols.can_records import CanFrame
 from protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
@@ -117,8 +116,9 @@ class SlcanListener:
     confirmed_silent = True
     error_frames = 0
 
-    def __init__(self, port: BytePort, bitrate: int) -> None:
+    def __init__(self, port: BytePort, bitrate: int, clock: Clock | None = None) -> None:
         self.name = port.name
+        self._clock = clock or SystemClock()
         self.status_flags: int | None = None
         self._port = port
         self._parser = SlcanParser()
@@ -152,6 +152,9 @@ class SlcanListener:
         """Close the line; the adapter is left listening, which disturbs nobody."""
         self._port.close()
 
+    def _wall_s(self) -> float:
+        return self._clock.wall_s(self._clock.now_s())
+
     def _frames(self, data: bytes) -> list[CanFrame]:
         frames = []
         for item in self._parser.feed(data):
@@ -165,9 +168,9 @@ class SlcanListener:
         self._port.write(command)
         optional = command == CLOSE
         n_faults = 0
-        until = time.monotonic() + (CLOSE_TIMEOUT_S if optional else ADAPTER_TIMEOUT_S)
-        while (left := until - time.monotonic()) > 0.0:
-            if not select.select([self._port], [], [], left)[0]:
+        until = self._wall_s() + (CLOSE_TIMEOUT_S if optional else ADAPTER_TIMEOUT_S)
+        while (left := until - self._wall_s()) > 0.0:
+            if not self._clock.wait([self._port.fileno()], left):
                 break
             for item in self._parser.feed(self._port.read()):
                 n_faults += isinstance(item, SlcanFault)

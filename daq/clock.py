@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import select
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -20,6 +22,9 @@ class Clock(Protocol):
 
     def wall_s(self, lab_s: float) -> float:
         """Return how many seconds of a waiting process `lab_s` lab seconds are."""
+
+    def wait(self, descriptors: Iterable[int], wall_s: float) -> list[int]:
+        """Wait for at most `wall_s` seconds and return the descriptors that can be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,3 +56,7 @@ class SystemClock:
     def wall_s(self, lab_s: float) -> float:
         """Return how many wall seconds `lab_s` lab seconds are."""
         return lab_s / self.scale
+
+    def wait(self, descriptors: Iterable[int], wall_s: float) -> list[int]:
+        """Wait for at most `wall_s` seconds and return the descriptors that can be read."""
+        return select.select(list(descriptors), [], [], max(wall_s, 0.0))[0]

@@ -26,6 +26,9 @@ FASTEST_SHARE = 0.2
 SEGMENTS = 10
 FEWEST = 4
 NOMINAL_RATE_STD = 1e-4  # relative: a plain crystal, over temperature
+SLOW = 10.0  # times the median: a trip that took so long was held up, and tells nothing
+JUMP_S = 0.005  # beyond its uncertainties, a clock that is so far off has jumped
+CERTAIN = 5.0  # standard uncertainties
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,6 +134,8 @@ def _fastest(trips: Sequence[RoundTrip]) -> list[RoundTrip]:
         for segment in segments.values()
         for trip in segment[: math.ceil(FASTEST_SHARE * len(segment))]
     ]
+    median_s = float(np.median([trip.duration_s for trip in chosen]))
+    chosen = [trip for trip in chosen if trip.duration_s <= SLOW * median_s]
     if len(chosen) >= FEWEST:
         return chosen
     return sorted(trips, key=lambda trip: trip.duration_s)[:FEWEST]
@@ -145,17 +150,42 @@ def _scatter(
 
 
 class ClockTracker:
-    """The last round trips, and the line through the fastest of them."""
+    """The last round trips, and the line through the fastest of them.
+
+    Device time lies between the host's two times of a round trip, whatever the delays. Where the
+    line contradicts that, the device's clock has jumped, and the earlier trips are forgotten.
+
+    Attributes
+    ----------
+    jumped_s : float
+        Host time when the last jump was noticed; minus infinity while there was none.
+    seen_s : float
+        Host time when the last trip began.
+    """
 
     def __init__(self, nominal_tick_hz: float, *, keep: int = 500) -> None:
         self._nominal_tick_hz = nominal_tick_hz
         self._trips: deque[RoundTrip] = deque(maxlen=keep)
         self._fit: ClockFit | None = None
+        self.jumped_s = -math.inf
+        self.seen_s = -math.inf
 
-    def add(self, trip: RoundTrip) -> None:
-        """Take one round trip in."""
+    def add(self, trip: RoundTrip) -> bool:
+        """Take one round trip in; return whether it shows that the clock has jumped."""
+        jumped = bool(self._trips) and self._contradicts(trip)
+        if jumped:
+            self._trips.clear()
+            self.jumped_s = trip.received_s
         self._trips.append(trip)
         self._fit = None
+        self.seen_s = max(self.seen_s, trip.sent_s)
+        return jumped
+
+    def _contradicts(self, trip: RoundTrip) -> bool:
+        fit = self.fit()
+        told_s = fit.host_s(trip.ticks)
+        slack_s = JUMP_S + CERTAIN * fit.uncertainty_s(trip.ticks)
+        return not trip.sent_s - slack_s <= told_s <= trip.received_s + slack_s
 
     def __len__(self) -> int:
         return len(self._trips)

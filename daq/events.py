@@ -112,6 +112,9 @@ class Finished:
     rejected: int
     cpu_s: float  # processor time of the loop, with all threads of the process
     previews_dropped: int
+    samples_taken: int | None  # by the board since START; None where it did not tell at the end
+    samples_seen: int  # of them came in the preview,
+    samples_missing: int  # did not come before the last that did
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

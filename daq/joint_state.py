@@ -53,6 +53,7 @@ class JointState:
     def __init__(self, mapping: CanMapping, joint_names: Iterable[str]) -> None:
         self._names = tuple(joint_names)
         self._stale_after_s = mapping.stale_after_s
+        self._rate_hz = mapping.rate_hz
         self._has_drive_state = mapping.drive_state is not None
         self._decoder = CanDecoder(mapping)
         self._latest: dict[str, tuple[float, float]] = {}  # joint: angle, time
@@ -124,14 +125,26 @@ class JointState:
             found = cycle
         return None if found is None else _reading(found, found.newest_s, 0.0)
 
-    def spread_rad(self, since_s: float) -> float | None:
-        """Return the largest range any joint has covered since then; None if not yet known."""
+    def spread_rad(self, since_s: float, until_s: float = math.inf) -> float | None:
+        """Return the largest range any joint covered in a time; None if it is not known."""
         angles = []
         for cycle in reversed(self._cycles):
-            angles.append(cycle.joints_rad)
+            if cycle.oldest_s <= until_s:
+                angles.append(cycle.joints_rad)
             if cycle.oldest_s <= since_s:
                 return float(np.ptp(np.array(angles), axis=0).max())
         return None
+
+    def silence_s(self, since_s: float, until_s: float) -> float:
+        """Return for how long the bus told nothing of the arm between two times.
+
+        Frames that were read late come together, so a pause counts only as far as frames are
+        missing by the bus's rate.
+        """
+        times = [cycle.newest_s for cycle in self._cycles if since_s < cycle.newest_s <= until_s]
+        longest_s = float(np.diff([since_s, *times, until_s]).max())
+        missing_s = until_s - since_s - len(times) / self._rate_hz
+        return max(min(longest_s, missing_s), 0.0)
 
     def _close_cycle(self) -> None:
         self._renewed.clear()

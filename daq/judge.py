@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from daq.blocks import CapturedBlock
 from daq.judge_anti_alias import templates
-from daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, unsettled
+from daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, stuck, unsettled
 from daq.judge_pulses import FEWEST_QUIET, Pulses, find_pulses
 from protocols.board.records import BoardDictionary, Channel
 from protocols.plan_records import Sampling, Trigger
@@ -38,6 +38,8 @@ class JudgeLimits:
     hidden : second pulse that the noise may hide without a note, over the highest.
     clip : share of an input's full scale that counts as overloaded; a converter's filter smears
         a clipped top, so it lies a little below 1.
+    swing : force against the hit's direction, over the peak, that no hammer makes; a converter's
+        filter makes no more than half of it.
     soft : lowest peak force, in trigger levels.
     late_s : longest time from trigger to peak; five samples are always allowed.
     cut : force over the peak that the pulse must fall to on either side within the record.
@@ -53,6 +55,7 @@ class JudgeLimits:
     noise_floor: float = 10.0
     hidden: float = 0.10
     clip: float = 0.98
+    swing: float = 0.8
     soft: float = 2.0
     late_s: float = 0.02
     cut: float = 0.05
@@ -124,7 +127,10 @@ def judge_record(
     )
     if overloaded := clipped(block.counts, channels, limits.clip):
         found.reject("overload", "at the end of the range: " + ", ".join(overloaded))
+    if still := stuck(block.counts, channels, start):
+        found.reject("stuck", "one count again and again after the hit: " + ", ".join(still))
     found.strength(pulses, abs(trigger.level_n))
+    found.swing(pulses, force_n)
     found.number(pulses, start, rate_hz)
     found.place(pulses, force_n, start, rate_hz, None if block.missing else sampling.pretrigger)
     quiet = start - _RINGING_REACH
@@ -173,6 +179,16 @@ class _Findings:
         elif pulses.hidden > self._limits.hidden:
             self._notes.append(
                 f"a second pulse below {100 * pulses.hidden:.0f} % would be lost in the noise"
+            )
+
+    def swing(self, pulses: Pulses, force_n: Signal) -> None:
+        """Force both ways, which is no hammer's."""
+        trough_n = -float(force_n.min())
+        if trough_n > self._limits.swing * pulses.peak_n:
+            self.reject(
+                "swing",
+                f"the force swings to {-trough_n:.3g} N, and a hammer only pushes: look at its "
+                "cable and supply",
             )
 
     def number(self, pulses: Pulses, start: int, rate_hz: float) -> None:

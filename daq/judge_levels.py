@@ -9,7 +9,7 @@ from daq.judge_pulses import FEWEST_QUIET
 from protocols.board.records import Channel
 from protocols.board.samples import COUNT_MAX
 
-__all__ = ["FORCE", "clipped", "lost_in_noise", "still_ringing", "unsettled"]
+__all__ = ["FORCE", "clipped", "lost_in_noise", "still_ringing", "stuck", "unsettled"]
 
 FORCE = "force"
 
@@ -18,6 +18,7 @@ Signal = npt.NDArray[np.float64]
 
 _CLEAR_OF_NOISE = 3.0  # rms over the noise's from which it is vibration
 _END_SHARE = 16  # the record's last sixteenth is its end
+_STUCK = 32  # equal counts in a row after the hit: no input of 24 bit is so quiet
 _RISEN = 2.0  # largest value after the hit over the largest before that is no mere noise
 
 
@@ -28,6 +29,21 @@ def clipped(counts: Counts, channels: tuple[Channel, ...], share: float) -> list
         channel.name
         for channel, extreme in zip(channels, extremes, strict=True)
         if extreme >= share * min(channel.full_scale / abs(channel.scale), COUNT_MAX)
+    ]
+
+
+def stuck(counts: Counts, channels: tuple[Channel, ...], start: int) -> list[str]:
+    """Name the responses that repeat one count for a while after the hit."""
+    after = counts[max(start, 0) :]
+    if len(after) < _STUCK:
+        return []
+    n = _STUCK - 1  # differences between as many counts
+    changes = np.cumsum(np.diff(after, axis=0) != 0, axis=0)
+    still = (changes[n - 1 :] == np.vstack([0 * changes[:1], changes[:-n]])).any(axis=0)
+    return [
+        channel.name
+        for channel, is_still in zip(channels, still, strict=True)
+        if is_still and channel.quantity != FORCE
     ]
 
 

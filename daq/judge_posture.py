@@ -19,6 +19,8 @@ def judge_posture(
     planned_rad: npt.NDArray[np.float64],
     tolerance_rad: float,
     moved_rad: float,
+    spread_rad: float | None = None,
+    silence: str = "",
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return reasons and notes against a hit from the readings around it.
 
@@ -31,7 +33,11 @@ def judge_posture(
     tolerance_rad
         Largest distance of any joint from it.
     moved_rad
-        Largest distance of any joint between the two readings.
+        Largest distance of any joint between the two readings, or on the way.
+    spread_rad
+        Largest range any joint covered from `before` to `after`, None where it is not known.
+    silence
+        A sentence where nothing was known of the arm for too long in between.
     """
     reasons: list[str] = []
     notes: list[str] = []
@@ -58,7 +64,10 @@ def judge_posture(
                 f"{math.degrees(tolerance_rad):.2f} allowed"
             )
     if len(known) == 2:
-        change_rad = largest_difference_rad(known[0], known[1])
+        change_rad = max(largest_difference_rad(known[0], known[1]), spread_rad or 0.0)
+        if silence:
+            reasons.append("stale")
+            notes.append(silence)
         if change_rad > moved_rad:
             reasons.append("moved")
             notes.append(

@@ -23,7 +23,7 @@ _PREFIX = struct.Struct("<HBB")
 
 
 class StreamWatch:
-    """Follow the preview stream of a board.
+    """Follow the preview stream of a board, from the first sample after START.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class StreamWatch:
 
     def __init__(self, n_channels: int) -> None:
         self._n_channels = n_channels
-        self._expected: int | None = None
+        self._expected = 0
         self._parts: list[bytes] = []
         self._first_sample = 0
         self._n_samples = 0
@@ -65,7 +65,7 @@ class StreamWatch:
             self.malformed += 1
             return
         first = frame.header.first_sample
-        if self._expected is not None and first > self._expected:
+        if first > self._expected:
             self.missing += first - self._expected
             self.last_gap = self._expected
         self._expected = first + n_samples
@@ -75,6 +75,11 @@ class StreamWatch:
         if (self._n_samples + n_samples) * self._n_channels * BYTES_PER_COUNT <= MOST_BYTES:
             self._parts.append(payload[STREAM_PREFIX_SIZE:])
             self._n_samples += n_samples
+
+    @property
+    def expected(self) -> int:
+        """Index of the sample that comes next."""
+        return self._expected
 
     def preview(self) -> Preview | None:
         """Return the envelope of what has come since the last one, or None of nothing."""

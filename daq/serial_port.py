@@ -88,6 +88,8 @@ class SerialPort:
             except BlockingIOError:
                 break
             except OSError as error:
+                if parts:
+                    break  # what came before is handed on; the next call finds the device gone
                 raise self._lost(error) from error
             if not part:
                 if not parts:

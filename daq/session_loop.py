@@ -21,9 +21,9 @@ from daq.journal_writer import JournalWriter
 from daq.judge import force_column, judge_record
 from daq.judge_posture import judge_posture, with_posture
 from daq.losses import LossTally
-from daq.outbox import Outbox
 from daq.session_machine import PromptKind, SessionState
 from daq.settings import AcquisitionSettings
+from daq.surroundings import EventQueue
 from protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
 from protocols.session.records import Hit, JointReading
 
@@ -33,6 +33,9 @@ POSTURE_EVERY_WALL_S = 0.05
 PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
+SILENCE_S, SILENT_CYCLES = 0.1, 4.0  # of the bus during a hit: no arm goes and returns so fast
+NOTE_LENGTH = 4096  # of a sentence in the journal
+SILENCE_WALL_S = 0.1  # the bus's process may be held up for so long
 AFTER_WALL_S = 0.15  # the bus's process is given at least so long for a newer angle
 
 
@@ -61,7 +64,7 @@ class SessionLoop:
         joints: JointState,
         losses: LossTally,
         journal: JournalWriter,
-        outbox: Outbox,
+        outbox: EventQueue,
         state: SessionState,
         next_hit: int,
         turn_s: float,
@@ -81,6 +84,7 @@ class SessionLoop:
         self._waiting: deque[CapturedBlock] = deque()
         self._asked: machine.Prompt | None = None
         self._silent = False
+        self._jumped_s = -math.inf
         self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0}
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         self.accepted = 0
@@ -99,6 +103,9 @@ class SessionLoop:
         if self._is_due("posture", POSTURE_EVERY_WALL_S, now_s):
             self._hear()
             self._follow_posture(self._joints.reading(now_s), now_s)
+        if self._board.clock_jumped_s > self._jumped_s:
+            self._jumped_s = self._board.clock_jumped_s
+            self.note("the board's clock jumped: hits taken meanwhile are not used", now_s)
         self._judge_blocks(now_s)
         self._report(now_s)
         if self.complete and self.ended is None and not self._waiting:
@@ -110,6 +117,11 @@ class SessionLoop:
         for loss in self._losses.take():
             self._journal.append(encode_loss(loss))
             self._outbox.put(LossNoted(loss=loss))
+
+    def interrupt(self, reason: str) -> None:
+        """Keep what is known when the session cannot go on: the losses so far, and the reason."""
+        self._mark(MarkKind.NOTE, self._clock.now_s(), f"interrupted: {reason}"[:NOTE_LENGTH])
+        self.flush_losses()
 
     def note(self, text: str, now_s: float) -> None:
         """Tell the operator something, and keep it."""
@@ -181,10 +193,20 @@ class SessionLoop:
     def _judge_blocks(self, now_s: float) -> None:
         while (block := self._board.captured(now_s)) is not None:
             self._waiting.append(block)
+            self._losses.add(
+                "block", block.missing, "samples of a triggered block that never came", now_s
+            )
         if self._waiting:
             self._hear()
         while self._waiting:
             block = self._waiting[0]
+            known = self._board.clock_known(block)
+            if known is None:
+                return
+            if not known:
+                self._waiting.popleft()
+                self._set_aside(block, now_s, "was taken while the board's clock jumped")
+                continue
             fit = self._board.clock_fit
             # The filter shows the input as it was a group delay before.
             delay = self._board.found.dictionary.filter_group_delay_samples
@@ -196,7 +218,7 @@ class SessionLoop:
                 or not armed.since_s <= trigger_s <= armed.until_s
             ):
                 self._waiting.popleft()
-                self._set_aside(block, now_s)
+                self._set_aside(block, now_s, "was triggered when no hit was asked for")
                 continue
             lead = block.info.trigger_sample - block.info.first_sample
             start_s = trigger_s - lead / self._rate_hz
@@ -224,14 +246,24 @@ class SessionLoop:
             host_s=now_s,
         )
 
-    def _set_aside(self, block: CapturedBlock, now_s: float) -> None:
+    def _silence(self, before: JointReading, after: JointReading) -> str:
+        """Say that nothing was known of the arm for too long during a hit; empty if it was."""
+        can = self._settings.arm.can
+        silence_s = self._joints.silence_s(before.host_s, after.host_s)
+        if can is None:
+            return ""
+        floor_s = SILENCE_WALL_S / self._clock.wall_s(1.0)
+        if silence_s <= max(SILENCE_S, SILENT_CYCLES / can.rate_hz, floor_s):
+            return ""
+        return f"no joint angles for {silence_s:.3g} s during the hit"
+
+    def _set_aside(self, block: CapturedBlock, now_s: float, why: str) -> None:
         self._board.release(block.info.block_id, now_s)
         column = force_column(self._board.channels)
         peak_n = float(np.abs(block.counts[:, column]).max(initial=0))
         peak_n *= abs(self._board.channels[column].scale)
         self.note(
-            f"block {block.info.block_id} (peak {peak_n:.3g} N) was triggered when no hit was "
-            "asked for: not used",
+            f"block {block.info.block_id} (peak {peak_n:.3g} N) {why}: not used",
             now_s,
         )
 
@@ -247,7 +279,7 @@ class SessionLoop:
         prompt = state.prompt
         posture = state.posture
         if posture is None:
-            self._set_aside(block, now_s)
+            self._set_aside(block, now_s, "was triggered when no hit was asked for")
             return
         plan = self._settings.plan
         verdict = with_posture(
@@ -265,12 +297,10 @@ class SessionLoop:
                 posture.joints_rad,
                 posture.tolerance_rad,
                 self._moved_rad(posture.tolerance_rad),
+                self._joints.spread_rad(before.host_s, after.host_s),
+                self._silence(before, after),
             ),
         )
-        if block.missing:
-            self._losses.add(
-                "block", block.missing, "samples of a triggered block that never came", now_s
-            )
         hit = Hit(
             number=self._next_hit,
             posture=posture.name,

@@ -6,9 +6,8 @@ import numpy as np
 
 from hil_sim.board_state import BoardFirmware
 from hil_sim.faults import Fault, FaultSet
+from hil_sim.link_faults import ChannelFaults, LinkFaults
 from hil_sim.pty_port import PtyPort
-from protocols.board.codec import decode_frame
-from protocols.board.records import FrameType
 
 __all__ = ["Board"]
 
@@ -17,7 +16,8 @@ LINK_BUFFER = 8192
 # Samples taken in one step, so that a late step does not delay answers for long.
 MOST_SAMPLES = 4096
 LOST_SAMPLES = 100
-LOST_BLOCK_FRAME = 7
+LARGEST_JUMP_S = 5.0
+DRIFT_PPM = 500.0
 
 
 class Board:
@@ -32,7 +32,7 @@ class Board:
     faults
         What goes wrong at present.
     rng
-        For the bytes of garbage.
+        For what faults leave to chance.
     """
 
     def __init__(
@@ -48,8 +48,12 @@ class Board:
         self._faults = faults
         self._rng = rng
         self._unread = b""
-        self._block_frames = 0
+        self._link = LinkFaults(faults, rng)
+        self._channels = ChannelFaults(faults, rng)
+        self._plugged = True
+        self._drifting = False
         firmware.send = self._send
+        firmware.spoil = self._channels.spoil
 
     @property
     def wants_write(self) -> bool:
@@ -63,42 +67,66 @@ class Board:
 
     def step(self) -> None:
         """Do what is to be done now; never waits."""
-        if not self._unread:
-            self._unread = self.port.read()
-        self._answer()
-        if self._faults.take(Fault.DICTIONARY_CHANGE):
-            self.firmware.open_sensor(len(self.firmware.dictionary.channels) - 1)
+        self._suffer()
+        if self._plugged:
+            if not self._unread:
+                self._unread = self.port.read()
+            self._answer()
+        self._sample()
+        while self.firmware.poll():
+            if Fault.DEVICE_OVERFLOW in self._faults or not self._flush():
+                return
+        self._flush()
+
+    def _sample(self) -> None:
+        """Take the samples that are due, as far as the next scripted change."""
         due = min(self.firmware.samples_due(), MOST_SAMPLES)
         if due > LOST_SAMPLES and self._faults.take(Fault.ADC_GAP):
             self.firmware.lose_samples(LOST_SAMPLES)
             due -= LOST_SAMPLES
-        if due:
-            self.firmware.take_samples(due)
-        while self.firmware.poll():
-            if not self.port.flush():
-                return
-        self.port.flush()
+        while due > 0:
+            n = min(due, self._faults.until_change(self.firmware.next_sample) or due)
+            self.firmware.take_samples(n)
+            due -= n
+            self._faults.reach(self.firmware.next_sample)
+
+    def _suffer(self) -> None:
+        """Let happen to the board what is not of single frames or samples."""
+        self._faults.reach(self.firmware.next_sample)
+        if self._faults.take(Fault.DICTIONARY_CHANGE):
+            self.firmware.open_sensor(len(self.firmware.dictionary.channels) - 1)
+        if self._faults.take(Fault.BOARD_REBOOT):
+            self.firmware.reboot(int(self._rng.integers(1, 1 << 32)))
+        if self._faults.take(Fault.CLOCK_JUMP):
+            sign = 1.0 if self._rng.random() < 0.5 else -1.0
+            self.firmware.jump_clock(sign * float(self._rng.uniform(0.05, LARGEST_JUMP_S)))
+        if (Fault.CLOCK_DRIFT in self._faults) != self._drifting:
+            self._drifting = not self._drifting
+            self.firmware.drift_clock(DRIFT_PPM if self._drifting else -DRIFT_PPM)
+        if (Fault.UNPLUG in self._faults) == self._plugged:
+            self._plugged = not self._plugged
+            if self._plugged:
+                self.port.plug()
+            else:
+                self._unread = b""
+                self.port.unplug()
+
+    def _flush(self) -> bool:
+        """Whether the line has taken all."""
+        return Fault.LINK_STALL not in self._faults and self._plugged and self.port.flush()
 
     def _answer(self) -> None:
         if self._unread:
             self._unread = self._unread[self.firmware.receive(self._unread) :]
-            self.port.flush()
+            self._flush()
 
     def _send(self, frame: bytes) -> bool:
         """Put a frame on the line, as it is or as a fault will have it; whether there was room."""
-        if self.port.pending >= LINK_BUFFER and not self.port.flush():
-            return False
-        if Fault.BOARD_SILENCE in self._faults or self._is_lost(frame):
+        if not self._plugged:
             return True
-        if Fault.BOARD_GARBAGE in self._faults:
-            frame = self._rng.bytes(len(frame))
-        self.port.queue(frame)
+        if Fault.DEVICE_OVERFLOW in self._faults:
+            return False
+        if self.port.pending >= LINK_BUFFER and not self._flush():
+            return False
+        self.port.queue(self._link.carry(frame))
         return True
-
-    def _is_lost(self, frame: bytes) -> bool:
-        if Fault.BLOCK_LOSS not in self._faults:
-            return False
-        if decode_frame(frame[1:-1]).header.type is not FrameType.BLOCK_DATA:
-            return False
-        self._block_frames += 1
-        return self._block_frames % LOST_BLOCK_FRAME == 0

@@ -49,6 +49,8 @@ class BoardFirmware:
         How the board describes itself at present.
     send : callable
         Takes the bytes of one frame and returns whether the line took them.
+    spoil : callable
+        Takes the converter's counts and returns what a faulty channel makes of them.
 
     Raises
     ------
@@ -72,6 +74,7 @@ class BoardFirmware:
         self._sampling: SampleClock | None = None
         self._error: BaseException | None = None
         self.send: Callable[[bytes], bool] = lambda _frame: False
+        self.spoil: Callable[[Counts], Counts] = lambda counts: counts
         self.dictionary = dictionary
         self._bytes = encode_dictionary(dictionary)
         self._config, self._memory = self._make_config(dictionary)
@@ -146,6 +149,37 @@ class BoardFirmware:
         """Whether samples are taken."""
         return int(self._board.state) == BoardState.RUNNING
 
+    @property
+    def next_sample(self) -> int:
+        """Samples taken since START."""
+        return int(self._board.next_sample)
+
+    def reboot(self, session: int) -> None:
+        """Begin anew, idle, with nothing held."""
+        if self.running:
+            self._converter.stop()
+        self._sampling = None
+        self._check(
+            self._library.ab_init(self._board, self._config, self._keep, len(self._bytes), session)
+        )
+
+    def jump_clock(self, by_s: float) -> None:
+        """Let the tick counter jump; samples come as before, at other ticks."""
+        by = max(round(by_s * self._clock.tick_hz), -self._clock.offset_ticks)
+        self._clock = replace(self._clock, offset_ticks=self._clock.offset_ticks + by)
+        if self._sampling is not None:
+            self._sampling = replace(self._sampling, start_ticks=self._sampling.start_ticks + by)
+
+    def drift_clock(self, by_ppm: float) -> None:
+        """Let the clock, and the converter on it, run faster from now on."""
+        clock = self._clock
+        self._clock = replace(
+            clock,
+            boot_s=clock.lab.now_s(),
+            offset_ticks=clock.ticks(),
+            error_ppm=clock.error_ppm + by_ppm,
+        )
+
     def set_dictionary(self, dictionary: BoardDictionary) -> None:
         """Describe the board from now on; the hash in every frame follows."""
         encoded = encode_dictionary(dictionary)
@@ -181,7 +215,7 @@ class BoardFirmware:
         """Read samples from the converter and hand them to the library."""
         if self._sampling is None or not self.running:
             return
-        counts = np.ascontiguousarray(self._converter.read(count), dtype=np.int32)
+        counts = np.ascontiguousarray(self.spoil(self._converter.read(count)), dtype=np.int32)
         ticks = self._sampling.ready_ticks(int(self._board.next_sample))
         data = self._ffi.from_buffer("int32_t[]", counts)
         self._library.ab_samples(self._board, data, len(counts), ticks)

@@ -26,6 +26,9 @@ ADAPTER_BUFFER = 8192
 # Cycles made up for after a late step; older ones are lost.
 MOST_CYCLES = 64
 
+TWITCH_RAD, MOVE_RAD = np.radians(2.0), np.radians(3.0)
+CORRUPT_SHARE = 0.01  # of the characters on the line: every third line or so
+
 HELD, MOVING = 2, 3  # DRIVE_STATE
 
 
@@ -112,6 +115,7 @@ class Controller(Generic[BlowT]):
             cell.joints_rad, cell.joints_rad, begin_s=self._begin_s, max_speed_rad_s=1.0
         )
         self._moving = False
+        self._return_to: npt.NDArray[np.float64] | None = None
 
     @property
     def wants_write(self) -> bool:
@@ -134,6 +138,7 @@ class Controller(Generic[BlowT]):
     def step(self) -> None:
         """Do what is to be done now; never waits."""
         now_s = self._clock.now_s()
+        self._suffer(now_s)
         if self._moving and not self._motion.moving(now_s):
             self._moving = False
             self._cell.set_posture(self._motion.goal_rad)
@@ -142,6 +147,28 @@ class Controller(Generic[BlowT]):
             self.port.queue(self.adapter.feed(data))
         self._tell(now_s)
         self.port.flush()
+
+    def _suffer(self, now_s: float) -> None:
+        """Let the arm move by itself where a fault makes it."""
+        if self._return_to is not None and not self._motion.moving(now_s):
+            self.move_to(self._return_to)
+            self._return_to = None
+        twitches = self._faults.take(Fault.ARM_TWITCHES)
+        if twitches or self._faults.take(Fault.ARM_MOVES):
+            here_rad = self._motion.joints_rad(now_s)
+            there_rad = here_rad.copy()
+            there_rad[0] += TWITCH_RAD if twitches else MOVE_RAD
+            self._return_to = here_rad if twitches else None
+            self.move_to(there_rad)
+
+    def _on_line(self, lines: bytes) -> bytes:
+        """Return the lines of a cycle as they reach the host."""
+        if Fault.CAN_CORRUPT not in self._faults:
+            return lines
+        noisy = bytearray(lines)
+        for at in np.flatnonzero(self._rng.random(len(noisy)) < CORRUPT_SHARE):
+            noisy[at] = self._rng.integers(256)
+        return bytes(noisy)
 
     def _tell(self, now_s: float) -> None:
         due = int((now_s - self._begin_s) * self.options.rate_hz)
@@ -155,7 +182,8 @@ class Controller(Generic[BlowT]):
                     self.frames_lost += self._messages.per_cycle
                 else:
                     state = MOVING if self._motion.moving(self._cycle_s(cycle)) else HELD
-                    self.port.queue(self._messages.lines(joints_deg, state, cycle & 0xFF))
+                    lines = self._messages.lines(joints_deg, state, cycle & 0xFF)
+                    self.port.queue(self._on_line(lines))
         self._cycle = due
 
     def _cycle_s(self, cycle: int) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tty
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -27,11 +28,14 @@ class PtyPort:
     """
 
     def __init__(self) -> None:
+        self._outgoing = bytearray()
+        self._open()
+
+    def _open(self) -> None:
         self._master, self._slave = os.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self.name = os.ttyname(self._slave)
-        self._outgoing = bytearray()
 
     def __enter__(self) -> Self:
         return self
@@ -82,6 +86,18 @@ class PtyPort:
                 return False
             del self._outgoing[:written]
         return True
+
+    def unplug(self) -> None:
+        """Hang up on the host, and lose what is on the way; the line then has another name."""
+        self._outgoing.clear()
+        self.close()
+        self._open()
+
+    def plug(self) -> None:
+        """Drop what a host may have said to a line that was not there."""
+        with suppress(BlockingIOError):
+            while os.read(self._master, READ_SIZE):
+                pass
 
     def close(self) -> None:
         """Close both ends; a second call does nothing."""

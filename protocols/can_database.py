@@ -44,6 +44,8 @@ _PARSER_ERRORS = (
 
 _MESSAGE_LENGTH = re.compile(r"\bBO_\s+\d+\s+\w+\s*:\s*(\d+)")
 _LONGEST_MESSAGE = 64
+_SIGNAL_BITS = re.compile(r":\s*(\d+)\s*\|\s*(\d+)\s*@")
+_LONGEST_SIGNAL = 64  # bits
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,6 +203,12 @@ def load_database(text: str, name: str) -> cantools.database.can.Database:
             raise CanError(
                 f"CAN database {name}: wanted messages of at most {_LONGEST_MESSAGE} bytes, "
                 f"got {found[1][:12]}"
+            )
+    for found in _SIGNAL_BITS.finditer(text):
+        if max(len(found[1]), len(found[2])) > 3 or int(found[2]) > _LONGEST_SIGNAL:
+            raise CanError(
+                f"CAN database {name}: wanted signals of at most {_LONGEST_SIGNAL} bits below bit "
+                f"1000, got {found[1][:12]}|{found[2][:12]}"
             )
     try:
         database = cantools.database.load_string(text, database_format="dbc", strict=True)

@@ -8,6 +8,8 @@ from __future__ import annotations
 import io
 import math
 import re
+import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -42,7 +44,19 @@ _KIND_OF_FORM = {
     FrfForm.MOBILITY: DataKind.VELOCITY,
     FrfForm.ACCELERANCE: DataKind.ACCELERATION,
 }
+# numpy reads the header of an array as Python text.
+_HEADER_ERRORS = (
+    ValueError,
+    OSError,
+    TypeError,
+    SyntaxError,
+    KeyError,
+    tokenize.TokenError,
+    RecursionError,
+    MemoryError,
+)
 _ZIP_ERRORS = (
+    struct.error,
     zipfile.BadZipFile,
     zipfile.LargeZipFile,
     zlib.error,
@@ -81,7 +95,7 @@ def npy_array(data: bytes, origin: str) -> npt.NDArray[Any]:
     stream = io.BytesIO(data)
     try:
         shape, dtype = _npy_header(stream)
-    except (ValueError, OSError, TypeError, SyntaxError, KeyError) as error:
+    except _HEADER_ERRORS as error:
         raise ForeignFileError(
             f"{origin}: wanted an NPY file, it cannot be read ({_first(error)}); save it again"
         ) from error
@@ -239,6 +253,8 @@ def _members(data: bytes, origin: str) -> dict[str, bytes]:
 
 
 def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
+    if member.compress_type not in {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
+        raise ValueError(f"compression {member.compress_type}, wanted none or deflate")
     with archive.open(member) as stream:
         return stream.read(member.file_size)
 

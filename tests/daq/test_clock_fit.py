@@ -74,3 +74,33 @@ def test_the_tracker_forgets_the_oldest_trips():
         tracker.add(trip(float(t), 1e-3, 1e-3))
     assert len(tracker) == 10
     assert tracker.fit().host_s(FAR) == pytest.approx(100.0, abs=1e-6)
+
+
+def steady_trips(n, jump_after=None, jump_ticks=0, every_s=0.5, duration_s=0.002):
+    trips = []
+    for i in range(n):
+        at_s = every_s * i
+        ticks = round(TICK_HZ * (at_s + duration_s / 2.0))
+        if jump_after is not None and i >= jump_after:
+            ticks += jump_ticks
+        trips.append(RoundTrip(sent_s=at_s, received_s=at_s + duration_s, ticks=ticks))
+    return trips
+
+
+@pytest.mark.parametrize("jump_s", [-3.0, -0.02, 0.02, 3.0])
+def test_a_jump_of_the_device_s_clock_is_noticed_and_the_earlier_trips_forgotten(jump_s):
+    tracker = ClockTracker(TICK_HZ)
+    jumped = [tracker.add(t) for t in steady_trips(60, 40, round(jump_s * TICK_HZ))]
+    assert jumped == [i == 40 for i in range(60)]
+    ticks = round(TICK_HZ * (29.6 + jump_s))
+    # A trip lasts 2 ms, and its middle is known to be the reading here.
+    assert tracker.fit().host_s(ticks) == pytest.approx(29.6, abs=1e-4)
+
+
+def test_a_slow_trip_is_neither_a_jump_nor_believed():
+    tracker = ClockTracker(TICK_HZ)
+    for trip in steady_trips(40):
+        tracker.add(trip)
+    # Held up for a second and a half on the way back: its middle is 0.75 s off.
+    assert not tracker.add(RoundTrip(sent_s=20.0, received_s=21.5, ticks=round(TICK_HZ * 20.001)))
+    assert tracker.fit().host_s(TICK_HZ * 20) == pytest.approx(20.0, abs=1e-3)

@@ -108,3 +108,19 @@ def test_drives_that_do_not_hold_are_told(state, cycle):
     assert state.reading(1.0).held
     state.feed(cycle(0.1, 2, drive_state=0), 1.01)
     assert not state.reading(1.01).held
+
+
+def test_silence_is_time_in_which_frames_are_missing(state, cycle):
+    for i in range(20):
+        state.feed(cycle(0.1, i), 1.0 + 0.008 * i)
+    assert state.silence_s(1.0, 1.152) < 0.009
+    state.feed(cycle(0.1, 20), 1.352)
+    # 0.2 s without a cycle, the last one counted in.
+    assert state.silence_s(1.0, 1.352) == pytest.approx(0.2, abs=0.01)
+
+
+def test_frames_that_are_read_late_are_no_silence(state, cycle):
+    state.feed(cycle(0.1, 0), 1.0)
+    for i in range(25):
+        state.feed(cycle(0.1, 1 + i), 1.2)
+    assert state.silence_s(1.0, 1.2) == 0.0

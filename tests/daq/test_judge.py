@@ -238,3 +238,19 @@ def test_a_verdict_takes_a_few_milliseconds(judge):
         times.append(time.perf_counter() - begun)
     # The best of 20 is free of the scheduler; 100 ms are allowed for all of a verdict.
     assert min(times) < 5e-3
+
+
+def test_a_response_that_repeats_one_count_after_the_hit_does_not_measure(judge):
+    block = block_of(filtered_force([(0.1, 3e-3, 150.0)]), np.random.default_rng(8))
+    counts = block.counts.copy()
+    counts[PRETRIGGER + 50 : PRETRIGGER + 82, 2] = counts[PRETRIGGER + 50, 2]
+    verdict = judge(replace(block, counts=counts))
+    assert verdict.reasons == ("stuck",)
+    assert "acc_y" in verdict.notes[0]
+
+
+def test_a_force_that_pulls_as_hard_as_it_pushes_is_no_hammer_s(judge):
+    block = block_of(filtered_force([(0.1, 3e-3, 150.0)]), np.random.default_rng(9))
+    counts = block.counts.copy()
+    counts[PRETRIGGER + 20, 0] = -counts[:, 0].max()
+    assert "swing" in judge(replace(block, counts=counts)).reasons

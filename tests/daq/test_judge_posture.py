@@ -41,3 +41,15 @@ def test_each_way_to_stand_wrong_has_its_reason(before, after, reasons):
     found, notes = judge_posture(before, after, PLANNED, TOLERANCE, MOVED)
     assert found == reasons
     assert bool(notes) == bool(reasons)
+
+
+def test_a_move_that_ends_where_it_began_is_a_move():
+    found, notes = judge_posture(reading(), reading(), PLANNED, TOLERANCE, MOVED, 1.5 * MOVED)
+    assert found == ("moved",)
+    assert len(notes) == 1
+
+
+def test_a_hit_during_which_nothing_was_known_is_stale():
+    said = "no joint angles for 0.3 s during the hit"
+    found, notes = judge_posture(reading(), reading(), PLANNED, TOLERANCE, MOVED, 0.0, said)
+    assert (found, notes) == (("stale",), (said,))

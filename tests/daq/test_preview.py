@@ -56,3 +56,12 @@ def test_what_is_kept_for_the_envelope_is_bounded():
     assert preview is not None
     assert preview.n_samples * 12 <= MOST_BYTES
     assert watch.samples == 64 * 3000
+
+
+def test_what_is_missing_at_the_very_start_is_counted():
+    watch = StreamWatch(4)
+    counts = np.zeros((8, 4), dtype=np.int32)
+    payload = encode_samples(Samples(first_sample=16, counts=counts))
+    header = Header(type=FrameType.STREAM, session=1, sequence=0, first_sample=16)
+    watch.add(Frame(header=header, payload=payload))
+    assert (watch.samples, watch.missing, watch.expected) == (8, 16, 24)

@@ -1,0 +1,193 @@
+"""Soak: full rate beside a redrawing screen and a busy core; samples in = samples accounted for.
+
+A board streams 4 channels x 51.2 kS/s x 24 bit (0.61 MB/s on the wire) with a block of 2048 x 4
+every two seconds. The acquisition is its own process; this one redraws a Textual screen of
+160 x 45 characters 12 times a second from what it hears, and another process keeps a core busy.
+Every sample the board took must have been seen, or be named as lost.
+
+    python bench/torture_soak.py [seconds, default 600] [--directory FOLDER]
+
+Exit code 1 if a single sample or block is not accounted for.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import dataclasses
+import json
+import multiprocessing
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from textual.app import App, ComposeResult
+from textual.widgets import Static
+
+from daq.acquisition import run_acquisition
+from daq.commands import Ready, Stop
+from daq.events import Failed, Finished, HitJudged, LossNoted, Preview, Prompted, SessionOpened
+from daq.session_machine import PromptKind
+from daq.settings import AcquisitionSettings
+from protocols.arm.files import load_arm
+from protocols.plan import load_plan
+from protocols.session.journal import load_journal
+
+WIDTH, HEIGHT = 160, 45
+REDRAWS_PER_S = 12.0
+
+
+def busy() -> None:
+    while True:
+        pass
+
+
+class Screen(App[None]):
+    """Draws the envelope of every preview, and acts on the prompts."""
+
+    def __init__(self, ours, seconds: float) -> None:
+        super().__init__()
+        self.ours = ours
+        self.seconds = seconds
+        self.begun_s, self.until_s = 0.0, float("inf")
+        self.stopping = False
+        self.finished: Finished | Failed | None = None
+        self.hits: list[HitJudged] = []
+        self.losses: list = []
+        self.redraws = 0
+        self.preview: Preview | None = None
+
+    def compose(self) -> ComposeResult:
+        yield Static()
+
+    def on_mount(self) -> None:
+        self.set_interval(1.0 / REDRAWS_PER_S, self.look)
+
+    def look(self) -> None:
+        if not self.stopping and time.monotonic() > self.until_s:
+            self.ours.send(Stop(reason="the soak is over"))
+            self.stopping = True
+        while self.finished is None and self.ours.poll(0):
+            self.hear(self.ours.recv())
+        if self.preview is not None:
+            self.query_one(Static).update(picture(self.preview, self.redraws))
+            self.redraws += 1
+
+    def hear(self, event) -> None:
+        if isinstance(event, Prompted) and event.prompt.kind is PromptKind.POINT:
+            self.ours.send(Ready())
+        elif isinstance(event, SessionOpened):
+            self.begun_s = time.monotonic()
+            self.until_s = self.begun_s + self.seconds
+        elif isinstance(event, Preview):
+            self.preview = event
+        elif isinstance(event, HitJudged):
+            self.hits.append(event)
+        elif isinstance(event, LossNoted):
+            self.losses.append(event.loss)
+        elif isinstance(event, Finished | Failed):
+            self.finished = event
+
+
+def picture(preview: Preview, turn: int) -> str:
+    """Columns of the envelope, a row a channel's part of the screen; no two are alike."""
+    rows = []
+    for row in range(HEIGHT):
+        channel = row * preview.highest.shape[1] // HEIGHT
+        spread = preview.highest[:, channel] - preview.lowest[:, channel]
+        rows.append(
+            "".join(" .:-=+*#%@"[(int(spread[x % len(spread)]) + x + row + turn) % 10]
+                    for x in range(WIDTH))
+        )  # fmt: skip
+    return "\n".join(rows)
+
+
+async def watch(screen: Screen, seconds: float) -> None:
+    async with screen.run_test(size=(WIDTH, HEIGHT)):
+        deadline_s = time.monotonic() + seconds + 120.0
+        while screen.finished is None and time.monotonic() < deadline_s:
+            await asyncio.sleep(0.05)
+
+
+def soak(seconds: float, folder: Path) -> dict[str, object]:
+    """Run and return what came of it; `unexplained` must be 0 and `failed` empty."""
+    with subprocess.Popen(
+        [sys.executable, str(Path(__file__).with_name("feeder.py"))],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    ) as feeder:  # fmt: skip
+        assert feeder.stdout is not None
+        ports = json.loads(feeder.stdout.readline())
+        arm = load_arm("rv4frl")
+        plan = dataclasses.replace(load_plan("rv4frl-three-postures", arm), hits_per_point=1000)
+        settings = AcquisitionSettings(
+            board_port=ports["board"],
+            can_channel=ports["can"],
+            arm=arm,
+            plan=plan,
+            journal=folder / "soak.journal",
+        )
+        load = multiprocessing.get_context("spawn").Process(target=busy, daemon=True)
+        load.start()
+        ours, theirs = multiprocessing.Pipe()
+        process = multiprocessing.get_context("spawn").Process(
+            target=run_acquisition, args=(settings, theirs)
+        )
+        process.start()
+        screen = Screen(ours, seconds)
+        started_s = time.monotonic()
+        try:
+            asyncio.run(watch(screen, seconds))
+        finally:
+            elapsed_s = time.monotonic() - (screen.begun_s or started_s)
+            load.kill()
+            if screen.finished is None:
+                process.kill()
+            process.join()
+        sent = json.loads(feeder.communicate("stop\n", timeout=10)[0])
+    finished = screen.finished
+    if not isinstance(finished, Finished):
+        return {"failed": finished.message if finished else "no end was announced"}
+    kept = load_journal(settings.journal)
+    lost = sum(loss.count for loss in kept.losses if loss.kind == "stream")
+    produced = sent["stream_samples"] + sent["dropped_samples"]
+    taken = finished.samples_taken if finished.samples_taken is not None else -1
+    return {
+        "failed": "",
+        "seconds": round(elapsed_s, 1),
+        "samples in": produced,
+        "told by the board at the end": taken,
+        "seen": finished.samples_seen,
+        "reported missing": lost,
+        "dropped by the board": sent["dropped_samples"],
+        "unexplained": abs(sent["stream_samples"] - finished.samples_seen)
+        + abs(sent["dropped_samples"] - lost)
+        + abs(taken - produced),
+        "blocks in": sent["blocks"],
+        "hits": len(kept.hits),
+        "hits announced": len(screen.hits),
+        "accepted": sum(hit.verdict.accepted for hit in kept.hits),
+        "redraws": screen.redraws,
+        "cpu of acquisition, %": round(100.0 * finished.cpu_s / elapsed_s, 1),
+        "previews replaced": finished.previews_dropped,
+        "MB/s": round(sent["bytes"] / elapsed_s / 1e6, 2),
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("seconds", type=float, nargs="?", default=600.0)
+    parser.add_argument("--directory", type=Path, help="of the journal; a temporary one if not")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        told = soak(given.seconds, given.directory or Path(folder))
+    for what, value in told.items():
+        print(f"{what}: {value}")
+    if told["failed"] or told["unexplained"]:
+        return 1
+    return 0 if told["hits"] == told["hits announced"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

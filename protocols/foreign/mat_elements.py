@@ -1,0 +1,147 @@
+"""The elements of a MATLAB file (version 5), walked before scipy's reader is let near them.
+
+scipy looks types up in tables by the number that stands in the file, whatever it is, and may then
+crash the process. So every element that it will read is known here by type and extent before.
+
+References
+----------
+MathWorks, MAT-File Format (R2014b), chapter 1: tags, small elements, miMATRIX, miCOMPRESSED.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+
+__all__ = ["VERSION_5", "plain_variables"]
+
+HEADER_BYTES = 128
+VERSION_5 = 0x0100
+MOST_BYTES = 2**30  # of one variable, decompressed
+MOST_CELLS = 100_000
+_COMPRESSED, _MATRIX = 15, 14
+_INT8, _INT32, _UINT32 = 1, 5, 6
+_NUMBERS = frozenset({1, 2, 3, 4, 5, 6, 7, 9, 12, 13})
+_TEXTS = frozenset({1, 2, 3, 4, 16, 17, 18})
+_CELL, _CHAR = 1, 4
+_NUMERIC = range(6, 16)
+_COMPLEX = 0x08
+_MOST_DIMENSIONS = 32
+_DEEPEST = 2  # a cell of plain arrays
+
+
+class _NotPlain(Exception):  # noqa: N818 - says what a variable is, and is not an error
+    """A struct, an object, a function: something that is not read."""
+
+
+def plain_variables(data: bytes) -> list[str]:
+    """Return the names of the variables that are numbers, texts, or cells of them.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of version 5, or an element is not what its tag says.
+    """
+    if len(data) < HEADER_BYTES or data[126:128] not in {b"IM", b"MI"}:
+        raise ValueError("no MATLAB file of version 5")
+    order = "<" if data[126:128] == b"IM" else ">"
+    (version,) = struct.unpack_from(f"{order}H", data, 124)
+    if version != VERSION_5:
+        raise ValueError(f"version {version:#06x}, wanted {VERSION_5:#06x}")
+    names = []
+    at = HEADER_BYTES
+    while at < len(data):
+        if len(data) - at < 8:
+            raise ValueError(f"byte {at}: a tag that is cut off")
+        kind, size = struct.unpack_from(f"{order}II", data, at)
+        if kind not in {_COMPRESSED, _MATRIX} or size > len(data) - at - 8:
+            raise ValueError(f"byte {at}: an element of type {kind} with {size} bytes")
+        body = data[at + 8 : at + 8 + size]
+        at += 8 + size
+        if kind == _COMPRESSED:
+            body = _inflated(body, order)
+        try:
+            names.append(_check_matrix(body, order, 0))
+        except _NotPlain:
+            continue
+    return names
+
+
+def _inflated(body: bytes, order: str) -> bytes:
+    """Return the matrix in a compressed element."""
+    try:
+        reader = zlib.decompressobj()
+        whole = reader.decompress(body, MOST_BYTES)
+    except zlib.error as error:
+        raise ValueError(str(error)) from error
+    if reader.unconsumed_tail or not reader.eof or len(whole) < 8:
+        raise ValueError("compressed data that are cut off or too large")
+    kind, size = struct.unpack_from(f"{order}II", whole)
+    if kind != _MATRIX or size != len(whole) - 8:
+        raise ValueError(f"compressed element of type {kind} with {size} of {len(whole) - 8} bytes")
+    return whole[8:]
+
+
+def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+    """Yield type and data of the elements in a matrix."""
+    at = 0
+    while at < len(body):
+        if len(body) - at < 8:
+            raise ValueError("a tag that is cut off within an array")
+        first, size = struct.unpack_from(f"{order}II", body, at)
+        if first >> 16:  # a small element: size, type and up to four bytes in one
+            kind, size, start = first & 0xFFFF, first >> 16, at + 4
+            if size > 4:
+                raise ValueError(f"a small element of {size} bytes")
+            end = at + 8
+        else:
+            kind, start = first, at + 8
+            end = start + size + -size % 8
+        if start + size > len(body):
+            raise ValueError(f"an element of {size} bytes that is cut off")
+        yield kind, body[start : start + size]
+        at = end
+
+
+def _next(elements: Iterator[tuple[int, bytes]], kinds: frozenset[int], what: str) -> bytes:
+    kind, data = next(elements, (0, b""))
+    if kind not in kinds:
+        raise ValueError(f"{what} of type {kind}")
+    return data
+
+
+def _check_matrix(body: bytes, order: str, depth: int) -> str:
+    """Check an array and return its name; raise _NotPlain where it is none of ours."""
+    if not body and depth:
+        return ""  # an empty cell
+    elements = _elements(body, order)
+    flags = _next(elements, frozenset({_UINT32}), "array flags")
+    if len(flags) != 8:
+        raise ValueError(f"array flags of {len(flags)} bytes")
+    (word,) = struct.unpack_from(f"{order}I", flags)
+    kind, is_complex = word & 0xFF, bool(word >> 8 & _COMPLEX)
+    if kind not in _NUMERIC and kind not in {_CELL, _CHAR}:
+        if depth:
+            raise ValueError(f"an array of class {kind} in a cell")
+        raise _NotPlain
+    shape = _next(elements, frozenset({_INT32}), "dimensions")
+    n = len(shape) // 4
+    if len(shape) % 4 or not 2 <= n <= _MOST_DIMENSIONS:
+        raise ValueError(f"dimensions of {len(shape)} bytes")
+    sizes = struct.unpack(f"{order}{n}i", shape)
+    if min(sizes) < 0:
+        raise ValueError(f"dimensions {sizes}")
+    name = _next(elements, frozenset({_INT8}), "a name").decode("latin-1")
+    if kind == _CELL:
+        if depth >= _DEEPEST or math.prod(sizes) > MOST_CELLS:
+            raise ValueError("cells within cells, or too many of them")
+        for _ in range(math.prod(sizes)):
+            _check_matrix(_next(elements, frozenset({_MATRIX}), "a cell"), order, depth + 1)
+    else:
+        kinds = _TEXTS if kind == _CHAR else _NUMBERS
+        _next(elements, kinds, "data")
+        if is_complex:
+            _next(elements, _NUMBERS, "an imaginary part")
+    return name

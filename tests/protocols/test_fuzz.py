@@ -1,0 +1,97 @@
+"""Bytes from outside: a little of `bench/torture_fuzz.py`, and what it once found."""
+
+import io
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from support.decoders import check, decode_board
+from support.fuzz_c import c_inputs, compile_fuzz, fuzz_c
+from support.fuzz_material import decoders_in
+
+from protocols.errors import ForeignFileError
+from protocols.foreign.arrays_measured import npy_array
+from protocols.foreign.mat_elements import plain_variables
+
+NAMES = (
+    "board frames", "slcan", "journal", "arm", "arm without files", "urdf", "dbc", "plan",
+    "targets", "manifest", "uff", "mat", "npy", "npz", "csv", "hdf5",
+)  # fmt: skip
+INPUTS = 60
+
+
+@pytest.fixture(scope="module")
+def decoders(tmp_path_factory):
+    return decoders_in(tmp_path_factory.mktemp("fuzz"))
+
+
+def test_every_decoder_is_fuzzed(decoders):
+    assert set(decoders) == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.filterwarnings("ignore")  # of libraries, about the bytes they are given
+def test_changed_files_are_read_or_refused(decoders, name):
+    decoder = decoders[name]
+    decoder.decode(decoder.seeds[0])
+    rng = np.random.default_rng(NAMES.index(name))
+    for _ in range(INPUTS):
+        data = decoder.mutate(decoder.seeds[rng.integers(len(decoder.seeds))], rng, decoder.seeds)
+        assert check(decoder, data) is None
+
+
+@given(st.binary(max_size=600))
+@settings(deadline=None, max_examples=100)
+def test_any_bytes_of_a_board_are_frames_or_garbage(data):
+    decode_board(b"\0" + data + b"\0")
+
+
+def test_an_npy_header_that_is_no_python_is_refused():
+    stream = io.BytesIO()
+    np.save(stream, np.zeros(3))
+    data = stream.getvalue().replace(b"(3,), }", b"(3,(((( ")
+    with pytest.raises(ForeignFileError, match="wanted an NPY file"):
+        npy_array(data, "a.npy")
+
+
+def test_the_c_decoders_bear_changed_bytes_under_the_sanitizers(tmp_path):
+    if compile_fuzz(tmp_path) is None:
+        pytest.skip("no C compiler here makes programs with -fsanitize=address,undefined")
+    found = fuzz_c(100_000, np.random.default_rng(1))
+    assert found["faults"] == 0, found["told"]
+    assert found["bytes"] >= 100_000
+    assert (
+        sum(len(data) - 4 for data in c_inputs(100_000, np.random.default_rng(1)))
+        == (found["bytes"])
+    )
+
+
+def mat_with_type(kind):
+    """A MATLAB file whose numbers are said to be of an element type."""
+    stream = io.BytesIO()
+    scipy.io.savemat(stream, {"time": np.arange(4.0)})
+    data = bytearray(stream.getvalue())
+    at = data.index(b"time") + 4
+    data[at : at + 4] = kind.to_bytes(4, "little")
+    return bytes(data)
+
+
+def test_numbers_of_a_matlab_file_are_of_a_type_it_knows():
+    assert plain_variables(mat_with_type(9)) == ["time"]
+    for kind in (0, 8, 11, 14, 19, 200, 65535):
+        with pytest.raises(ValueError, match=f"data of type {kind}"):
+            plain_variables(mat_with_type(kind))
+
+
+def test_structs_of_a_matlab_file_are_passed_over():
+    stream = io.BytesIO()
+    content = {"notes": {"who": "x"}, "time": np.arange(4.0), "names": np.array(["a"], object)}
+    scipy.io.savemat(stream, content, do_compression=True)
+    assert plain_variables(stream.getvalue()) == ["time", "names"]

@@ -1,0 +1,410 @@
+"""The simulated laboratory in this process, on a clock that runs only while somebody waits.
+
+Board (the device library), controller and operator are those of `hil_sim`; their lines are byte
+queues, so a session of ten lab seconds takes a fraction of a second and is the same every time.
+"""
+
+import bisect
+from collections import deque
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from support.known_arm import KnownArm, KnownBlow, known_truth
+
+from daq.can_listener import SlcanListener
+from daq.commands import Ready, Stop
+from daq.events import Failed, Finished, HitJudged, Noted, Prompted
+from daq.session_machine import PromptKind
+from daq.surroundings import Surroundings
+from hil_sim.board import Board
+from hil_sim.board_dictionary import board_dictionary
+from hil_sim.board_state import BoardFirmware, Converter
+from hil_sim.cell import Cell
+from hil_sim.clock import DeviceClock, LabClock
+from hil_sim.controller import Controller
+from hil_sim.faults import FaultSet
+from hil_sim.ledger import LedgerWriter
+from hil_sim.plant import build_plant
+from protocols.board.codec import FrameDecoder
+from protocols.board.messages import decode_samples
+from protocols.board.records import FrameType
+from protocols.errors import DeviceLostError, PortError
+
+STEP_S = 0.004  # of the laboratory, between two looks at what is due
+WAIT_S = 0.001
+BOARD_FD, CAN_FD, CHANNEL_FD = 1001, 1002, 1003
+PATIENCE_S = 4.0  # until a hit nobody speaks of is repeated
+LONGEST_S = 90.0  # of one acquisition, until the operator gives up
+HANGS_AFTER_S = 150.0
+LINE_HOLDS = 16384  # bytes, as a pseudo-terminal does
+# Room for three blocks of 256 samples of four channels: buffers that can overflow.
+BLOCK_CAPACITY = 3 * 256 * 12
+
+
+class HangError(Exception):
+    """An acquisition that goes on though its operator has long given up."""
+
+
+class MemoryLine:
+    """Both ends of a serial line: the device's, and the host's, that can be unplugged."""
+
+    def __init__(self, name, fd):
+        self.name = name
+        self._fd = fd
+        self._outgoing = bytearray()
+        self._to_host = bytearray()
+        self._to_device = bytearray()
+        self.generation = 0
+        self.plugged = True
+
+    # The device's end
+
+    @property
+    def pending(self):
+        return len(self._outgoing)
+
+    def read(self):
+        data = bytes(self._to_device[:4096])
+        del self._to_device[: len(data)]
+        return data
+
+    def queue(self, data):
+        self._outgoing += data
+
+    def flush(self):
+        room = LINE_HOLDS - len(self._to_host)
+        self._to_host += self._outgoing[:room]
+        del self._outgoing[:room]
+        return not self._outgoing
+
+    def unplug(self):
+        self.plugged = False
+        self.generation += 1
+        self._outgoing.clear()
+        self._to_host.clear()
+        self._to_device.clear()
+
+    def plug(self):
+        self.plugged = True
+
+    # The host's end
+
+    def host(self):
+        return HostEnd(self)
+
+    def is_readable(self):
+        return bool(self._to_host) or not self.plugged
+
+
+class HostEnd:
+    """What the acquisition holds; lost for good once the line was unplugged."""
+
+    def __init__(self, line):
+        if not line.plugged:
+            raise PortError(f"cannot open port {line.name}: there is no such device")
+        self._line = line
+        self._generation = line.generation
+        self.name = line.name
+        self.heard = bytearray()
+
+    def fileno(self):
+        return self._line._fd
+
+    def _check(self):
+        if self._line.generation != self._generation:
+            raise DeviceLostError(f"the device on {self.name} is gone; plug it in, then resume")
+
+    def read(self):
+        self._check()
+        data = bytes(self._line._to_host)
+        self._line._to_host.clear()
+        self.heard += data
+        return data
+
+    def write(self, data):
+        self._check()
+        self._line._to_device += data
+
+    def close(self):
+        """Nothing is held."""
+
+
+@dataclass
+class Epoch:
+    """Samples since one START: what the converter gave, and when."""
+
+    rate_hz: float
+    chunks: list = field(default_factory=list)  # (first index, counts, lab time)
+    blows: list = field(default_factory=list)
+    next_sample: int = 0
+
+    def counts(self, first, n):
+        parts = []
+        for start, counts, _ in self.chunks:
+            low, high = max(first, start), min(first + n, start + len(counts))
+            if low < high:
+                parts.append(counts[low - start : high - start])
+        return np.concatenate(parts) if parts else np.zeros((0, 4), np.int32)
+
+    def lab_s(self, sample):
+        """Lab time of a sample, to about a step of the laboratory."""
+        at = bisect.bisect_right([start for start, _, _ in self.chunks], sample) - 1
+        start, counts, end_s = self.chunks[max(at, 0)]
+        return end_s - (start + len(counts) - sample) / self.rate_hz
+
+
+class VirtualLab:
+    """Everything of a session that is not the acquisition itself."""
+
+    def __init__(
+        self, plan, directory, *, seed, faults, at_blows=(), block_capacity=BLOCK_CAPACITY
+    ):
+        self.plan = plan
+        self.wall_s = 1000.0
+        self.rng = np.random.default_rng(seed)
+        self.epochs = []
+        self.joints = []  # (lab time, true joint angles), where they change
+        clock = LabClock(monotonic=lambda: self.wall_s)
+        self.lab_clock = clock
+        self.faults = FaultSet(faults)
+        truth = known_truth()
+        posture = plan.postures[0].joints_rad
+        self.cell = Cell(self._make_source, joints_rad=posture, point="1")
+        self.ledger = LedgerWriter(
+            directory / "ledger.jsonl", build_plant(truth), seed=seed, time_scale=1.0
+        )
+        self.dictionary = replace(board_dictionary(truth), block_capacity=block_capacity)
+        self.firmware = BoardFirmware(
+            self.dictionary,
+            session=int(self.rng.integers(1, 1 << 32)),
+            clock=DeviceClock(
+                lab=clock, boot_s=clock.now_s(), error_ppm=37.0, offset_ticks=60_000_000
+            ),
+            converter=Converter(
+                start=self.cell.start_sampling, stop=self.cell.stop_sampling, read=self.cell.read
+            ),
+        )
+        self.board_line, self.can_line = MemoryLine("board", BOARD_FD), MemoryLine("can", CAN_FD)
+        fault_rng, can_rng = self.rng.spawn(2)
+        self.board = Board(self.firmware, self.board_line, faults=self.faults, rng=fault_rng)
+        self._record_samples()
+        self.controller = Controller(
+            self.cell, self.can_line, clock=clock, faults=self.faults, rng=can_rng
+        )
+        self.channel = Channel()
+        self.operator = VirtualOperator(self)
+        self.ends = []
+        self.at_blows = at_blows  # (number of the blow, fault, samples after it, how many)
+        self.n_blows = 0
+
+    def close(self):
+        self.ledger.close()
+
+    # What the acquisition is given
+
+    def surroundings(self):
+        return Surroundings(
+            clock=VirtualClock(self),
+            open_board=lambda _settings: self._opened(self.board_line),
+            open_can=self._open_can,
+            make_outbox=lambda _channel: self.operator,
+        )
+
+    def _opened(self, line):
+        end = line.host()
+        self.ends.append(end)
+        return end
+
+    def _open_can(self, _settings, bitrate):
+        return SlcanListener(self.can_line.host(), bitrate, VirtualClock(self))
+
+    # What is due
+
+    def advance(self, seconds):
+        until_s = self.wall_s + seconds
+        while self.wall_s < until_s - 1e-9:
+            self.wall_s = min(self.wall_s + STEP_S, until_s)
+            self.step()
+        if self.wall_s > self.operator.begun_s + HANGS_AFTER_S:
+            raise HangError(f"still running at {self.wall_s - 1000.0:.0f} s of the laboratory")
+
+    def step(self):
+        self.board.step()
+        self.controller.step()
+        joints_rad = self.controller._motion.joints_rad(self.wall_s)
+        if not self.joints or not np.array_equal(self.joints[-1][1], joints_rad):
+            self.joints.append((self.wall_s, np.array(joints_rad)))
+        self.operator.step()
+
+    def true_joints(self, begin_s, end_s):
+        """All postures the arm truly stood in between two lab times, (n, n_joints)."""
+        times = [at for at, _ in self.joints]
+        first = max(bisect.bisect_right(times, begin_s) - 1, 0)
+        return np.array([q for at, q in self.joints[first:] if at <= end_s])
+
+    def _make_source(self, rate_hz):
+        self.epochs.append(Epoch(rate_hz=float(rate_hz)))
+        return KnownArm(len(self.epochs))
+
+    def _record_samples(self):
+        spoil, lose = self.firmware.spoil, self.firmware.lose_samples
+
+        def recorded(counts):
+            counts = spoil(counts)
+            epoch = self.epochs[-1]
+            epoch.chunks.append((epoch.next_sample, counts.copy(), self.wall_s))
+            epoch.next_sample += len(counts)
+            return counts
+
+        def lost(count):
+            if self.firmware.running:
+                self.epochs[-1].next_sample += count
+            lose(count)
+
+        self.firmware.spoil = recorded
+        self.firmware.lose_samples = lost
+
+
+class VirtualClock:
+    """Lab seconds that pass while somebody waits."""
+
+    def __init__(self, lab):
+        self._lab = lab
+
+    def now_s(self):
+        return self._lab.wall_s
+
+    def sleep(self, lab_s):
+        if lab_s > 0.0:
+            self._lab.advance(lab_s)
+
+    def wall_s(self, lab_s):
+        return lab_s
+
+    def wait(self, descriptors, wall_s):
+        until_s = self._lab.wall_s + max(wall_s, 0.0)
+        while True:
+            ready = [fd for fd in descriptors if self._is_ready(fd)]
+            if ready or self._lab.wall_s >= until_s - 1e-9:
+                return ready
+            self._lab.advance(min(WAIT_S, until_s - self._lab.wall_s))
+
+    def _is_ready(self, fd):
+        if fd == CHANNEL_FD:
+            return self._lab.channel.poll(0)
+        line = self._lab.board_line if fd == BOARD_FD else self._lab.can_line
+        return line.is_readable()
+
+
+class Channel:
+    """The operator's commands on their way."""
+
+    def __init__(self):
+        self.said = deque()
+
+    def fileno(self):
+        return CHANNEL_FD
+
+    def poll(self, _timeout_s):
+        return bool(self.said)
+
+    def recv(self):
+        return self.said.popleft()
+
+
+class VirtualOperator:
+    """Does what is asked; an outbox on its other side."""
+
+    previews_dropped = 0
+
+    def __init__(self, lab):
+        self._lab = lab
+        self.events = []
+        self.begun_s = lab.wall_s
+        self._due = None  # (lab time, what to do)
+
+    def begin(self):
+        self.begun_s = self._lab.wall_s
+        self._due = None
+
+    def put(self, event):
+        if isinstance(event, Prompted | HitJudged | Failed | Finished | Noted):
+            self.events.append((self._lab.wall_s, event))
+        if isinstance(event, Prompted):
+            self._answer(event.prompt)
+        elif isinstance(event, Failed | Finished):
+            self._due = None
+
+    def finish(self, _timeout_s):
+        return True
+
+    def step(self):
+        now_s = self._lab.wall_s
+        if now_s > self.begun_s + LONGEST_S:
+            self.begun_s, self._due = now_s, None
+            self._lab.channel.said.append(Stop(reason="the operator gives up"))
+        if self._due is not None and now_s >= self._due[0]:
+            _, do = self._due
+            self._due = None
+            do()
+
+    def _after(self, seconds, do):
+        self._due = (self._lab.wall_s + seconds * self._lab.rng.uniform(0.9, 1.1), do)
+
+    def _answer(self, prompt):
+        if prompt.kind is PromptKind.POSTURE:
+            self._after(0.3, lambda: self._go(prompt))
+        elif prompt.kind is PromptKind.POINT:
+            self._after(0.3, lambda: self._mount(prompt))
+        elif prompt.kind is PromptKind.HIT:
+            self._after(0.35, lambda: self._hit(prompt))
+        else:
+            self._due = None
+
+    def _go(self, prompt):
+        self._lab.controller.move_to(prompt.posture.joints_rad)
+        self._after(PATIENCE_S, lambda: self._go(prompt))
+
+    def _mount(self, prompt):
+        self._lab.cell.mount(prompt.sensor_point)
+        self._lab.ledger.note("mount", self._lab.wall_s, point=prompt.sensor_point)
+        self._lab.channel.said.append(Ready())
+        self._after(PATIENCE_S, lambda: self._mount(prompt))
+
+    def _hit(self, prompt):
+        lab = self._lab
+        blow = KnownBlow(peak_counts=int(lab.rng.integers(60_000, 150_000)))
+        at_sample = lab.cell.strike(lab.rng.uniform(1.0, 2.0), blow)
+        if at_sample is not None:
+            lab.n_blows += 1
+            for number, fault, after, n in lab.at_blows:
+                if number == lab.n_blows:
+                    at = max(int(at_sample) + after, 0)
+                    lab.faults.switch(f"{fault}@{at}" + (f"+{n}" if n else ""), active=True)
+            facts = {
+                "at_sample": at_sample,
+                "point": prompt.hit_point,
+                "sensor_point": lab.cell.point,
+                "peak_counts": blow.peak_counts,
+            }
+            lab.epochs[-1].blows.append(facts)
+            lab.ledger.note("hit", lab.wall_s, epoch=len(lab.epochs), **facts)
+        self._after(PATIENCE_S, lambda: self._hit(prompt))
+
+
+def heard_stream(end, session):
+    """The preview that came to the host's end in order, as long as the board was the same one."""
+    decoder, heard, last, described = FrameDecoder(), [], -1, None
+    frames = decoder.feed(bytes(end.heard))
+    for frame in frames:
+        if frame.header.session != session or frame.header.sequence <= last:
+            continue
+        described = described or frame.header.dictionary_hash
+        if frame.header.dictionary_hash != described:
+            break
+        last = frame.header.sequence
+        if frame.header.type is FrameType.STREAM:
+            with suppress(ValueError):
+                heard.append(decode_samples(frame))
+    return heard
