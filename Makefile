@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test check bench sizes format clean setup
+.PHONY: demo test check bench torture sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -45,6 +45,10 @@ check: $(STAMP)
 
 bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
+
+# What docs/reliability.md promises, at length.
+torture: $(DEVICE_LIBRARY)
+	$(BIN)/python bench/torture.py
 
 sizes: $(STAMP)
 	$(BIN)/python -m protocols.c.sizes

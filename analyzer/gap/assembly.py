@@ -19,9 +19,14 @@ import numpy.typing as npt
 from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "System", "spatial_inertia"]
+__all__ = ["Assembly", "System", "skew", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
+
+
+def skew(v: Array) -> Array:
+    """Return the matrix of v x."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
 def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Array:
@@ -29,13 +34,7 @@ def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Ar
 
     Featherstone, Rigid Body Dynamics Algorithms (2008), Eq. (2.63), halves exchanged.
     """
-    cross = np.array(
-        [
-            [0.0, -center_m[2], center_m[1]],
-            [center_m[2], 0.0, -center_m[0]],
-            [-center_m[1], center_m[0], 0.0],
-        ]
-    )
+    cross = skew(center_m)
     result = np.zeros((6, 6))
     result[:3, :3] = mass_kg * np.eye(3)
     result[:3, 3:] = -mass_kg * cross
@@ -46,7 +45,7 @@ def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Ar
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
-    """Everything of a hypothesis in one posture that does not depend on frequency; n coordinates."""
+    """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
 
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)
@@ -79,7 +78,7 @@ class Assembly:
     compliance: list[float] = field(default_factory=list)
     compliance_loss_s: list[float] = field(default_factory=list)
     compliance_of: dict[str, int] = field(default_factory=dict)  # by parameter
-    loss_of: dict[str, int] = field(default_factory=dict)
+    loss_of: dict[str, list[int]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)
@@ -110,7 +109,7 @@ class Assembly:
         at = self._add(parameter, column, compliance, loss_s)
         self.compliance_of[parameter] = at
         if loss_parameter is not None:
-            self.loss_of[loss_parameter] = at
+            self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
 
     def add_term(self, kind: str, i: int, j: int, value: float) -> None:
@@ -132,6 +131,20 @@ class Assembly:
         )
         self.link_moments[link] = self.link_moments[link] + mass_kg * np.append(1.0, center_m)
 
+    def add_small_body(
+        self, link: int, mass_kg: float, center_m: Array, more_kg_m: Array, inertia_kg_m2: Array
+    ) -> None:
+        """Bolt on a body at `center_m` whose first moment is `more_kg_m` more: linear in both."""
+        at, by = spatial_inertia(1.0, center_m, np.zeros((3, 3))), skew(more_kg_m)
+        inertia = mass_kg * at
+        inertia[:3, 3:] -= by
+        inertia[3:, :3] += by
+        inertia[3:, 3:] += inertia_kg_m2 - skew(center_m) @ by - by @ skew(center_m)
+        self.link_inertia[link] = self.link_inertia[link] + inertia
+        self.link_moments[link] = self.link_moments[link] + np.append(
+            mass_kg, mass_kg * center_m + more_kg_m
+        )
+
     def _add(self, name: str, column: Array, compliance: float, loss_s: float) -> int:
         self.names[name] = len(self.columns)
         self.columns.append(column)
@@ -146,8 +159,9 @@ class Assembly:
         n = T.shape[1]
         link_motion = geometry.link_jacobian @ T
         inertia = np.stack(self.link_inertia)
+        flat = link_motion.reshape(-1, n)
         matrices = {
-            "mass": np.einsum("lan,lab,lbm->nm", link_motion, inertia, link_motion, optimize=True),
+            "mass": flat.T @ (inertia @ link_motion).reshape(-1, n),
             "damping": np.zeros((n, n)),
             "stiffness": T.T
             @ np.tensordot(np.stack(self.link_moments), geometry.gravity_per_mass, axes=2)
@@ -161,7 +175,8 @@ class Assembly:
         J = geometry.point_jacobian[lines.sensor_point] @ T
         R = geometry.point_rotation[lines.sensor_point]
         # a - g seen in axes turned by theta changes by theta x g.
-        weighed = np.cross(J[:, 3:], geometry.gravity_m_s2[:, None], axisa=1, axisb=0, axisc=1)
+        gx, gy, gz = geometry.gravity_m_s2
+        weighed = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]]) @ J[:, 3:]
         m = len(lines.sensor_point)
         return System(
             **matrices,
@@ -169,8 +184,8 @@ class Assembly:
             compliance_loss_s=np.array(self.compliance_loss_s),
             link_motion=link_motion,
             moved=J[:, :3],
-            seen=np.einsum("mji,mjn->min", R, J[:, :3]),
-            tilted=np.einsum("mji,mjn->min", R, weighed),
+            seen=R.swapaxes(1, 2) @ J[:, :3],
+            tilted=R.swapaxes(1, 2) @ weighed,
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
             hit=geometry.point_jacobian[lines.hit_point][:, :3] @ T,
             force=lines.hit_direction if self.force is None else self.force,

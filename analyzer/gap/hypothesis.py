@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
-from analyzer.gap.assembly import Assembly
+from analyzer.gap.assembly import Assembly, System
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.geometry import PostureGeometry, geometry_at, moved_geometry
+from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.response import Change, Response, respond
@@ -23,7 +24,7 @@ __all__ = ["Hypothesis", "PosedModel"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-_ANGLE_STEP = 1e-4  # rad, of differences by a joint angle: the second order is 1e-8
+_INERTIA_STEP = 1e-6
 _RELATIVE_STEP = 1e-3  # of a parameter's prior deviation
 
 
@@ -53,29 +54,13 @@ class PosedModel:
     """Predictions in one posture, with the geometry of the last angles at hand."""
 
     def __init__(self, superset: Superset, joints_rad: Array) -> None:
-        self._superset = superset
-        self._read = np.asarray(joints_rad)
-        self._nominal = geometry_at(superset, self._read)
-        self._beside: dict[tuple[bytes, int], PostureGeometry] = {}
-
-    def _geometry(self, offset: Array) -> PostureGeometry:
-        return moved_geometry(self._superset, self._nominal, self._read + offset)
-
-    def _geometry_beside(self, offset: Array, joint: int) -> PostureGeometry:
-        key = (offset.tobytes(), joint)
-        if key not in self._beside:
-            if len(self._beside) > 6 * len(offset):
-                self._beside.clear()
-            moved = offset.copy()
-            moved[joint] += _ANGLE_STEP
-            self._beside[key] = self._geometry(moved)
-        return self._beside[key]
+        self._near = GeometryNear(superset, joints_rad)
 
     def response(
         self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
     ) -> Response:
         """Predict a posture's FRFs."""
-        geometry = self._geometry(hypothesis.ordinary.encoder(values))
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
         assembly = _assembled(hypothesis, geometry, lines, values)
         return respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
 
@@ -129,77 +114,116 @@ class PosedModel:
         space: Space,
         values: Mapping[str, float],
     ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
-        ordinary = hypothesis.ordinary
-        offset = ordinary.encoder(values)
-        geometry = self._geometry(offset)
+        offset = hypothesis.ordinary.encoder(values)
+        geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
         system = assembly.system()
         found = respond(system, lines, sensor_mass_kg=_sensor_mass(assembly))
         y = found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
-
-        def put(name: str, derivative: ComplexArray | float) -> None:
+        posed = _Posed(hypothesis.ordinary, assembly, system, found, values)
+        for name, derivative in chain(
+            posed.by_joints(),
+            posed.by_compliances(),
+            posed.by_inertias(),
+            posed.by_measurement(),
+            self._by_angles(posed, offset),
+            _by_effects(hypothesis, geometry, posed),
+        ):
             if name in space.index:
                 dy[space.index[name]] = derivative * space.std[space.index[name]]
+        return y, dy, assembly, found
 
-        # Joints; k enters with its hysteretic part.
-        n = system.mass.shape[0]
-        by_loss = np.zeros_like(y)
-        for i in ordinary.elastic:
-            name = ordinary.arm.joints[i].name
-            row = np.zeros(n)
-            row[assembly.names[name]] = 1.0
-            if name in assembly.stretched_by:
-                row[assembly.stretched_by[name]] = -1.0
-            k = float(np.exp(values[f"ln k {name}"]))
-            by_stiffness = k * found.by_stretch(row, 1.0)
-            put(f"ln k {name}", (1.0 + 1j * values["loss"]) * by_stiffness)
+    def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
+        for i, joint in enumerate(posed.ordinary.arm.joints):
+            beside, step = self._near.beside(offset, i)
+            moved = replace(posed.assembly, geometry=beside).system()
+            change = Change.between(posed.system, moved, step)
+            yield f"encoder {joint.name}", posed.found.by_change(change)
+
+
+@dataclass(frozen=True, slots=True)
+class _Posed:
+    """A solved posture, and its derivatives by the parameters every hypothesis has."""
+
+    ordinary: Ordinary
+    assembly: Assembly
+    system: System
+    found: Response
+    values: Mapping[str, float]
+
+    def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Stiffness with its hysteretic part, damping, and the common loss."""
+        s = self.found.lines.s_rad_s
+        loss = self.values["loss"]
+        by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        for i in self.ordinary.elastic:
+            name = self.ordinary.arm.joints[i].name
+            row = np.zeros(self.system.mass.shape[0])
+            row[self.assembly.names[name]] = 1.0
+            if name in self.assembly.stretched_by:
+                row[self.assembly.stretched_by[name]] = -1.0
+            k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
+            by_stiffness = k * self.found.by_stretch(row, 1.0)
+            yield f"ln k {name}", (1.0 + 1j * loss) * by_stiffness
+            yield f"ln c {name}", c * self.found.by_stretch(row, s)
             by_loss = by_loss + 1j * by_stiffness
-            c = float(np.exp(values[f"ln c {name}"]))
-            put(f"ln c {name}", c * found.by_stretch(row, lines.s_rad_s))
-        put("loss", by_loss)
-        compliances = assembly.compliance_of
-        rows = found.by_compliances(list(compliances.values()))
-        for name, row in zip(compliances, rows, strict=True):
-            put(name, row)
-        of_coordinate = {at: i for i, at in enumerate(compliances.values())}
-        for name, at in assembly.loss_of.items():
-            slower = -system.compliance[at] * lines.s_rad_s
-            slower = slower / (1.0 + system.compliance_loss_s[at] * lines.s_rad_s)
-            put(name, rows[of_coordinate[at]] * slower)
-        for link in range(len(ordinary.arm.joints)):
-            names = ordinary.inertia_names(link)
-            rows = found.by_link_inertia(link, _inertia_changes(ordinary, link, names, values))
-            for name, row in zip(names, rows, strict=True):
-                put(name, row)
+        yield "loss", by_loss
+
+    def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Compliances and their losses."""
+        s, system = self.found.lines.s_rad_s, self.system
+        compliances = self.assembly.compliance_of
+        rows = self.found.by_compliances(list(compliances.values()))
+        yield from zip(compliances, rows, strict=True)
+        row_of = {at: rows[i] for i, at in enumerate(compliances.values())}
+        for name, coordinates in self.assembly.loss_of.items():
+            slower = [
+                -system.compliance[at] * s / (1.0 + system.compliance_loss_s[at] * s)
+                for at in coordinates
+            ]
+            yield (
+                name,
+                np.sum([row_of[at] * w for at, w in zip(coordinates, slower, strict=True)], 0),
+            )
+
+    def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Masses, centres and tensors of the links."""
+        for link in range(len(self.ordinary.arm.joints)):
+            names = self.ordinary.inertia_names(link)
+            changes = _inertia_changes(self.ordinary, link, names, self.values)
+            yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
+
+    def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Gains, delay and aim."""
+        found, lines = self.found, self.found.lines
+        y = found.values
         for axis, letter in enumerate("xyz"):
-            only_axis = np.zeros_like(y)
-            only_axis[:, axis] = y[:, axis]
-            put(f"ln gain {letter}", only_axis)
-        put("ln hammer", -y)
-        put("delay", -lines.s_rad_s * y)
+            column = self.system.mix[:, :, axis]  # of the recorded channels
+            yield f"ln gain {letter}", column[..., None] * found.true_axes[:, :, axis].T[:, None]
+        yield "ln hammer", -y
+        yield "delay", -lines.s_rad_s * y
         if len(lines.hit_point) == 1:
             sides = across(lines.hit_direction[0])
             for side, letter in enumerate("ab"):
-                put(f"aim {letter} {lines.name}", found.by_force(0, sides[:, side]))
-        for i, joint in enumerate(ordinary.arm.joints):
-            beside = self._geometry_beside(offset, i)
-            moved = _assembled(hypothesis, beside, lines, values).system()
-            put(
-                f"encoder {joint.name}", found.by_change(Change.between(system, moved, _ANGLE_STEP))
-            )
-        for instance in hypothesis.instances:
-            for parameter in instance.parameters:
-                if parameter.name in assembly.compliance_of or parameter.name in assembly.loss_of:
-                    continue
-                step = _RELATIVE_STEP * parameter.std
-                if values[parameter.name] + step > parameter.high:
-                    step = -step
-                changed = dict(values)
-                changed[parameter.name] += step
-                other = _assembled(hypothesis, geometry, lines, changed).system()
-                put(parameter.name, found.by_change(Change.between(system, other, step)))
-        return y, dy, assembly, found
+                yield f"aim {letter} {lines.name}", found.by_force(0, sides[:, side])
+
+
+def _by_effects(
+    hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
+) -> Iterator[tuple[str, ComplexArray]]:
+    """What effects bring beside compliances, by differences of the equations."""
+    known = {**posed.assembly.compliance_of, **posed.assembly.loss_of}
+    for instance in hypothesis.instances:
+        for parameter in instance.parameters:
+            if parameter.name in known:
+                continue
+            step = _RELATIVE_STEP * parameter.std
+            if posed.values[parameter.name] + step > parameter.high:
+                step = -step
+            changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
+            other = _assembled(hypothesis, geometry, posed.found.lines, changed).system()
+            yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
 
 
 def _assembled(
@@ -223,10 +247,11 @@ def _inertia_changes(
     ordinary: Ordinary, link: int, names: tuple[str, ...], values: Mapping[str, float]
 ) -> Array:
     """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
-    start, _ = ordinary.link_inertias(link, values)
+    z = np.array([values[name] for name in names])
+    start, _ = ordinary.link_inertia(link, z)
     changes = []
-    for name in names:
-        step = 1e-6
-        moved, _ = ordinary.link_inertias(link, {**values, name: values[name] + step})
-        changes.append((moved - start) / step)
+    for i in range(len(names)):
+        moved = z.copy()
+        moved[i] += _INERTIA_STEP
+        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
     return np.stack(changes)

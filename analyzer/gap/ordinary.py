@@ -25,8 +25,8 @@ __all__ = ["Ordinary", "across"]
 
 Array = npt.NDArray[np.float64]
 
-BEARING_LIMIT = 4e-7  # rad/(N m): more than this across a joint's axis is an effect
-_BEARING_MEAN, _BEARING_STD = 1.0e-7, 0.7e-7
+# Across a joint's axis, as parts of the arm's own compliance: more than the limit is an effect.
+_BEARING_MEAN, _BEARING_STD, _BEARING_LIMIT = 0.006, 0.0045, 0.025
 _BEARING_LOSS_S = 2e-5
 _LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
 _DELAY_STD_S = 20e-6
@@ -58,6 +58,17 @@ class Ordinary:
         """Return the joints with a spring, 0-based."""
         return tuple(i for i, joint in enumerate(self.arm.joints) if joint.stiffness is not None)
 
+    @property
+    def compliance(self) -> float:
+        """Return the arm's own compliance: the joints' geometric mean, the first three's."""
+        k = [self.arm.joints[i].stiffness for i in self.elastic[:3]]
+        return float(np.exp(-np.mean([np.log(e.value) for e in k if e is not None])))
+
+    @property
+    def bearing_limit(self) -> float:
+        """Return the largest transverse compliance of a sound joint, rad/(N m)."""
+        return _BEARING_LIMIT * self.compliance
+
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter with its prior."""
         arm, tolerances = self.arm, self.arm.tolerances
@@ -73,10 +84,10 @@ class Ordinary:
             found += [
                 Parameter(
                     name=f"bearing {side} {joint.name}",
-                    mean=_BEARING_MEAN,
-                    std=_BEARING_STD,
+                    mean=_BEARING_MEAN * self.compliance,
+                    std=_BEARING_STD * self.compliance,
                     low=0.0,
-                    high=BEARING_LIMIT,
+                    high=self.bearing_limit,
                 )
                 for side in "ab"
             ]
@@ -105,16 +116,17 @@ class Ordinary:
         """Return (n_joints,) what the arm's angles are beyond what was read."""
         return np.array([values[f"encoder {joint.name}"] for joint in self.arm.joints])
 
-    def link_inertias(self, link: int, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return (6, 6) inertia and (4,) mass and first moments of a link."""
+    def link_inertia(self, link: int, z: Array) -> tuple[Array, Array]:
+        """Return (6, 6) inertia and (4,) mass and first moments of a link.
+
+        `z` (10,): relative mass, shift of the centre in m, six relative entries of the tensor.
+        """
         body = self.arm.joints[link].link
-        z = [values[f"{what} {body.name}"] for what in _INERTIAL]
         mass = body.mass_kg * (1.0 + z[0])
-        center = body.center_m + np.array(z[1:4])
+        center = body.center_m + z[1:4]
         own = body.inertia_kg_m2
-        size = np.sqrt(np.outer(np.diag(own), np.diag(own)))
-        turn = np.array([[z[4], z[5], z[6]], [z[5], z[7], z[8]], [z[6], z[8], z[9]]])
-        inertia = (own + size * turn) * (1.0 + z[0])
+        size = np.sqrt(np.outer(own.diagonal(), own.diagonal()))
+        inertia = (own + size * z[4:][_FULL]) * (1.0 + z[0])
         return spatial_inertia(mass, center, inertia), mass * np.append(1.0, center)
 
     def inertia_names(self, link: int) -> tuple[str, ...]:
@@ -128,7 +140,8 @@ class Ordinary:
         assembly = Assembly(geometry=geometry, lines=lines)
         arm, superset = self.arm, self.superset
         for i, joint in enumerate(arm.joints):
-            inertia, moments = self.link_inertias(i, values)
+            z = np.array([values[name] for name in self.inertia_names(i)])
+            inertia, moments = self.link_inertia(i, z)
             assembly.link_inertia.append(inertia)
             assembly.link_moments.append(moments)
             column = assembly.unit(superset.joint_column(i))
@@ -138,11 +151,14 @@ class Ordinary:
                 assembly.add_term("loss", at, at, k * values["loss"])
         for i, joint in enumerate(arm.joints):
             turn = across(np.asarray(joint.axis))
+            # A soft bearing has a loss of its own, a sound one hardly shows it.
+            loss = f"bearing loss {joint.name}"
+            loss_s = values.get(loss, _BEARING_LOSS_S)
             for side, name in enumerate("ab"):
                 column = np.zeros(superset.n)
                 column[superset.interface_columns(i)][3:] = turn[:, side]
                 parameter = f"bearing {name} {joint.name}"
-                assembly.add_compliance(column, values[parameter], _BEARING_LOSS_S, parameter)
+                assembly.add_compliance(column, values[parameter], loss_s, parameter, loss)
         gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
         assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
         assembly.log_scale = -values["ln hammer"]
@@ -154,11 +170,12 @@ class Ordinary:
         return assembly
 
 
+_FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
 _INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _log(name: str, believed: Estimate | None, least: float) -> Parameter:
-    """A positive quantity as its logarithm; the arm file's own uncertainty, but not below `least`."""
+    """A positive quantity as its logarithm; the file's own uncertainty, but not below `least`."""
     value = 1.0 if believed is None or believed.value <= 0.0 else believed.value
     relative = 1.0 if believed is None else believed.std / value
     return Parameter(name=name, mean=float(np.log(value)), std=max(relative, least))

@@ -68,26 +68,23 @@ class Response:
     sensor_mass_kg: float
     factor: ComplexArray  # (L,) of all channels: scale and delay
     x: ComplexArray  # (L, m, n) motion under the hit
-    Y: ComplexArray  # (L, n, m, 3) motion under unit loads on the recorded axes, factor included
+    Y: ComplexArray  # (L, m, 3, n) motion under unit loads on the recorded axes, factor included
     true_axes: ComplexArray  # (L, m, 3) before channels were mixed, factor included
     inner: ComplexArray  # (L, n, n) A^-1: column i is w of coordinate i
-    HU: ComplexArray  # (L, n, m, 3)
-    o_HU: ComplexArray  # (L, m, 3, 3) true-axis acceleration of the motions H U
+    HU: ComplexArray  # (L, m, 3, n) rows H U
     S: ComplexArray  # (L, m, 3, 3)
 
     @property
     def values(self) -> ComplexArray:
         """(m, 3, L) accelerance as recorded."""
-        y = np.einsum("mij,lmj->mil", self.system.mix, self.true_axes)
-        return np.asarray(y)
+        return _last(np.matmul(self.system.mix, self.true_axes[..., None])[..., 0])
 
     def by_stretch(self, row: Array, weight: ComplexArray | float) -> ComplexArray:
         """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x."""
         at = np.flatnonzero(row)
-        Y = np.einsum("k,lkmi->lmi", row[at], self.Y[:, at])
+        Y = self.Y[..., at] @ row[at]
         x = self.x[:, :, at] @ row[at]
-        product = -Y * x[:, :, None] * np.reshape(weight, (-1, 1, 1))
-        return np.asarray(np.moveaxis(product, 0, 2))
+        return _last(-Y * x[:, :, None] * np.reshape(weight, (-1, 1, 1)))
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
         """Derivatives (k, m, 3, L) by the compliances of k coordinates."""
@@ -102,26 +99,27 @@ class Response:
         recorded : (k, m, 3, L), torque : (k, m, L), the compliance's own lag included
         """
         system, s = self.system, self.lines.s_rad_s
-        L, n, _ = self.inner.shape
-        m, k = len(system.moved), len(coordinates)
+        n = self.inner.shape[-1]
+        m = len(system.moved)
         w = self.inner[:, :, list(coordinates)]  # (L, n, k)
 
         def through(rows: Array) -> ComplexArray:
-            flat = rows.reshape(m * 3, n) @ w.transpose(1, 0, 2).reshape(n, L * k)
-            return np.asarray(flat.reshape(m, 3, L, k))
+            return np.asarray(np.matmul(rows.reshape(m * 3, n), w).reshape(len(s), m, 3, -1))
 
         Uw = through(system.moved)
-        o_w = (s**2)[:, None] * through(system.seen) + through(system.tilted)
-        SUw = np.einsum("lmij,mjlk->lmik", self.S, Uw, optimize=True)
-        o_w = o_w - np.einsum("lmij,lmjk->milk", self.o_HU, SUw, optimize=True)
-        b = np.einsum("hjn,hj->hn", system.hit, system.force)[self.lines.hit]
-        w_b = np.einsum("lnk,mn->lmk", w, b, optimize=True)
-        x0_U = np.einsum("lnmj,mn->lmj", self.HU, b, optimize=True)
-        w_b = w_b - np.einsum("lmj,lmjk->lmk", x0_U, SUw, optimize=True)
-        lag = 1.0 / (1.0 + system.compliance_loss_s[list(coordinates)] * s[:, None])  # (L, k)
+        s2 = (s**2)[:, None, None, None]
+        o_w = s2 * through(system.seen) + through(system.tilted)
+        o_HU = s2 * np.matmul(system.seen, self.HU.swapaxes(-1, -2)) + np.matmul(
+            system.tilted, self.HU.swapaxes(-1, -2)
+        )
+        SUw = np.matmul(self.S, Uw)
+        o_w = np.matmul(system.mix, o_w - np.matmul(o_HU, SUw))
+        b = (system.force[:, None] @ system.hit)[:, 0][self.lines.hit]  # (m, n)
+        b_HU = np.matmul(self.HU, b[..., None]).swapaxes(-1, -2)  # (L, m, 1, 3)
+        w_b = np.matmul(b, w) - np.matmul(b_HU, SUw)[..., 0, :]  # (L, m, k)
+        lag = 1.0 / (1.0 + system.compliance_loss_s[list(coordinates)] * s[:, None])
         torque = w_b * (self.factor[:, None] * lag)[:, None, :]
-        recorded = np.einsum("mij,mjlk->milk", system.mix, o_w)
-        return recorded.transpose(3, 0, 1, 2), torque.transpose(2, 1, 0)
+        return o_w.transpose(3, 1, 2, 0), torque.transpose(2, 1, 0)
 
     def by_link_inertia(self, link: int, changes: Array) -> ComplexArray:
         """Derivatives (k, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
@@ -130,17 +128,18 @@ class Response:
         """
         J = self.system.link_motion[link]
         L, m, n = self.x.shape
+        k = len(changes)
         V = self.x.reshape(-1, n) @ J.T  # (L m, 6)
-        W = np.einsum("an,lnmi->lmia", J, self.Y, optimize=True).reshape(L * m, 3, 6)
-        bent = np.einsum("kab,zb->kza", changes, V, optimize=True)
-        y = np.matmul(W[None], bent[..., None])[..., 0].reshape(len(changes), L, m, 3)
-        return np.asarray(-np.moveaxis(y * (self.lines.s_rad_s**2)[:, None, None], 1, 3))
+        W = (self.Y.reshape(-1, n) @ J.T).reshape(L * m, 3, 6)
+        bent = (V @ changes.transpose(2, 0, 1).reshape(6, k * 6)).reshape(L * m, k, 6)
+        y = np.matmul(W, bent.swapaxes(1, 2)).reshape(L, m, 3, k)
+        return np.asarray(-(y * (self.lines.s_rad_s**2)[:, None, None, None]).transpose(3, 1, 2, 0))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (3,) of one hit."""
         b = change @ self.system.hit[hit]
         mine = (self.lines.hit == hit).astype(np.float64)
-        return np.asarray(np.einsum("lnmi,n,m->mil", self.Y, b, mine, optimize=True))
+        return _last((self.Y @ b) * mine[:, None])
 
     def by_change(self, change: Change) -> ComplexArray:
         """Derivative by a parameter that changes the system as told."""
@@ -156,33 +155,33 @@ class Response:
         ):
             if matrix is not None:
                 dZx += power[:, None, None] * (flat @ matrix.T).reshape(L, m, n)
+        column = self.x[..., None]
         if change.moved is not None and self.sensor_mass_kg:
             U, dU = system.moved, change.moved
-            Ux = np.einsum("mjn,lmn->lmj", U, self.x)
-            dUx = np.einsum("mjn,lmn->lmj", dU, self.x)
-            both = np.einsum("mjn,lmj->lmn", dU, Ux) + np.einsum("mjn,lmj->lmn", U, dUx)
-            dZx += self.sensor_mass_kg * (s**2)[:, None, None] * both
+            both = np.matmul(dU.swapaxes(1, 2), np.matmul(U, column)) + np.matmul(
+                U.swapaxes(1, 2), np.matmul(dU, column)
+            )
+            dZx += self.sensor_mass_kg * (s**2)[:, None, None] * both[..., 0]
         if change.hit is not None:
-            b = np.einsum("hjn,hj->hn", change.hit, system.force)
-            dZx -= b[self.lines.hit]
+            dZx -= (system.force[:, None] @ change.hit)[:, 0][self.lines.hit]
         if change.force is not None:
-            b = np.einsum("hjn,hj->hn", system.hit, change.force)
-            dZx -= b[self.lines.hit]
-        y = -np.einsum("lnmi,lmn->lmi", self.Y, dZx, optimize=True)
+            dZx -= (change.force[:, None] @ system.hit)[:, 0][self.lines.hit]
+        y = -np.matmul(self.Y, dZx[..., None])[..., 0]
+        more = np.zeros_like(y)
+        if change.seen is not None:
+            more += (s**2)[:, None, None] * np.matmul(change.seen, column)[..., 0]
+        if change.tilted is not None:
+            more += np.matmul(change.tilted, column)[..., 0]
         if change.seen is not None or change.tilted is not None:
-            seen = (
-                0.0
-                if change.seen is None
-                else (s**2)[:, None, None] * np.einsum("min,lmn->lmi", change.seen, self.x)
-            )
-            tilted = (
-                0.0 if change.tilted is None else np.einsum("min,lmn->lmi", change.tilted, self.x)
-            )
-            more = np.einsum("mij,lmj->lmi", system.mix, seen + tilted)
-            y = y + self.factor[:, None, None] * more
+            y = y + self.factor[:, None, None] * np.matmul(system.mix, more[..., None])[..., 0]
         if change.mix is not None:
-            y = y + np.einsum("mij,lmj->lmi", change.mix, self.true_axes)
-        return np.asarray(np.moveaxis(y, 0, 2))
+            y = y + np.matmul(change.mix, self.true_axes[..., None])[..., 0]
+        return _last(y)
+
+
+def _last(y: ComplexArray) -> ComplexArray:
+    """(L, m, 3) to (m, 3, L)."""
+    return np.asarray(y.transpose(1, 2, 0))
 
 
 def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Response:
@@ -202,30 +201,26 @@ def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Re
     A = scale[:, :, None] * Z
     A[:, soft, soft] += 1.0
     inner = np.linalg.inv(A)
-    H = inner * scale[:, None, :]
+    H = inner * scale[:, None, :]  # symmetric
+
+    def rows(of: Array) -> ComplexArray:
+        return np.asarray(np.matmul(of.reshape(m * 3, n), H).reshape(L, m, 3, n))
+
     U = system.moved  # (m, 3, n)
-    HU = (H.reshape(L * n, n) @ U.reshape(m * 3, n).T).reshape(L, n, m, 3)
-    ms2 = sensor_mass_kg * s**2
-    UHU = np.einsum("mjn,lnmk->lmjk", U, HU, optimize=True)
-    o_HU = (s**2)[:, None, None, None] * np.einsum(
-        "min,lnmk->lmik", system.seen, HU, optimize=True
-    ) + np.einsum("min,lnmk->lmik", system.tilted, HU, optimize=True)
-    S = ms2[:, None, None, None] * np.linalg.inv(np.eye(3) + ms2[:, None, None, None] * UHU)
-    b = np.einsum("hjn,hj->hn", system.hit, system.force)
-    x0 = (H @ b.T).transpose(0, 2, 1)[:, lines.hit]  # (L, m, n)
-    SUx = np.einsum("lmjk,lmk->lmj", S, np.einsum("mkn,lmn->lmk", U, x0), optimize=True)
-    x = x0 - np.einsum("lnmj,lmj->lmn", HU, SUx, optimize=True)
+    HU = rows(U)
+    ms2 = (sensor_mass_kg * s**2)[:, None, None, None]
+    S = ms2 * np.linalg.inv(np.eye(3) + ms2 * np.matmul(HU, U.swapaxes(1, 2)))
+    b = (system.force[:, None] @ system.hit)[:, 0]  # (n_hits, n)
+    x0 = np.matmul(b, H)[:, lines.hit]  # (L, m, n)
+    SUx = np.matmul(S, np.matmul(U, x0[..., None]))
+    x = x0 - np.matmul(SUx.swapaxes(-1, -2), HU)[..., 0, :]
     # Loads along the recorded channels, so that their mixing is inside.
-    seen = np.einsum("mij,mjn->min", system.mix, system.seen)
-    tilted = np.einsum("mij,mjn->min", system.mix, system.tilted)
-    flat = H.reshape(L * n, n)
-    Y0 = (s**2)[:, None, None, None] * (flat @ seen.reshape(m * 3, n).T).reshape(L, n, m, 3)
-    Y0 = Y0 + (flat @ tilted.reshape(m * 3, n).T).reshape(L, n, m, 3)
-    UY = np.einsum("mjn,lnmi->lmji", U, Y0, optimize=True)
-    Y = Y0 - np.einsum("lnmj,lmjk,lmki->lnmi", HU, S, UY, optimize=True)
+    Y0 = (s**2)[:, None, None, None] * rows(system.mix @ system.seen)
+    Y0 = Y0 + rows(system.mix @ system.tilted)
+    Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U.swapaxes(1, 2)), S), HU)
     factor = np.exp(system.log_scale - s * system.delay_s)
-    raw = (s**2)[:, None, None] * np.einsum("min,lmn->lmi", system.seen, x)
-    raw = raw + np.einsum("min,lmn->lmi", system.tilted, x)
+    raw = (s**2)[:, None, None] * np.matmul(system.seen, x[..., None])[..., 0]
+    raw = raw + np.matmul(system.tilted, x[..., None])[..., 0]
     return Response(
         system=system,
         lines=lines,
@@ -236,6 +231,5 @@ def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Re
         true_axes=raw * factor[:, None, None],
         inner=inner,
         HU=HU,
-        o_HU=o_HU,
         S=S,
     )

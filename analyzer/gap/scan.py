@@ -12,8 +12,8 @@ so that 21 columns an interface tell the gain of every line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -42,11 +42,14 @@ class Candidate:
 
     instance: Instance
     gain: float  # of cost, linear
+    size: float = float("nan")  # what a linear look makes of its size parameter
+    size_std: float = float("nan")
+    begin: Mapping[str, float] = field(default_factory=dict)  # values a fit begins with
 
 
 def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """Linear gain of every instance on top of a fit, best first."""
-    new = [i for i in instances if i.parameters]
+    new = [i for i in instances if i.parameters and not i.relaxes]
     wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *(_small(i) for i in new)))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **fit.values}
@@ -57,13 +60,30 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     free = np.flatnonzero(ordinary)[fit.free]
     found = []
     for instance in instances:
-        if instance.parameters:
-            names = [p.name for p in instance.parameters]
-            own = np.array([space.index[n] for n in names])
-            gain = _gain(gradient, curvature, free, own, space.low[own] >= 0.0)
-        else:
-            gain = _relaxed_gain(fit, instance)
-        found.append(Candidate(instance=instance, gain=gain))
+        if not instance.parameters or instance.relaxes:
+            gain, size, std = _relaxed_gain(fit, instance)
+            found.append(Candidate(instance=instance, gain=gain, size=size, size_std=std))
+            continue
+        names = [p.name for p in instance.parameters]
+        own = np.array([space.index[n] for n in names])
+        sizes = (instance.size, *instance.sizes)
+        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
+        gain, step, stds, follow = _gain(gradient, curvature, free, own, one_sided)
+        at = names.index(instance.size)
+        unit = space.std[own]
+        reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
+        u = np.clip(fit.u[fit.free] + follow, fit.space.low[fit.free], fit.space.high[fit.free])
+        moved = fit.u.copy()
+        moved[fit.free] = u
+        found.append(
+            Candidate(
+                instance=instance,
+                gain=gain,
+                size=float(step[at] * unit[at]),
+                size_std=float(stds[at] * unit[at]),
+                begin={**fit.space.values(moved), **reached},
+            )
+        )
     return sorted(found, key=lambda c: -c.gain)
 
 
@@ -103,30 +123,36 @@ def _gain(
     free: npt.NDArray[np.int64],
     own: npt.NDArray[np.int64],
     one_sided: npt.NDArray[np.bool_],
-) -> float:
-    """Cost that the own columns take off when the free ones follow; one-sided ones only grow."""
+) -> tuple[float, Array, Array, Array]:
+    """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
+
+    Returns the gain, the step (n_own,), its standard deviation, each alone, and how the free ones
+    follow (n_free,).
+    """
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     B = curvature[np.ix_(free, own)]
-    S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ np.linalg.solve(A, B)
+    along = np.linalg.solve(A, B)
+    S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
     slope = gradient[own]
+    std = 1.0 / np.sqrt(S.diagonal())
     active = ~(one_sided & (slope >= 0.0))
-    best = 0.0
+    whole = np.zeros(len(own))
     for _ in range(3):
         if not active.any():
-            return 0.0
+            break
         step = -np.linalg.solve(S[np.ix_(active, active)], slope[active])
-        best = -0.5 * float(step @ slope[active])
         wrong = one_sided[active] & (step < 0.0)
         if not wrong.any():
-            return best
+            whole[active] = step
+            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole
         active[np.flatnonzero(active)[wrong]] = False
-    return best
+    return 0.0, whole, std, np.zeros(len(free))
 
 
-def _relaxed_gain(fit: Fit, instance: Instance) -> float:
-    """Cost gained when priors become wide."""
+def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
+    """Cost gained when priors become wide; size and its standard deviation then."""
     A = fit.curvature + np.eye(len(fit.u))
-    gain = 0.0
+    gain, size, size_std = 0.0, float("nan"), float("nan")
     for name, prior in instance.relaxes.items():
         i = fit.space.index[name]
         narrow = fit.space.std[i]
@@ -142,10 +168,15 @@ def _relaxed_gain(fit: Fit, instance: Instance) -> float:
         unit[at] = 1.0
         variance = float(np.linalg.solve(B, unit)[at])
         gain += 0.5 * (1.0 - keep) * u * u + 0.5 * ((1.0 - keep) * u) ** 2 * variance
+        step = (1.0 - keep) * u * variance
         if not fit.free[i]:  # it rests at its limit: what the data would push it beyond
             slope = float(fit.slope[i])
             gain += 0.5 * slope * slope * variance
-    return gain
+            step -= slope * variance
+        if name == instance.size:
+            size = float(fit.space.mean[i] + narrow * (fit.u[i] + step))
+            size_std = float(narrow * np.sqrt(variance))
+    return gain, size, size_std
 
 
 def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:

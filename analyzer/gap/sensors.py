@@ -24,6 +24,7 @@ __all__ = ["scan_sensors"]
 Array = npt.NDArray[np.float64]
 
 _LEAST_GAIN = 12.0  # of cost, to be worth a fit
+_LEAST_POINT_GAIN = 0.03  # relative; less is not worth a fit
 _KEEP_POINTS = 3
 _KEEP_EVERYWHERE = 2
 
@@ -48,16 +49,20 @@ def scan_sensors(stage: Stage, hypothesis: Hypothesis, values: dict[str, float])
     found: list[Candidate] = []
     costs = np.stack([_cost(table, matrix) for matrix in _OTHERS], axis=1)  # (points, 47)
     everywhere = same.sum() - costs.sum(axis=0)
-    for k in np.argsort(-everywhere)[:_KEEP_EVERYWHERE]:
-        found.append(_turned(ordinary, k, None, float(everywhere[k])))
+    found += [
+        _turned(ordinary, int(k), None, float(everywhere[k]))
+        for k in np.argsort(-everywhere)[:_KEEP_EVERYWHERE]
+    ]
     gains = np.where(measured[:, None], same[:, None] - costs, -np.inf)
     best = np.argmax(gains, axis=1)
     for point in np.argsort(-gains[np.arange(n_points), best])[:_KEEP_POINTS]:
         name = ordinary.arm.points[point].id
-        found.append(_turned(ordinary, best[point], name, float(gains[point, best[point]])))
+        found.append(_turned(ordinary, int(best[point]), name, float(gains[point, best[point]])))
     single = 0.5 * slope**2 / (curve + 1.0)
     for flat in np.argsort(-single, axis=None)[:_KEEP_POINTS]:
         point, row = divmod(int(flat), 3)
+        if abs(slope[point, row]) < _LEAST_POINT_GAIN * (curve[point, row] + 1.0):
+            continue
         instance = channel_gain.at_point(ordinary, "xyz"[row], ordinary.arm.points[point].id)
         found.append(Candidate(instance=instance, gain=float(single[point, row])))
     return sorted((c for c in found if c.gain > _LEAST_GAIN), key=lambda c: -c.gain)

@@ -24,14 +24,15 @@ WORDS = EffectWords(
     remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
 )
 _WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
-_MATERIAL = 5e-7  # rad/(N m) of rocking
+_MATERIAL = 0.035  # of rocking, of the arm's compliance
+_SHIFT_MATERIAL = 6e-4  # m/N of shifting, likewise
 _METRE = 0.3  # of lever between a shift's compliance and a rocking's
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in _WAYS]
-    losses = ["base loss"]
+    loss = "base loss"
     mass, height, pivot = "base mass", "base height", "base pivot"
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -41,8 +42,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             column[i] = 1.0
             if i >= 3:  # rocking about a line through the pivot
                 column[:3] = np.cross(pivot_m, column[3:6])
-            loss = losses[0] if i == 0 else None
-            assembly.add_compliance(column, values[name], values[losses[0]], name, loss)
+            assembly.add_compliance(column, values[name], values[loss], name, loss)
         center = np.array([0.0, 0.0, values[height]])
         own = values[mass] * np.diag([0.015, 0.015, 0.02])
         assembly.base_inertia = assembly.base_inertia + spatial_inertia(values[mass], center, own)
@@ -59,7 +59,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             place="base",
             parameters=(
                 *parameters,
-                loss_parameter(losses[0]),
+                loss_parameter(loss),
                 Parameter(name=mass, mean=0.25 * total, std=0.2 * total, low=0.0),
                 Parameter(name=height, mean=0.08, std=0.05),
                 Parameter(name=pivot, mean=0.0, std=0.05),
@@ -67,7 +67,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             builder=build,
             size=names[3],
             sizes=(names[3], names[4]),
-            side_sizes=((names[0], 1e-8), (names[1], 1e-8)),
-            material=_MATERIAL,
+            side_sizes=tuple((name, _SHIFT_MATERIAL * ordinary.compliance) for name in names[:3]),
+            material=_MATERIAL * ordinary.compliance,
         ),
     )

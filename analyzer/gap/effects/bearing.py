@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from analyzer.gap.effects.compliance import compliance_parameter
+from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.ordinary import BEARING_LIMIT, Ordinary
+from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
@@ -20,7 +20,7 @@ WORDS = EffectWords(
     told_by="points on both sides of the bearing; hits along two directions across the axis",
     remedy="check preload and bolts of the joint's main bearing",
 )
-_MATERIAL = 6e-7
+_MATERIAL = 0.04  # of the arm's compliance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -30,16 +30,17 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         names = [f"bearing {side} {joint.name}" for side in "ab"]
         wide = compliance_parameter("", ordinary)
         relaxed: dict[str, Parameter] = {
-            name: replace(wide, name=name, start=BEARING_LIMIT) for name in names
+            name: replace(wide, name=name, start=ordinary.bearing_limit) for name in names
         }
         found.append(
             Instance(
                 effect=WORDS,
                 place=joint.name,
+                parameters=(loss_parameter(f"bearing loss {joint.name}"),),
                 relaxes=relaxed,
                 size=names[0],
                 sizes=tuple(names),
-                material=_MATERIAL,
+                material=_MATERIAL * ordinary.compliance,
             )
         )
     return tuple(found)

@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
-__all__ = ["compliance_parameter", "loss_parameter", "typical_compliance"]
+__all__ = ["compliance_parameter", "loss_parameter"]
 
 _LOSS_MEAN_S, _LOSS_STD_S = 4e-5, 8e-5  # damping over stiffness: 1.3 % at 100 Hz, loosely
 
 
-def typical_compliance(ordinary: Ordinary) -> float:
-    """Return the median compliance of the joints, rad/(N m)."""
-    k = [ordinary.arm.joints[i].stiffness for i in ordinary.elastic]
-    values = [1.0 / estimate.value for estimate in k if estimate is not None]
-    return float(np.median(values)) if values else 1e-5
-
-
 def compliance_parameter(name: str, ordinary: Ordinary, *, scale: float = 1.0) -> Parameter:
     """A rotational compliance of at most some ten times a joint's, rad/(N m)."""
-    return Parameter(name=name, mean=0.0, std=3.0 * scale * typical_compliance(ordinary), low=0.0)
+    return Parameter(name=name, mean=0.0, std=3.0 * scale * ordinary.compliance, low=0.0)
 
 
 def loss_parameter(name: str) -> Parameter:

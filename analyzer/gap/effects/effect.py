@@ -1,4 +1,4 @@
-"""What an effect is: words for people, parameters with ranges, and what it does to the equations."""
+"""What an effect is: words for people, parameters, and what it does to the equations."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ WORDS = EffectWords(
     told_by="triplets of points on both sides of the line; postures that move the masses beyond",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
 )
-_MATERIAL = 1e-6
+_MATERIAL = 0.05  # of the arm's compliance
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
 
 
@@ -71,7 +71,7 @@ def at_axis(
         builder=build,
         describe=describe,
         size=gamma,
-        material=_MATERIAL,
+        material=_MATERIAL * ordinary.compliance,
     )
 
 
