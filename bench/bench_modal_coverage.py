@@ -20,13 +20,13 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 import hammer
-from any_arm import plant_of_arm
 from offline_lab import simulate_session
 from simulated import poles_of
 
 from analyzer.identification.identify import identify
 from analyzer.identification.scatter import half_width_95
 from analyzer.modal import fit_modes, posture_frf
+from hil_sim.study.plant_of_arm import plant_of_arm
 from protocols.arm.files import load_arm
 from protocols.plan import load_plan
 

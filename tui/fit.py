@@ -18,14 +18,15 @@ from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from analyzer.modal import (
     MassScaling,
     ModalModel,
-    Mode,
+    coherence_random_error,
     fit_modes,
     hit_choices,
     mass_scaling,
     missing_mode_hints,
+    real_modes,
 )
 from protocols.errors import EstimateError
-from protocols.frf_records import Dof, FrequencyResponse, FrfEstimator
+from protocols.frf_records import FrequencyResponse, FrfEstimator
 from protocols.plan_records import Averaging, Windows
 from protocols.session.records import Session
 
@@ -150,6 +151,7 @@ def _plain(value: Any) -> Any:
 def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:
     shares = _joint_shares(superset, frf, model)
     scaling = _scaling(model)
+    shapes = _shapes(model)
     return [
         {
             "posture": frf.posture,
@@ -160,14 +162,15 @@ def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> lis
             "dof": mode.dof,
             "mpc": mode.mpc,
             "mpd_deg": mode.mpd_deg,
+            "mcf": mode.mcf,
             # Without an arm, or its angles, nobody can tell what is structural.
             "structural": None if share is None else share < STRUCTURAL_SHARE,
             "joint_share": share,
             "modal_mass_kg": None if scaled is None else scaled.modal_mass_kg,
             "modal_mass_std_kg": None if scaled is None else scaled.modal_mass_std_kg,
-            "shape": _shape(model, mode),
+            "shape": shape,
         }
-        for mode, share, scaled in zip(model.modes, shares, scaling, strict=True)
+        for mode, share, scaled, shape in zip(model.modes, shares, scaling, shapes, strict=True)
     ]
 
 
@@ -189,26 +192,35 @@ def _scaling(model: ModalModel) -> Sequence[MassScaling | None]:
         return [None] * len(model.modes)
 
 
-def _shape(model: ModalModel, mode: Mode) -> list[dict[str, Any]]:
-    """Where the shape was measured at more places: at the responses, or where the hammer went."""
-    if len(model.references) > len(model.responses):
-        return _entries(model.references, mode.participation, mode.participation_std)
-    return _entries(model.responses, mode.shape, mode.shape_std)
+def _shapes(model: ModalModel) -> list[list[dict[str, Any]]]:
+    """Shapes where they were measured at more places: at the responses, or where the hammer went.
 
-
-def _entries(
-    dofs: Sequence[Dof], values: npt.NDArray[np.complex128], std: npt.NDArray[np.complex128]
-) -> list[dict[str, Any]]:
+    `real` is the entry of the nearest real mode, None where there are fewer places than modes.
+    """
+    hammer = len(model.references) > len(model.responses)
+    dofs = model.references if hammer else model.responses
+    values = [mode.participation if hammer else mode.shape for mode in model.modes]
+    std = [mode.participation_std if hammer else mode.shape_std for mode in model.modes]
+    nearest: npt.NDArray[np.float64] | None = None
+    if values:
+        try:
+            nearest = real_modes(np.stack(values, axis=1)).T
+        except EstimateError:
+            nearest = None
     return [
-        {
-            "point": dof.point,
-            "label": dof.label,
-            "re": float(value.real),
-            "im": float(value.imag),
-            "re_std": float(wide.real),
-            "im_std": float(wide.imag),
-        }
-        for dof, value, wide in zip(dofs, values, std, strict=True)
+        [
+            {
+                "point": dof.point,
+                "label": dof.label,
+                "re": float(value.real),
+                "im": float(value.imag),
+                "re_std": float(wide.real),
+                "im_std": float(wide.imag),
+                "real": None if nearest is None else float(nearest[m, i]),
+            }
+            for i, (dof, value, wide) in enumerate(zip(dofs, values[m], std[m], strict=True))
+        ]
+        for m in range(len(model.modes))
     ]
 
 
@@ -253,6 +265,7 @@ def _posture(
             for choice in choices
             for hit in choice.dropped
         ],
+        "random_error": _random_error(frf),
         "lack_of_fit": model.lack_of_fit,
         "frfs": [
             {
@@ -273,6 +286,22 @@ def _posture(
             }
             for hint in missing_mode_hints(frf, model)
         ],
+    }
+
+
+def _random_error(frf: FrequencyResponse) -> dict[str, float | None]:
+    """Typical relative random error of |H|, from the scatter between hits and from coherence."""
+    size = np.abs(frf.values)
+    told = (frf.variance > 0.0) & (size > 0.0)
+    scatter = np.sqrt(0.5 * frf.variance[told]) / size[told]
+    coherence = [
+        coherence_random_error(frf.coherence[i, j], int(n))
+        for (i, j), n in np.ndenumerate(frf.n_hits)
+        if n > 1 and np.isfinite(frf.coherence[i, j]).all()
+    ]
+    return {
+        "from_scatter": float(np.median(scatter)) if scatter.size else None,
+        "from_coherence": float(np.median(coherence)) if coherence else None,
     }
 
 

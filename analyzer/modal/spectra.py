@@ -26,6 +26,9 @@ _LOWEST_HZ = 3.0
 _HIGHEST_OF_RATE = 0.39  # anti-alias filters of 24-bit boards are flat to about here
 _LEAD_S = 0.002  # kept before the trigger: the foot of a pulse that rises slowly,
 _LEAD_SAMPLES = 8  # and the ringing of an anti-alias filter of linear phase
+_FEWEST_QUIET = (
+    32  # samples before the trigger that tell a noise: fewer may be the filter's ringing
+)
 _LEAST_FORCE = 0.02  # of the force spectrum's maximum
 
 
@@ -120,7 +123,9 @@ def hit_spectra(
     for i, trigger in enumerate(triggers):
         # The last two samples before the trigger may already hold the pulse's foot.
         quiet = records[i, :, : max(trigger - 2, 2)]
-        variance[i] = np.maximum(quiet.var(axis=1, ddof=1), scale**2 / 12.0)
+        variance[i] = scale**2 / 12.0
+        if quiet.shape[1] >= _FEWEST_QUIET:
+            variance[i] = np.maximum(quiet.var(axis=1, ddof=1), variance[i])
         records[i] -= quiet.mean(axis=1, keepdims=True)
     records = np.stack(
         [

@@ -10,7 +10,7 @@ from plotly.subplots import make_subplots
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.records import AxisResult
-from analyzer.modal import ModalModel, cmif, group_sums
+from analyzer.modal import ModalModel, group_sums, mif, tracked_cmif
 from protocols.frf_records import FrequencyResponse
 
 __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
@@ -18,6 +18,7 @@ __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
 SHAPE_LENGTH_M = 0.15  # the largest motion of a mode is drawn this long
 AXIS_LENGTH_M = 0.5
 PHASES = 16  # pictures of one cycle of a mode
+MOST_CURVES = 4  # of each indicator
 CYCLES = 4  # played for one choice
 
 
@@ -54,18 +55,32 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
 def indicator_figure(
     frf: FrequencyResponse, model: ModalModel, groups: dict[str, tuple[str, ...]], top_hz: float
 ) -> Any:
-    """Sums of FRF magnitudes by group of points (file 000, Fig. 3b), and the CMIF."""
+    """Sums of FRF magnitudes by group of points (file 000, Fig. 3b), CMIF curves, and the MIF."""
     keep = frf.freq_hz <= top_hz
     figure = go.Figure()
     freq = frf.freq_hz[keep]
     for name, values in group_sums(frf, groups).items():
         figure.add_scatter(x=freq, y=np.asarray(values)[keep], name=f"sum of {name}")
-    figure.add_scatter(x=freq, y=cmif(frf)[keep, 0], name="CMIF", line={"dash": "dot"})
+    for i, curve in enumerate(tracked_cmif(frf).values.T[:MOST_CURVES]):
+        figure.add_scatter(x=freq, y=curve[keep], name=f"CMIF {i + 1}", line={"dash": "dot"})
+    for j, reference in enumerate(frf.references[:MOST_CURVES]):
+        figure.add_scatter(
+            x=freq,
+            y=mif(frf)[keep, j],
+            name=f"MIF, hit at {reference.point}",
+            line={"width": 1},
+            yaxis="y2",
+            visible="legendonly",
+        )
     for mode in model.modes:
         figure.add_vline(x=mode.f_hz, line={"width": 1, "color": "#999"})
     figure.update_yaxes(type="log", title="m/(s² N)")
     figure.update_xaxes(title="Hz; grey lines are fitted modes")
-    figure.update_layout(height=380, title=f"{frf.posture}: sums by group, CMIF")
+    figure.update_layout(
+        height=380,
+        title=f"{frf.posture}: sums by group, CMIF, MIF",
+        yaxis2={"overlaying": "y", "side": "right", "range": [0, 1], "title": "MIF"},
+    )
     return figure
 
 

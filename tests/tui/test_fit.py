@@ -85,6 +85,8 @@ def test_json_holds_modes_synthesis_error_and_stabilisation(session, run):
     posture = found["postures"]["structure"]
     assert "adds no damping" in posture["window"]
     assert posture["frfs"][0]["frac"] > 0.999
+    assert 0.0 < posture["random_error"]["from_scatter"] < 0.1
+    assert 0.0 < posture["random_error"]["from_coherence"] < 0.1
 
 
 def test_an_askew_hit_of_six_is_left_out_and_the_reason_told(session, run):
