@@ -1,7 +1,7 @@
 """Frequency responses, modes and their uncertainty."""
 
 from analyzer.modal.correlation import mac, mac_matrix, mcf, mpc, mpd_deg
-from analyzer.modal.fit import fit_modes
+from analyzer.modal.fit import fit_modes, fit_modes_at
 from analyzer.modal.frf import HitSpectra, SensorAxes, hit_frfs, hit_spectra, posture_frf
 from analyzer.modal.indicators import cmif, frf_sum, group_sums
 from analyzer.modal.modes import ModalModel, Mode, mode_receptance, synthesise
@@ -15,6 +15,7 @@ __all__ = [
     "Stabilisation",
     "cmif",
     "fit_modes",
+    "fit_modes_at",
     "frf_sum",
     "group_sums",
     "hit_frfs",
