@@ -31,6 +31,7 @@ from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
 from tui.fit import fit_session
 from tui.results import identification_json, identification_tables
+from tui.review.command import add_review_command
 
 __all__ = ["main"]
 
@@ -313,6 +314,7 @@ def recover(
 
 
 add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
+add_review_command(app)
 
 
 def main() -> None:

@@ -109,16 +109,25 @@ class Canvas:
 
     def overlay(self, other: Canvas, column: int, row: int) -> None:
         """Lay another canvas's dots over this one, its corner at cell (column, row)."""
-        rows, columns = (
-            min(other.rows, self.rows - row),
-            min(other.columns, self.columns - column),
-        )
+        rows = max(min(other.rows, self.rows - row), 0)
+        columns = max(min(other.columns, self.columns - column), 0)
         inks = np.array([self._ink_number(style) for style in other._styles], dtype=np.int32)
         bits = other._bits[:rows, :columns]
         here = slice(row, row + rows), slice(column, column + columns)
         self._bits[here] |= bits
         free = (bits > 0) & (self._label[here] == 0)
         self._ink[here] = np.where(free, inks[other._ink[:rows, :columns]], self._ink[here])
+
+    def paste(self, other: Canvas, column: int, row: int) -> None:
+        """Lay another canvas's dots and labels over this one, its corner at cell (column, row)."""
+        self.overlay(other, column, row)
+        rows = max(min(other.rows, self.rows - row), 0)
+        columns = max(min(other.columns, self.columns - column), 0)
+        inks = np.array([self._ink_number(style) for style in other._styles], dtype=np.int32)
+        label = other._label[:rows, :columns]
+        here = slice(row, row + rows), slice(column, column + columns)
+        self._label[here] = np.where(label > 0, label, self._label[here])
+        self._ink[here] = np.where(label > 0, inks[other._ink[:rows, :columns]], self._ink[here])
 
     def plain(self) -> list[str]:
         """Return the rows as text without style."""

@@ -96,14 +96,21 @@ def envelope(x: Array, y: Array, edges: Array) -> tuple[Array, Array, Array]:
 
 
 def plot_frame(
-    columns: int, rows: int, x: Scale, y: Scale, *, title: str = "", x_axis: bool = True
+    columns: int,
+    rows: int,
+    x: Scale,
+    y: Scale,
+    *,
+    title: str = "",
+    x_axis: bool = True,
+    left: int | None = None,
 ) -> Frame:
     """Return where the field of a plot of that size lies: below the title, right of the ticks."""
     top = 1 if title else 0
     below = 1 if x_axis else 0
     inner = max(rows - top - below, 1)
     width = max((len(tick_text(t)) for t in y.ticks(max(inner // 3, 2))), default=1)
-    left = min(width + 1, columns // 3)
+    left = min(width + 1 if left is None else left, columns // 3)
     return Frame(left=left, top=top, columns=max(columns - left, 1), rows=inner, x=x, y=y)
 
 
@@ -118,6 +125,7 @@ def plot(
     x_axis: bool = True,
     x_name: str = "",
     cursors: Sequence[Cursor] = (),
+    left: int | None = None,
 ) -> Canvas:
     """Draw series in one frame.
 
@@ -137,9 +145,12 @@ def plot(
         Unit of x, written at the right end of its ticks.
     cursors
         Vertical lines.
+    left
+        Cells left of the field, so that plots one below the other agree; what the ticks need
+        when omitted.
     """
     canvas = Canvas(columns, rows)
-    frame = plot_frame(canvas.columns, canvas.rows, x, y, title=title, x_axis=x_axis)
+    frame = plot_frame(canvas.columns, canvas.rows, x, y, title=title, x_axis=x_axis, left=left)
     canvas.label(frame.left, 0, title, "bold")
     _axes(canvas, frame, x_name if x_axis else None)
     for cursor in cursors:

@@ -1,0 +1,236 @@
+"""What `armodal gap` says, on one screen: verdict, effects, before and after, where, rivals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+__all__ = ["gap_map", "gap_view"]
+
+VERDICTS = {
+    "named": "NAMED",
+    "ambiguous": "AMBIGUOUS",
+    "nothing_detectable": "NOTHING DETECTABLE",
+    "outside_library": "OUTSIDE THE LIBRARY",
+}
+_SHADES = " ░▒▓█"
+
+
+def gap_view(found: Mapping[str, Any]) -> RenderableType:
+    """Return everything of the object `armodal gap --json` prints; what is absent is left out."""
+    verdict = str(found.get("verdict", "no verdict"))
+    parts: list[RenderableType] = [Text(VERDICTS.get(verdict, verdict), style="bold reverse")]
+    if found.get("summary"):
+        parts.append(Text(str(found["summary"])))
+    for section in (_effects, _before_after, gap_map, _rivals, _stiffness, _next_test):
+        part = section(found)
+        if part is not None:
+            parts += [Text(""), part]
+    if found.get("arm_file"):
+        parts += [Text(""), Text(f"new arm file: {found['arm_file']}")]
+    return Group(*parts)
+
+
+def _rows(found: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
+    value = found.get(key)
+    rows = value if isinstance(value, Sequence) and not isinstance(value, str) else []
+    return [row for row in rows if isinstance(row, Mapping)]
+
+
+def _number(value: object, digits: int = 4) -> str:
+    return f"{value:.{digits}g}" if isinstance(value, (int, float)) else "-"
+
+
+def _parameters(row: Mapping[str, Any]) -> str:
+    told = []
+    std = row.get("std", {})
+    for name, value in row.get("parameters", {}).items():
+        if isinstance(value, Mapping):
+            low, high = _number(value.get("low")), _number(value.get("high"))
+            told.append(f"{name} {_number(value.get('value'))} ({low} to {high})")
+        elif isinstance(value, list):
+            told.append(f"{name} " + " ".join(_number(part, 3) for part in value))
+        else:
+            spread = std.get(name) if isinstance(std, Mapping) else None
+            beside = "" if spread is None else f" ± {_number(spread, 2)}"
+            told.append(f"{name} {_number(value)}{beside}")
+    return "\n".join(told)
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", expand=False)
+    for column in columns:
+        table.add_column(column)
+    return table
+
+
+def _name(row: Mapping[str, Any]) -> str:
+    title, place = row.get("title") or row.get("name", "?"), row.get("place")
+    return f"{title}\n{place}" if place else str(title)
+
+
+def _effects(found: Mapping[str, Any]) -> RenderableType | None:
+    rows = _rows(found, "effects")
+    if not rows:
+        return None
+    table = _table("Effects", "effect", "parameters (95 %)", "sure %", "confused with", "do now")
+    for row in rows:
+        sure = row.get("confidence")
+        confused = row.get("confused_with", ())
+        table.add_row(
+            _name(row),
+            _parameters(row),
+            "-" if not isinstance(sure, (int, float)) else f"{100 * sure:.0f}",
+            ", ".join(map(str, confused)) if isinstance(confused, (list, tuple)) else str(confused),
+            str(row.get("remedy", "")),
+        )
+    return table
+
+
+def _error(row: Mapping[str, Any] | None) -> float | None:
+    value = None if row is None else row.get("frf_error")
+    return float(value) if isinstance(value, (int, float)) else None
+
+
+def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
+    before, after = _rows(found, "gap_before"), _rows(found, "gap_after")
+    if not before:
+        return None
+    later = {row.get("posture"): row for row in after}
+    table = _table("Gap: FRF error, % of the FRFs", "posture", "before", "after", "floor", "")
+    for row in before:
+        then = later.get(row.get("posture"))
+        shown = []
+        for value in (_error(row), _error(then), row.get("floor")):
+            shown.append(f"{100 * value:.1f}" if isinstance(value, (int, float)) else "-")
+        held = "not fitted to" if row.get("held_out") else "fitted"
+        table.add_row(
+            str(row.get("posture", "?")), *shown, f"{_bar(_error(row), _error(then))} {held}"
+        )
+    return table
+
+
+def _bar(before: float | None, after: float | None) -> str:
+    """Before as light, what is left after as full blocks, of ten."""
+    if before is None or after is None or before <= 0.0:
+        return ""
+    left = min(round(10 * after / before), 10)
+    return "█" * left + "░" * (10 - left)
+
+
+def gap_map(found: Mapping[str, Any]) -> RenderableType | None:
+    """Disagreement over posture and band against point: the worst axis of each, shaded.
+
+    1 is what scatter and allowance explain.
+    """
+    rows = [row for row in _rows(found, "where") if isinstance(row.get("ratio"), (int, float))]
+    if not rows:
+        return None
+    points = list(dict.fromkeys(str(row.get("point")) for row in rows))
+    lines = list(dict.fromkeys((str(row.get("posture")), _band(row)) for row in rows))
+    worst = np.full((len(lines), len(points)), np.nan)
+    for row in rows:
+        at = lines.index((str(row.get("posture")), _band(row))), points.index(str(row.get("point")))
+        worst[at] = np.nanmax([worst[at], float(row["ratio"])])
+    table = Table(
+        title="Where: disagreement over what scatter explains (1), worst axis",
+        title_justify="left",
+        expand=False,
+        padding=(0, 0),
+        pad_edge=False,
+    )
+    table.add_column("posture, Hz", no_wrap=True)
+    for point in points:
+        table.add_column(point, justify="right", no_wrap=True)
+    for (posture, band), values in zip(lines, worst, strict=True):
+        table.add_row(f"{posture} {band} ", *(_shaded(float(v)) for v in values))
+    table.caption = "shade: " + ", ".join(
+        f"{shade or 'none'} {word}"
+        for shade, word in zip(
+            _SHADES[1:], ("above 1", "above 2", "above 4", "above 8"), strict=True
+        )
+    )
+    return table
+
+
+def _band(row: Mapping[str, Any]) -> str:
+    band = row.get("band_hz")
+    if isinstance(band, Sequence) and len(band) == 2:
+        return f"{band[0]:.0f}–{band[1]:.0f}"
+    return ""
+
+
+def _shaded(ratio: float) -> Text:
+    if not np.isfinite(ratio):
+        return Text(" - ", style="dim")
+    level = int(np.clip(np.floor(np.log2(max(ratio, 0.5))) + 1, 0, 4))
+    text = f"{ratio:.1f}" if ratio < 9.95 else f"{min(ratio, 999):.0f}"
+    return Text(f"{_SHADES[level]}{text}", style="bold" if level >= 2 else "")
+
+
+def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
+    rows = _rows(found, "rivals")
+    if not rows:
+        return None
+    table = _table("Rivals, best first", "effect", "behind", "stands", "told apart by")
+    for row in rows[:12]:
+        stands = row.get("standing")
+        table.add_row(
+            _name(row).replace("\n", ", "),
+            _number(row.get("behind"), 3),
+            "-" if stands is None else "yes" if stands else "no",
+            str(row.get("told_by", "")),
+        )
+    return table
+
+
+def _stiffness(found: Mapping[str, Any]) -> RenderableType | None:
+    value = found.get("joint_stiffness_ranges")
+    rows: list[tuple[str, str, str]] = []
+    if isinstance(value, Mapping):
+        for joint, row in value.items():
+            if isinstance(row, Mapping):
+                rows.append((str(joint), _k(row), _range(row.get("low"), row.get("high"))))
+            elif isinstance(row, Sequence) and len(row) == 2:
+                rows.append((str(joint), "-", _range(*row)))
+    for row in _rows(found, "joint_stiffness_ranges"):
+        rows.append((str(row.get("joint", "?")), _k(row), _range(row.get("low"), row.get("high"))))
+    if not rows:
+        return None
+    table = _table("Joint stiffness over all rivals still standing, N m/rad", "joint", "k", "range")
+    for cells in rows:
+        table.add_row(*cells)
+    return table
+
+
+def _k(row: Mapping[str, Any]) -> str:
+    value = row.get("k_n_m_per_rad")
+    return f"{value:.0f}" if isinstance(value, (int, float)) else "-"
+
+
+def _range(low: object, high: object) -> str:
+    if not isinstance(low, (int, float)) or not isinstance(high, (int, float)):
+        return "unknown"
+    return f"{low:.0f}–{high:.0f}"
+
+
+def _next_test(found: Mapping[str, Any]) -> RenderableType | None:
+    test = found.get("next_test")
+    if not test:
+        return None
+    if not isinstance(test, Mapping):
+        return Text(f"Next test: {test}")
+    lines = ["Next test (n makes a plan file of it)"]
+    for key, value in test.items():
+        told = (
+            ", ".join(_number(part) if isinstance(part, float) else str(part) for part in value)
+            if isinstance(value, (list, tuple))
+            else str(value)
+        )
+        lines.append(f"  {str(key).replace('_', ' ')}: {told}")
+    return Text("\n".join(lines))

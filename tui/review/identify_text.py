@@ -1,0 +1,86 @@
+"""What an identification says, as tables with the range and the method beside each value."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+__all__ = ["identification_view"]
+
+_WHOLE = "all FRFs, whole arm"
+_ONE = "one mode, one joint"
+
+
+def identification_view(found: dict[str, Any]) -> RenderableType:
+    """Tables of the object `armodal identify --json` prints."""
+    parts: list[RenderableType] = [_joints(found["joints"])]
+    if found["structural"]:
+        parts.append(_axes(found["structural"]))
+    if found["validation"]:
+        parts.append(_validation(found["validation"]))
+    notes = [*found.get("notes", ()), *found.get("warnings", ())]
+    if notes:
+        parts.append(Text("\n".join(f"note: {note}" for note in notes)))
+    return Group(*parts)
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", expand=False)
+    for column in columns:
+        table.add_column(column, justify="left" if column == "method" else "right", no_wrap=True)
+    return table
+
+
+def _joints(rows: list[dict[str, Any]]) -> Table:
+    table = _table(
+        "Joint stiffness k, N m/rad", "joint", "k", "95 % range", "± inertia", "c", "method"
+    )
+    for row in rows:
+        k, half = row["k_n_m_per_rad"], row["k_half_width_95"]
+        table.add_row(
+            row["joint"],
+            f"{k:.0f}",
+            f"{k - half:.0f}–{k + half:.0f}",
+            f"{row['k_std_model']:.0f}",
+            f"{row['c_n_m_s_per_rad']:.2f}±{row['c_std']:.2f}",
+            _WHOLE,
+        )
+        one = row["k_one_joint_n_m_per_rad"]
+        table.add_row("", "none" if one is None else f"{one:.0f}", "", "", "", _ONE)
+    table.caption = "± inertia: one standard deviation from the inertias' tolerance; c in N m s/rad"
+    return table
+
+
+def _axes(rows: list[dict[str, Any]]) -> Table:
+    table = _table(
+        "Structural axes, link frame", "link", "k", "95 % range", "direction", "point mm"
+    )
+    for row in rows:
+        k, half = row["k_n_m_per_rad"], row["k_half_width_95"]
+        table.add_row(
+            row["link"],
+            f"{k:.0f}",
+            f"{k - half:.0f}–{k + half:.0f}",
+            " ".join(f"{value:+.2f}" for value in row["direction_link"]),
+            " ".join(f"{1e3 * value:.0f}" for value in row["point_link_m"]),
+        )
+    return table
+
+
+def _validation(rows: list[dict[str, Any]]) -> Table:
+    table = _table(
+        "Predicted before measured", "posture", "mode", "predicted Hz", "measured Hz", "error %"
+    )
+    for row in rows:
+        measured = row["measured_hz"]
+        table.add_row(
+            row["posture"],
+            str(row["mode"]),
+            f"{row['predicted_hz']:.2f} ± {row['predicted_std_hz']:.2f}",
+            "not found" if measured is None else f"{measured:.2f}",
+            "-" if measured is None else f"{100 * (row['predicted_hz'] / measured - 1):+.2f}",
+        )
+    return table
