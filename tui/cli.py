@@ -20,6 +20,7 @@ from daq.settings import AcquisitionSettings
 from hil_sim.lab import start_laboratory
 from protocols.arm.files import load_arm
 from protocols.errors import ArmodalError, SessionError
+from protocols.frf_records import FrfEstimator
 from protocols.plan import load_plan
 from protocols.session.hdf5 import read_session
 from protocols.session.recovery import rebuild
@@ -29,7 +30,7 @@ from tui.check import app as check_app
 from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
-from tui.fit import fit_session
+from tui.fit import FitSettings, fit_lines, fit_session
 from tui.results import identification_json, identification_tables
 from tui.review.command import add_review_command
 
@@ -229,17 +230,42 @@ def fit(
     band: Annotated[
         tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
     ] = None,
+    estimator: Annotated[
+        FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")
+    ] = None,
+    exponential_end: Annotated[
+        float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")
+    ] = None,
+    force_window: Annotated[
+        float | None, typer.Option(help="Seconds of the force kept from the trigger on.")
+    ] = None,
+    keep_hits: Annotated[
+        int | None, typer.Option(min=1, help="Hits averaged at most at a point.")
+    ] = None,
+    max_order: Annotated[
+        int, typer.Option(min=4, max=300, help="Highest order of the stabilisation.")
+    ] = 60,
     as_json: Json = False,
 ) -> None:
     """Fit modes in every posture of a session.
 
-    Example: armodal fit session.h5 --band 3 400 --json
+    Example: armodal fit session.h5 --band 3 400 --estimator hv --json
     """
-    value, table = fit_session(read_session(session), band_hz=band)
+    settings = FitSettings(
+        band_hz=band,
+        estimator=estimator,
+        exponential_end=exponential_end,
+        force_s=force_window,
+        keep_hits=keep_hits,
+        max_order=max_order,
+    )
+    value, table = fit_session(read_session(session), settings)
     if as_json:
         _print_json(value)
         return
     out.print(table)
+    for line in fit_lines(value):
+        out.print(line, markup=False)
     for note in value["warnings"]:
         out.print(f"note: {note}", markup=False)
 

@@ -14,6 +14,8 @@ __all__ = ["INK", "MONO", "PAPER", "Inks", "inks_of", "register_themes"]
 
 MONO, INK, PAPER = "armodal-mono", "armodal-dark", "armodal-light"
 
+_WEAK_SHARE = 0.42  # of the way from ground to ink
+
 _THEMES = (
     Theme(
         name=INK,
@@ -80,16 +82,22 @@ def inks_of(variables: Mapping[str, str]) -> Inks:
         value = variables.get(name, fallback)
         return value if value.startswith("#") and len(value) == 7 else fallback
 
-    muted = colour("foreground", "#c0c0c0")
+    plain, ground = colour("foreground", "#c0c0c0"), colour("background", "#000000")
     return Inks(
-        plain=muted,
-        weak=f"dim {muted}",
+        plain=plain,
+        weak=_between(ground, plain, _WEAK_SHARE),
         strong=f"bold {colour('primary', '#ffffff')}",
         fit=colour("accent", "#ffffff"),
         axis=f"bold {colour('error', '#ffffff')}",
         cursor=f"bold {colour('warning', '#ffffff')}",
         bad=f"bold reverse {colour('error', '#ffffff')}",
     )
+
+
+def _between(ground: str, ink: str, share: float) -> str:
+    """Colour `share` of the way from one to the other; both #rrggbb."""
+    pairs = [(int(ground[i : i + 2], 16), int(ink[i : i + 2], 16)) for i in (1, 3, 5)]
+    return "#" + "".join(f"{round(a + share * (b - a)):02x}" for a, b in pairs)
 
 
 def register_themes(app: App[Any], environment: Mapping[str, str] = os.environ) -> None:

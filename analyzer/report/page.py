@@ -11,6 +11,7 @@ import jinja2
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.records import Identification
+from analyzer.modal import hit_choices, missing_mode_hints
 from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
 from protocols.session.records import Session
 
@@ -60,8 +61,18 @@ def _content(session: Session, identification: Identification) -> dict[str, Any]
     rejected = Counter(
         reason for hit in session.hits for reason in hit.verdict.reasons if not hit.verdict.accepted
     )
+    given = {frf.posture for frf in session.frfs}
     return {
         "session": session,
+        "measured": [
+            {
+                "frf": frf,
+                "model": model,
+                "choices": () if frf.posture in given else hit_choices(session, frf.posture),
+                "hints": missing_mode_hints(frf, model),
+            }
+            for frf, model in zip(identification.frfs, identification.modal_models, strict=True)
+        ],
         "result": identification,
         "figures": figures,
         "n_accepted": len(session.accepted()),

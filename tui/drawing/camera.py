@@ -14,6 +14,7 @@ __all__ = ["Camera"]
 Array = npt.NDArray[np.float64]
 
 _STEEPEST_RAD = np.pi / 2
+_FROM_SIDE_RAD = np.deg2rad(65.0)
 _ZOOM = (0.1, 50.0)
 _MARGIN = 0.92  # of the smaller side, so that nothing touches the frame
 
@@ -26,7 +27,8 @@ class Camera:
     """
 
     center_m: Array  # (3,) shown in the middle
-    radius_m: float  # fills half the smaller side at zoom 1
+    radius_m: float  # of the upright cylinder that holds the scene
+    half_height_m: float  # of the same
     azimuth_rad: float = np.deg2rad(-50.0)
     elevation_rad: float = np.deg2rad(20.0)
     zoom: float = 1.0
@@ -36,10 +38,20 @@ class Camera:
         """Camera whose picture holds all of `points_m` (n, 3) from every side."""
         points = np.asarray(points_m, dtype=np.float64).reshape(-1, 3)
         if not len(points):
-            return cls(center_m=frozen_array(np.zeros(3), np.float64), radius_m=1.0)
+            origin = frozen_array(np.zeros(3), np.float64)
+            return cls(center_m=origin, radius_m=1.0, half_height_m=1.0)
         center = (points.min(axis=0) + points.max(axis=0)) / 2
-        radius = float(np.linalg.norm(points - center, axis=1).max())
-        return cls(center_m=frozen_array(center, np.float64), radius_m=max(radius, 1e-6))
+        flat = (points - center)[:, :2]
+        # Seen from the side of the longest horizontal direction, a little from ahead.
+        along = np.linalg.svd(flat, full_matrices=False)[2][0]
+        if along @ flat.sum(axis=0) < 0.0:
+            along = -along
+        return cls(
+            center_m=frozen_array(center, np.float64),
+            radius_m=max(float(np.linalg.norm(flat, axis=1).max()), 1e-6),
+            half_height_m=max(float(np.ptp(points[:, 2])) / 2, 1e-6),
+            azimuth_rad=float(np.arctan2(along[1], along[0]) - _FROM_SIDE_RAD),
+        )
 
     def turned(self, azimuth_rad: float = 0.0, elevation_rad: float = 0.0) -> Camera:
         """Return the camera moved around the scene; it never goes past straight above or below."""
@@ -64,7 +76,9 @@ class Camera:
 
     def pixels_a_metre(self, width: int, height: int) -> float:
         """Scale of the picture on a canvas of that many pixels."""
-        return _MARGIN * self.zoom * min(width, height) / (2.0 * self.radius_m)
+        rise = abs(np.sin(self.elevation_rad)) * self.radius_m
+        high = rise + np.cos(self.elevation_rad) * self.half_height_m
+        return float(_MARGIN * self.zoom * min(width / self.radius_m, height / high) / 2.0)
 
     def project(self, points_m: npt.ArrayLike, width: int, height: int) -> Array:
         """Pixels (..., 2) of points (..., 3) on a canvas of width x height pixels."""

@@ -1,8 +1,8 @@
 """A canvas of braille pixels: two across and four down in every character cell.
 
-A terminal cell is about twice as high as wide, so the pixels are square. Each ink is a layer;
-where layers meet in a cell the dots of all are shown in the style of the one drawn last. Labels
-lie above all dots.
+A terminal cell is about twice as high as wide, so the pixels are square. A cell has one style:
+what is drawn later takes the whole cell and hides the dots of other styles in it, so that a line
+on top of many others stays a line. Labels lie above all dots.
 """
 
 from __future__ import annotations
@@ -61,8 +61,11 @@ class Canvas:
         at = np.floor(points[inside] + 0.5).astype(np.intp)
         column, row = at[:, 0] // CELL_WIDTH, at[:, 1] // CELL_HEIGHT
         bits = _BITS[at[:, 1] % CELL_HEIGHT, at[:, 0] % CELL_WIDTH]
+        ink = self._ink_number(style)
+        other = self._ink[row, column] != ink
+        self._bits[row[other], column[other]] = 0
         np.bitwise_or.at(self._bits, (row, column), bits)
-        self._ink[row, column] = self._ink_number(style)
+        self._ink[row, column] = ink
 
     def segments(self, begin: npt.ArrayLike, end: npt.ArrayLike, style: str = "") -> None:
         """Draw straight lines from each of `begin` (n, 2) to each of `end` (n, 2)."""
@@ -114,9 +117,11 @@ class Canvas:
         inks = np.array([self._ink_number(style) for style in other._styles], dtype=np.int32)
         bits = other._bits[:rows, :columns]
         here = slice(row, row + rows), slice(column, column + columns)
-        self._bits[here] |= bits
+        ink = inks[other._ink[:rows, :columns]]
         free = (bits > 0) & (self._label[here] == 0)
-        self._ink[here] = np.where(free, inks[other._ink[:rows, :columns]], self._ink[here])
+        kept = np.where(free & (ink != self._ink[here]), 0, self._bits[here])
+        self._bits[here] = kept | bits
+        self._ink[here] = np.where(free, ink, self._ink[here])
 
     def paste(self, other: Canvas, column: int, row: int) -> None:
         """Lay another canvas's dots and labels over this one, its corner at cell (column, row)."""

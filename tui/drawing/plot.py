@@ -16,6 +16,7 @@ __all__ = ["Cursor", "Frame", "Series", "envelope", "plot", "plot_frame"]
 Array = npt.NDArray[np.float64]
 
 _AXIS = "dim"
+_NAME_ROWS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,12 +158,7 @@ def plot(
         _cursor(canvas, frame, cursor)
     for one in series:
         _series(canvas, frame, one)
-    for cursor in cursors:
-        share = float(x.share(cursor.x))
-        if cursor.name and 0.0 <= share <= 1.0:
-            at = frame.left + int(share * (frame.columns - 1)) + 1
-            at = min(at, frame.left + frame.columns - len(cursor.name))
-            canvas.label(at, frame.top, cursor.name, cursor.style)
+    _cursor_names(canvas, frame, cursors)
     return canvas
 
 
@@ -189,6 +185,20 @@ def _axes(canvas: Canvas, frame: Frame, x_name: str | None) -> None:
             canvas.label(at, bottom, text, _AXIS)
             free = at + len(text) + 1
     canvas.label(frame.left + frame.columns - len(x_name), bottom, x_name, _AXIS)
+
+
+def _cursor_names(canvas: Canvas, frame: Frame, cursors: Sequence[Cursor]) -> None:
+    """Write names beside their lines, one row lower where another name is in the way."""
+    taken = [0] * _NAME_ROWS
+    for cursor in sorted(cursors, key=lambda one: one.x):
+        share = float(frame.x.share(cursor.x))
+        if not cursor.name or not 0.0 <= share <= 1.0:
+            continue
+        at = frame.left + int(share * (frame.columns - 1)) + 1
+        at = min(at, frame.left + frame.columns - len(cursor.name))
+        row = next((r for r in range(min(_NAME_ROWS, frame.rows)) if taken[r] <= at), 0)
+        taken[row] = at + len(cursor.name) + 1
+        canvas.label(at, frame.top + row, cursor.name, cursor.style)
 
 
 def _cursor(canvas: Canvas, frame: Frame, cursor: Cursor) -> None:

@@ -19,6 +19,7 @@ class Scale:
     low: float
     high: float
     log: bool = False
+    step: float | None = None  # between ticks; round ones when omitted
 
     def share(self, values: npt.ArrayLike) -> Array:
         """Place of values along the axis, 0 at low and 1 at high; NaN where a log has none."""
@@ -56,6 +57,9 @@ class Scale:
 
     def ticks(self, about: int) -> tuple[float, ...]:
         """About that many round values, 1, 2, 5 times powers of ten; decades when logarithmic."""
+        if self.step is not None:
+            count = np.arange(np.ceil(self.low / self.step), np.floor(self.high / self.step) + 1)
+            return tuple(float(n * self.step) for n in count)
         if self.log:
             first, last = np.log10(self.low), np.log10(self.high)
             step = max(int(np.ceil((last - first) / max(about, 1))), 1)

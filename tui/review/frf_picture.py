@@ -107,13 +107,15 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
                 for a in range(size.shape[0])
                 for b in range(size.shape[1])
             ]
-        series = [*behind, Series(x=frf.freq_hz, y=size[i, j], style=self.inks.strong)]
+        series = behind
         model = self.state.model
         if self.fit and model is not None and model.modes:
             low, high = model.band_hz
             lines = frf.freq_hz[(frf.freq_hz >= low) & (frf.freq_hz <= high)]
             curve = np.abs(synthesise(model, lines, decay_rad_s=frf.decay_rad_s)[i, j])
             series.append(Series(x=lines, y=curve, style=self.inks.fit))
+        # Last, so that the modes' curve is seen where it departs from what was measured.
+        series.append(Series(x=frf.freq_hz, y=size[i, j], style=self.inks.strong))
         y = log_scale(size[..., shown] if self.overlay else size[i, j][shown], most_decades=5.0)
         self.frame = plot_frame(columns, rows, x, y, title="t", left=TICKS)
         return plot(
@@ -133,7 +135,7 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
         if self.overlay:
             parts.append("all others dim")
         if self.fit and self.state.model is not None:
-            parts.append("modes' curve over it")
+            parts.append("modes' curve where it differs")
         return ", ".join(parts)
 
     def _phase(self, columns: int, rows: int, i: int, j: int) -> Canvas:
@@ -145,7 +147,7 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
             rows,
             [Series(x=frf.freq_hz, y=phase, style=self.inks.strong)],
             x=self.x_scale(),
-            y=Scale(low=-180.0, high=180.0),
+            y=Scale(low=-180.0, high=180.0, step=180.0),
             title="phase °",
             x_axis=False,
             left=TICKS,
@@ -159,7 +161,7 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
             rows,
             [Series(x=frf.freq_hz, y=frf.coherence[i, j], style=self.inks.strong)],
             x=self.x_scale(),
-            y=Scale(low=0.0, high=1.0),
+            y=Scale(low=0.0, high=1.0, step=0.5),
             title="coherence" if known else "coherence: not told for these FRFs",
             x_axis=False,
             left=TICKS,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -60,9 +61,12 @@ class OpenSession:
     views: tuple[PostureView, ...]
 
     @property
-    def lost(self) -> int:
-        """How many losses of samples, blocks or frames the session recorded."""
-        return sum(loss.count for loss in self.session.losses)
+    def lost(self) -> str:
+        """What the session lost, by kind: "lost 0", or "lost can 12, stream 3"."""
+        kinds = Counter[str]()
+        for loss in self.session.losses:
+            kinds[loss.kind] += loss.count
+        return "lost " + (", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0")
 
 
 def open_session(path: Path) -> OpenSession:

@@ -66,7 +66,7 @@ class ReviewState:
             session.header.arm.name,
             f"posture {self.posture + 1}/{len(self.views)} {view.name}",
             modes,
-            f"lost {self.opened.lost}",
+            self.opened.lost,
         ]
         if not session.complete:
             parts.append("session not complete")

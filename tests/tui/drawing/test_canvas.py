@@ -36,13 +36,13 @@ def test_a_label_lies_above_the_dots_and_is_clipped():
     assert canvas.plain() == ["⣀⣀na"]
 
 
-def test_the_style_drawn_last_shows():
+def test_what_is_drawn_last_takes_the_cell():
     canvas = Canvas(2, 1)
     canvas.dots([[0, 0]], "red")
     canvas.dots([[1, 0]], "bold")
     (strip,) = canvas.strips()
     first = next(iter(strip))
-    assert first.text == "⠉"
+    assert first.text == "⠈"
     assert first.style is not None
     assert first.style.bold
 

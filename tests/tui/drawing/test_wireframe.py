@@ -46,13 +46,13 @@ def test_names_and_hit_are_in_the_picture():
 
 
 def test_a_triad_seen_from_a_corner_shows_its_three_axes():
-    camera, canvas = Camera(center_m=np.zeros(3), radius_m=1.0), Canvas(40, 20)
+    camera, canvas = Camera(center_m=np.zeros(3), radius_m=1.0, half_height_m=1.0), Canvas(40, 20)
     draw_triad(canvas, camera, np.zeros(3), np.eye(3), 0.8)
     assert set("xyz") <= set("".join(canvas.plain()))
 
 
 def test_a_hit_seen_end_on_is_a_cross_in_a_circle():
-    camera, canvas = Camera(center_m=np.zeros(3), radius_m=1.0), Canvas(40, 20)
+    camera, canvas = Camera(center_m=np.zeros(3), radius_m=1.0, half_height_m=1.0), Canvas(40, 20)
     draw_hit(canvas, camera, np.zeros(3), camera.directions()[2], 0.5)
     assert "⊗" in "".join(canvas.plain())
 
