@@ -56,7 +56,7 @@ class ReviewApp(App[int]):
     gap
         Result of `armodal gap --json` to show; by default the one kept beside the session.
     opened
-        A session already read, in place of the file.
+        A session already read, in place of the file; postures fitted already stay as they are.
     clock
         Seconds, for what moves.
     environment
@@ -80,9 +80,9 @@ class ReviewApp(App[int]):
             Binding(str(number), f"tab('{tab}')", title, show=False)
             for number, (tab, title) in enumerate(zip(TABS, _TITLES, strict=True), start=1)
         ),
-        Binding("left_square_bracket", "posture(-1)", "posture", key_display="[ ]"),
+        Binding("left_square_bracket", "posture(-1)", "posture", key_display="[]"),
         Binding("right_square_bracket", "posture(1)", "next posture", show=False),
-        Binding("s", "save", "save picks"),
+        Binding("s", "save", "save picks", show=False),
         Binding("t", "next_theme", "theme", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q", "leave", "leave"),
@@ -110,7 +110,7 @@ class ReviewApp(App[int]):
         yield Static("", id="status", markup=False)
         yield Static("", id="trouble", markup=False)
         yield Static("", id="small", markup=False)
-        yield Footer()
+        yield Footer(compact=True, show_command_palette=False)
 
     async def on_mount(self) -> None:
         """Read the session; what cannot be read is said on the screen."""
@@ -125,7 +125,8 @@ class ReviewApp(App[int]):
         except ArmodalError as error:
             self.call_from_thread(self._show_trouble, error)
             return
-        self.call_from_thread(self._show_session, opened)
+        show: Any = self._show_session  # a coroutine: its end is waited for
+        self.call_from_thread(show, opened)
         self._fit_all(opened)
 
     def _fit_all(self, opened: OpenSession) -> None:
@@ -136,7 +137,8 @@ class ReviewApp(App[int]):
             kept = {}
             self.call_from_thread(self.notify, str(error), severity="error", timeout=20.0)
         for number, view in enumerate(opened.views):
-            fitted = fit_automatic(opened.superset, view)
+            known = view.automatic is not None
+            fitted = view if known else fit_automatic(opened.superset, view)
             if view.name in kept and fitted.automatic is not None:
                 try:
                     fitted = fit_picked(opened.superset, replace(fitted, picks=kept[view.name]))
@@ -154,15 +156,14 @@ class ReviewApp(App[int]):
         self._say_status("this session cannot be shown")
         trouble = self.query_one("#trouble", Static)
         trouble.update(
-            f"{error}\n\nWhat was captured is in the journal beside it: "
-            f"`armodal recover {self.path.with_suffix('.journal').name}` builds the session anew.\n\n"
-            "q leaves."
+            f"{error}\n\nWhat was captured is in the journal beside it; "
+            f"`armodal recover {self.path.with_suffix('.journal').name}` builds the session "
+            "anew.\n\nq leaves."
         )
         trouble.display = True
 
     async def _show_session(self, opened: OpenSession) -> None:
         state = ReviewState.of(opened)
-        self.state = state
         self._read_gap(state)
         panes: tuple[Widget, ...] = (
             FrfPicture(state, id="frf-main"),
@@ -178,6 +179,7 @@ class ReviewApp(App[int]):
         for number, (tab, title, pane) in enumerate(zip(TABS, _TITLES, panes, strict=True), 1):
             tabs.compose_add_child(TabPane(f"{number} {title}", pane, id=tab))
         await self.mount(tabs, before="#trouble")
+        self.state = state
         self.action_tab("frf")
         self.redraw()
 
@@ -215,8 +217,8 @@ class ReviewApp(App[int]):
         small = event.size.width < LEAST_COLUMNS or event.size.height < LEAST_ROWS
         self.set_class(small, "-small")
         self.query_one("#small", Static).update(
-            f"window {event.size.width}×{event.size.height} is too small, wanted "
-            f"{LEAST_COLUMNS}×{LEAST_ROWS}: make it larger (q leaves)"
+            f"window {event.size.width} x {event.size.height} is too small, wanted "
+            f"{LEAST_COLUMNS} x {LEAST_ROWS}: make it larger (q leaves)"
         )
 
     def on_tabbed_content_tab_activated(self, event: TabbedContent.TabActivated) -> None:

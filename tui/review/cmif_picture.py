@@ -28,7 +28,7 @@ Singular values of the FRF matrix over frequency: a peak of the first is a mode,
 second beside it a second mode at the same place. `g` shows the sums over the arm's groups of
 points, each marked with its letter.
 """
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("g", "groups", "groups of points")]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("g", "groups", "groups")]
 
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(state, id=id)

@@ -33,10 +33,10 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
 """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "choose(-1)", "FRF before", show=False),
-        Binding("down", "choose(1)", "next FRF", key_display="↑↓"),
-        Binding("a", "overlay", "all/one"),
+        Binding("down", "choose(1)", "FRF", key_display="↑↓"),
+        Binding("a", "overlay", "all"),
         Binding("p", "phase", "phase"),
-        Binding("y", "fit", "fitted curve"),
+        Binding("y", "fit", "curve"),
     ]
 
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -46,50 +47,52 @@ def _number(value: object, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if isinstance(value, (int, float)) else "-"
 
 
-def _parameters(row: Mapping[str, Any]) -> str:
+def _parameters(row: Mapping[str, Any]) -> list[str]:
     told = []
     std = row.get("std", {})
     for name, value in row.get("parameters", {}).items():
         if isinstance(value, Mapping):
             low, high = _number(value.get("low")), _number(value.get("high"))
-            told.append(f"{name} {_number(value.get('value'))} ({low} to {high})")
+            told.append(f"{name} {_number(value.get('value'))} (95 %: {low} to {high})")
         elif isinstance(value, list):
             told.append(f"{name} " + " ".join(_number(part, 3) for part in value))
         else:
             spread = std.get(name) if isinstance(std, Mapping) else None
             beside = "" if spread is None else f" ± {_number(spread, 2)}"
             told.append(f"{name} {_number(value)}{beside}")
-    return "\n".join(told)
+    return told
 
 
-def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", expand=False)
+def _table(*columns: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, expand=False, padding=(0, 1), pad_edge=False)
     for column in columns:
         table.add_column(column)
     return table
 
 
+def _titled(title: str, table: RenderableType, below: str = "") -> RenderableType:
+    parts: list[RenderableType] = [Text(title, style="bold"), table]
+    return Group(*parts, Text(below, style="italic")) if below else Group(*parts)
+
+
 def _name(row: Mapping[str, Any]) -> str:
     title, place = row.get("title") or row.get("name", "?"), row.get("place")
-    return f"{title}\n{place}" if place else str(title)
+    return f"{title}, {place}" if place else str(title)
 
 
 def _effects(found: Mapping[str, Any]) -> RenderableType | None:
-    rows = _rows(found, "effects")
-    if not rows:
-        return None
-    table = _table("Effects", "effect", "parameters (95 %)", "sure %", "confused with", "do now")
-    for row in rows:
+    lines: list[tuple[str, str] | str] = []
+    for row in _rows(found, "effects"):
         sure = row.get("confidence")
-        confused = row.get("confused_with", ())
-        table.add_row(
-            _name(row),
-            _parameters(row),
-            "-" if not isinstance(sure, (int, float)) else f"{100 * sure:.0f}",
-            ", ".join(map(str, confused)) if isinstance(confused, (list, tuple)) else str(confused),
-            str(row.get("remedy", "")),
-        )
-    return table
+        told = f", {100 * sure:.0f} % sure" if isinstance(sure, (int, float)) else ""
+        lines.append((f"{_name(row)}{told}\n", "bold"))
+        lines += [f"  {parameter}\n" for parameter in _parameters(row)]
+        confused = row.get("confused_with")
+        if isinstance(confused, (list, tuple)) and confused:
+            lines.append(f"  could be confused with {', '.join(map(str, confused))}\n")
+        if row.get("remedy"):
+            lines.append(f"  do now: {row['remedy']}\n")
+    return Text.assemble(*lines) if lines else None
 
 
 def _error(row: Mapping[str, Any] | None) -> float | None:
@@ -102,17 +105,18 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
     if not before:
         return None
     later = {row.get("posture"): row for row in after}
-    table = _table("Gap: FRF error, % of the FRFs", "posture", "before", "after", "floor", "")
+    table = _table("posture", "before", "after", "floor", "")
     for row in before:
         then = later.get(row.get("posture"))
-        shown = []
-        for value in (_error(row), _error(then), row.get("floor")):
-            shown.append(f"{100 * value:.1f}" if isinstance(value, (int, float)) else "-")
+        shown = [
+            f"{100 * value:.1f}" if isinstance(value, (int, float)) else "-"
+            for value in (_error(row), _error(then), row.get("floor"))
+        ]
         held = "not fitted to" if row.get("held_out") else "fitted"
         table.add_row(
             str(row.get("posture", "?")), *shown, f"{_bar(_error(row), _error(then))} {held}"
         )
-    return table
+    return _titled("Gap: difference over the FRFs, %", table)
 
 
 def _bar(before: float | None, after: float | None) -> str:
@@ -137,31 +141,21 @@ def gap_map(found: Mapping[str, Any]) -> RenderableType | None:
     for row in rows:
         at = lines.index((str(row.get("posture")), _band(row))), points.index(str(row.get("point")))
         worst[at] = np.nanmax([worst[at], float(row["ratio"])])
-    table = Table(
-        title="Where: disagreement over what scatter explains (1), worst axis",
-        title_justify="left",
-        expand=False,
-        padding=(0, 0),
-        pad_edge=False,
-    )
-    table.add_column("posture, Hz", no_wrap=True)
+    table = _table("posture, Hz")
     for point in points:
         table.add_column(point, justify="right", no_wrap=True)
     for (posture, band), values in zip(lines, worst, strict=True):
         table.add_row(f"{posture} {band} ", *(_shaded(float(v)) for v in values))
-    table.caption = "shade: " + ", ".join(
-        f"{shade or 'none'} {word}"
-        for shade, word in zip(
-            _SHADES[1:], ("above 1", "above 2", "above 4", "above 8"), strict=True
-        )
+    below = "shade: " + ", ".join(
+        f"{shade} above {limit}" for shade, limit in zip(_SHADES[1:], (1, 2, 4, 8), strict=True)
     )
-    return table
+    return _titled("Where: difference over what scatter explains (1), worst axis", table, below)
 
 
 def _band(row: Mapping[str, Any]) -> str:
     band = row.get("band_hz")
     if isinstance(band, Sequence) and len(band) == 2:
-        return f"{band[0]:.0f}–{band[1]:.0f}"
+        return f"{band[0]:.0f} to {band[1]:.0f}"
     return ""
 
 
@@ -177,16 +171,16 @@ def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
     rows = _rows(found, "rivals")
     if not rows:
         return None
-    table = _table("Rivals, best first", "effect", "behind", "stands", "told apart by")
+    table = _table("effect", "behind", "stands", "told apart by")
     for row in rows[:12]:
         stands = row.get("standing")
         table.add_row(
-            _name(row).replace("\n", ", "),
+            _name(row),
             _number(row.get("behind"), 3),
             "-" if stands is None else "yes" if stands else "no",
             str(row.get("told_by", "")),
         )
-    return table
+    return _titled("Rivals, best first", table)
 
 
 def _stiffness(found: Mapping[str, Any]) -> RenderableType | None:
@@ -198,14 +192,16 @@ def _stiffness(found: Mapping[str, Any]) -> RenderableType | None:
                 rows.append((str(joint), _k(row), _range(row.get("low"), row.get("high"))))
             elif isinstance(row, Sequence) and len(row) == 2:
                 rows.append((str(joint), "-", _range(*row)))
-    for row in _rows(found, "joint_stiffness_ranges"):
-        rows.append((str(row.get("joint", "?")), _k(row), _range(row.get("low"), row.get("high"))))
+    rows += [
+        (str(row.get("joint", "?")), _k(row), _range(row.get("low"), row.get("high")))
+        for row in _rows(found, "joint_stiffness_ranges")
+    ]
     if not rows:
         return None
-    table = _table("Joint stiffness over all rivals still standing, N m/rad", "joint", "k", "range")
+    table = _table("joint", "k", "range")
     for cells in rows:
         table.add_row(*cells)
-    return table
+    return _titled("Joint stiffness over all rivals still standing, N m/rad", table)
 
 
 def _k(row: Mapping[str, Any]) -> str:
@@ -216,7 +212,7 @@ def _k(row: Mapping[str, Any]) -> str:
 def _range(low: object, high: object) -> str:
     if not isinstance(low, (int, float)) or not isinstance(high, (int, float)):
         return "unknown"
-    return f"{low:.0f}–{high:.0f}"
+    return f"{low:.0f} to {high:.0f}"
 
 
 def _next_test(found: Mapping[str, Any]) -> RenderableType | None:

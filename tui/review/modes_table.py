@@ -12,7 +12,7 @@ from tui.review.state import ReviewState
 __all__ = ["ModesTable", "mode_rows"]
 
 _COLUMNS = (
-    "mode", "f Hz", "± std", "damping %", "± std", "MPC", "MPD °", "joints %", "kind", "chosen",
+    "f Hz", "± std", "damp %", "± std", "MPC", "MPD °", "joints %", "kind", "chosen",
     "seen %", "weight",
 )  # fmt: skip
 
@@ -28,11 +28,10 @@ def mode_rows(state: ReviewState) -> list[tuple[str, ...]]:
         kind = "-" if share is None else "structural" if view.structural(number) else "joints"
         rows.append(
             (
-                str(number + 1),
                 f"{mode.f_hz:.3f}",
                 f"{mode.f_std_hz:.3f}",
                 f"{100 * mode.damping_ratio:.2f}",
-                f"{100 * mode.damping_std:.2f}",
+                f"{100 * mode.damping_std:.3f}",
                 f"{mode.mpc:.3f}",
                 f"{mode.mpd_deg:.1f}",
                 "unknown" if share is None else f"{100 * share:.0f}",
@@ -56,6 +55,7 @@ worse the fit is without the mode, over what noise alone would give. `enter` sho
 """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "app.tab('shape')", "shape"),
+        Binding("s", "app.save", "save picks"),
     ]
 
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002

@@ -8,7 +8,7 @@ from typing import Any
 
 from protocols.errors import PlanError
 from protocols.plan import plan_from_text
-from protocols.plan_records import Mode, Windows
+from protocols.plan_records import Mode, Sampling, Windows
 from protocols.session.records import Session
 from tui.plan import TOLERANCE_DEG
 
@@ -46,8 +46,7 @@ def next_test_plan(session: Session, found: Mapping[str, Any]) -> str:
         f"fixed_point = {_quoted(fixed)}",
         f"hits_per_point = {plan.hits_per_point}",
         f"max_attempts = {plan.max_attempts}",
-        f"sampling = {{ rate_hz = {_rate(plan.sampling.rate_hz)}, "
-        f"samples = {plan.sampling.samples}, pretrigger = {plan.sampling.pretrigger} }}",
+        f"sampling = {{ {_sampling(plan.sampling)} }}",
         f'trigger = {{ level_n = {plan.trigger.level_n}, slope = "{trigger}" }}',
         f"windows = {{ {_windows(plan.windows)} }}",
         f"sensor = {{ mass_kg = {plan.sensor.mass_kg} }}",
@@ -81,8 +80,10 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _rate(rate_hz: Any) -> str:
-    return str(int(rate_hz)) if rate_hz.denominator == 1 else f'"{rate_hz}"'
+def _sampling(sampling: Sampling) -> str:
+    rate = sampling.rate_hz
+    told = str(int(rate)) if rate.denominator == 1 else f'"{rate}"'
+    return f"rate_hz = {told}, samples = {sampling.samples}, pretrigger = {sampling.pretrigger}"
 
 
 def _windows(windows: Windows) -> str:

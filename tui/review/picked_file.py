@@ -60,27 +60,27 @@ def read_picked(path: Path, session: Session) -> dict[str, tuple[complex, ...]]:
     """
     if not path.exists():
         return {}
+    if path.stat().st_size > _LIMIT:
+        raise SessionError(f"{path} is over {_LIMIT} bytes; move it away to go on without")
     try:
-        if path.stat().st_size > _LIMIT:
-            raise SessionError(f"{path} is over {_LIMIT} bytes; move it away to go on without")
         value = json.loads(path.read_text(encoding="utf-8"))
-        if value["format"] != _FORMAT:
-            raise ValueError(value["format"])
-        if value["session_id"] != session.header.session_id:
-            raise SessionError(
-                f"{path} belongs to session {value['session_id']}, this is "
-                f"{session.header.session_id}; move it away to go on without"
-            )
-        return {
+        told, belongs_to = value["format"], value["session_id"]
+        picks = {
             name: tuple(_pole(row["f_hz"], row["damping_ratio"]) for row in rows)
             for name, rows in value["postures"].items()
         }
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        if isinstance(error, SessionError):
-            raise
         raise SessionError(
             f"{path}: wanted {_FORMAT}, got something else ({error}); move it away to go on without"
         ) from error
+    if told != _FORMAT:
+        raise SessionError(f"{path}: wanted {_FORMAT}, got {told}; move it away to go on without")
+    if belongs_to != session.header.session_id:
+        raise SessionError(
+            f"{path} belongs to session {belongs_to}, this is {session.header.session_id}; "
+            "move it away to go on without"
+        )
+    return picks
 
 
 def _pole(f_hz: float, damping_ratio: float) -> complex:

@@ -19,7 +19,14 @@ from protocols.frf_records import FrequencyResponse
 from protocols.session.hdf5 import read_session
 from protocols.session.records import Session
 
-__all__ = ["OpenSession", "PostureView", "fit_automatic", "fit_picked", "open_session"]
+__all__ = [
+    "OpenSession",
+    "PostureView",
+    "fit_automatic",
+    "fit_picked",
+    "open_session",
+    "opened_session",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +90,17 @@ def open_session(path: Path) -> OpenSession:
         raise SessionError(
             f"{path}: {error.strerror or error}; give the .h5 file of a session"
         ) from error
+    return opened_session(path, session)
+
+
+def opened_session(path: Path, session: Session) -> OpenSession:
+    """Make a session in memory ready to be looked at; `path` is where its files lie.
+
+    Raises
+    ------
+    SessionError
+        If it holds nothing to show.
+    """
     superset = Superset(session.header.arm)
     frfs = estimate_frfs(session, superset)
     if not frfs:

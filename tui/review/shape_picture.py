@@ -49,9 +49,9 @@ them move with the joint turns and link motions that explain the points. Arrows 
 link. Structural modes have their Mozzi axis drawn, and after Identify the axis found.
 """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("n", "mode(1)", "next mode"),
+        Binding("n", "mode(1)", "mode"),
         Binding("b", "mode(-1)", "mode before", show=False),
-        Binding("left", "turn(-1, 0)", "turn", key_display="←↑→↓"),
+        Binding("left", "turn(-1, 0)", "turn", key_display="←↑"),
         Binding("right", "turn(1, 0)", "turn", show=False),
         Binding("up", "turn(0, 1)", "turn", show=False),
         Binding("down", "turn(0, -1)", "turn", show=False),
@@ -59,7 +59,7 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
         Binding("minus", "zoom(-1)", "zoom out", show=False),
         Binding("greater_than_sign", "amplify(1)", "amplitude", key_display="</>"),
         Binding("less_than_sign", "amplify(-1)", "less", show=False),
-        Binding("f", "speed(1)", "faster", key_display="f/d"),
+        Binding("f", "speed(1)", "speed", key_display="f/d"),
         Binding("d", "speed(-1)", "slower", show=False),
         Binding("space", "pause", "stop"),
         Binding("l", "names", "names"),
@@ -230,7 +230,7 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
     def _manner(self) -> str:
         rate = self.frames_a_second()
         told = "stopped" if not self.running else "" if rate is None else f"{rate:.0f} pictures/s"
-        return f"amplitude ×{self.amplification:.2g}  speed ×{self.speed:.2g}  {told}"
+        return f"amplitude {self.amplification:.2g}  speed {self.speed:.2g}  {told}"
 
     def _scene_of(self, view: PostureView) -> _Scene | None:
         key = (id(view), self.state.mode, self.axis_link, id(self.state.identification))

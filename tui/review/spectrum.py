@@ -30,7 +30,7 @@ class SpectrumPicture(Picture):
         Binding("plus,equals_sign", "zoom(1)", "zoom", key_display="+/-"),
         Binding("minus", "zoom(-1)", "zoom out", show=False),
         Binding("0", "whole", "whole band", show=False),
-        Binding("n", "mode(1)", "next mode"),
+        Binding("n", "mode(1)", "mode"),
         Binding("b", "mode(-1)", "mode before", show=False),
     ]
 

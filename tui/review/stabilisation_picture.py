@@ -45,10 +45,11 @@ the session.
         Binding("right", "pole(1)", "pole", show=False),
         Binding("up", "order(1)", "order", show=False),
         Binding("down", "order(-1)", "order", show=False),
-        Binding("space,enter", "pick", "pick/drop", key_display="space"),
-        Binding("c", "clear", "drop all"),
+        Binding("space,enter", "pick", "pick", key_display="space"),
+        Binding("c", "clear", "none"),
         Binding("r", "refit", "refit"),
-        Binding("a", "automatic", "automatic"),
+        Binding("a", "automatic", "auto"),
+        Binding("s", "app.save", "save"),
     ]
 
     class PicksChanged(Message):
