@@ -156,9 +156,8 @@ class ReviewApp(App[int]):
         self._say_status("this session cannot be shown")
         trouble = self.query_one("#trouble", Static)
         trouble.update(
-            f"{error}\n\nWhat was captured is in the journal beside it; "
-            f"`armodal recover {self.path.with_suffix('.journal').name}` builds the session "
-            "anew.\n\nq leaves."
+            f"{error}\n\nWhat was captured is in the journal beside it, which builds the session "
+            f"anew:\n  armodal recover {self.path.with_suffix('.journal').name}\n\nq leaves."
         )
         trouble.display = True
 

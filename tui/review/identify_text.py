@@ -62,9 +62,7 @@ def _joints(rows: list[dict[str, Any]]) -> RenderableType:
 
 
 def _axes(rows: list[dict[str, Any]]) -> RenderableType:
-    table = _table(
-        "Structural axes, link frame", "link", "k", "95 % range", "direction", "point mm"
-    )
+    table = _table("link", "k", "95 % range", "direction", "point mm")
     for row in rows:
         k, half = row["k_n_m_per_rad"], row["k_half_width_95"]
         table.add_row(

@@ -199,9 +199,11 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
         moved = (scene.vertex_motion * phase).real
         scene.wire.draw(canvas, camera, self.inks.strong, displacement_m=moved)
         if self.axes:
-            for name, point, direction in scene.axes:
-                half = 0.45 * scene.wire.reach_m
-                draw_axis(canvas, camera, point, direction, half, self.inks.axis, name=name)
+            half = 0.45 * scene.wire.reach_m
+            for row, (name, point, direction) in enumerate(scene.axes):
+                letter = chr(ord("A") + row)
+                draw_axis(canvas, camera, point, direction, half, self.inks.axis, name=letter)
+                canvas.label(0, 1 + row, f"{letter} {name}", self.inks.axis)
         draw_points(
             canvas,
             camera,

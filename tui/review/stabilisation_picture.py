@@ -36,9 +36,10 @@ class StabilisationPicture(SpectrumPicture):
     HELP = """# Stabilisation
 Each row is a model order, each mark a pole: `+` where the order before has it too (1 % in
 frequency, 5 % in damping), `·` where not. Vertical lines are the poles picked, at first those of
-the automatic choice. Arrows move the cursor from pole to pole, `space` picks or drops the pole
-under it, `r` refits the picks, `a` goes back to the automatic choice, `s` saves the picks beside
-the session.
+the automatic choice, which looks at narrower bands too: of two close modes it may know both where
+this diagram shows one column. Arrows move the cursor from pole to pole, `space` picks or drops
+the pole under it, `x` drops the pick nearest to it, `c` drops all, `r` refits the picks, `a` goes
+back to the automatic choice, `s` saves the picks beside the session.
 """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "pole(-1)", "pole", show=False),
@@ -46,7 +47,8 @@ the session.
         Binding("up", "order(1)", "order", show=False),
         Binding("down", "order(-1)", "order", show=False),
         Binding("space,enter", "pick", "pick", key_display="space"),
-        Binding("c", "clear", "none"),
+        Binding("x,delete", "drop", "drop", key_display="x"),
+        Binding("c", "clear", "drop all", show=False),
         Binding("r", "refit", "refit"),
         Binding("a", "automatic", "auto"),
         Binding("s", "app.save", "save"),
@@ -153,6 +155,15 @@ the session.
         at = same_pole(picks, pole)
         changed = (*picks, pole) if at is None else (*picks[:at], *picks[at + 1 :])
         self.post_message(self.PicksChanged(tuple(sorted(changed, key=abs))))
+
+    def action_drop(self) -> None:
+        """Drop the pick nearest to the cursor in frequency."""
+        pole, picks = self.current(), self.state.view.picks
+        if pole is None or not picks:
+            self.app.bell()
+            return
+        at = int(np.argmin([abs(abs(pick) - abs(pole)) for pick in picks]))
+        self.post_message(self.PicksChanged((*picks[:at], *picks[at + 1 :])))
 
     def action_clear(self) -> None:
         """Drop all picks."""

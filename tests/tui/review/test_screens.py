@@ -87,6 +87,19 @@ def test_a_pole_is_picked_by_hand_refitted_saved_and_found_again(drive, session,
     drive(look)
 
 
+def test_the_pick_nearest_to_the_cursor_is_dropped_by_x(drive):
+    async def steps(app, pilot):
+        await pilot.press("3")
+        picture = app.query_one("#poles-main")
+        before = app.state.view.picks
+        nearest = min(before, key=lambda pick: abs(abs(pick) - abs(picture.current())))
+        await pilot.press("x")
+        assert set(before) - set(app.state.view.picks) == {nearest}
+        assert app.state.view.changed
+
+    drive(steps)
+
+
 def test_leaving_with_picks_not_saved_asks_first(drive):
     async def steps(app, pilot):
         await pilot.press("3", "c", "space", "r")
