@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
+import tomlkit
 from pydantic import Field, ValidationError, model_validator
 
 from hil_sim.effects import Effect
@@ -26,6 +27,7 @@ __all__ = [
     "PlantFile",
     "PointTruth",
     "load_plant_file",
+    "plant_text",
 ]
 
 
@@ -229,3 +231,8 @@ def load_plant_file(path: Path) -> PlantFile:
             for fault in error.errors()
         )
         raise PlantError(f"plant file {path}: {faults}") from error
+
+
+def plant_text(truth: PlantFile) -> str:
+    """Write a plant as the text of a plant file."""
+    return tomlkit.dumps(truth.model_dump(mode="json", exclude_none=True))

@@ -33,7 +33,7 @@ from hil_sim.newton_euler import (
 from hil_sim.plant import BASE, Plant
 from protocols.errors import PlantError
 
-__all__ = ["Mounting", "SmallMotion", "force_torque", "linear_terms", "linearise"]
+__all__ = ["Mounting", "SmallMotion", "force_torque", "linear_terms", "linearise", "sensor_rows"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -191,7 +191,7 @@ def linearise(plant: Plant, joints_rad: npt.ArrayLike, mounting: Mounting | None
             f"{plant.truth.name} does not come to rest at {np.rad2deg(q)} deg: its springs or "
             "dampers are too small; correct the plant file"
         )
-    acceleration, tilt = _sensor_rows(plant, at, mounting)
+    acceleration, tilt = sensor_rows(plant, at, mounting)
     sensed = acceleration @ A[n : 2 * n, :]
     sensed[:, :n] += tilt
     return SmallMotion(
@@ -231,7 +231,7 @@ def _columns(plant: Plant, J: Array) -> Array:
     return result
 
 
-def _sensor_rows(plant: Plant, at: Placement, mounting: Mounting | None) -> tuple[Array, Array]:
+def sensor_rows(plant: Plant, at: Placement, mounting: Mounting | None) -> tuple[Array, Array]:
     """Specific force in sensor axes per acceleration and per turn of coordinates, (3, n) each.
 
     An accelerometer feels a - g in axes that turn with it. To first order the change of that is

@@ -13,16 +13,13 @@ from rich.console import Console
 from rich.table import Table
 
 from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs, identify
-from analyzer.report import write_report
+from analyzer.identification.identify import estimate_frfs
 from daq.events import Event
 from daq.settings import AcquisitionSettings
 from hil_sim.lab import start_laboratory
 from protocols.arm.files import load_arm
 from protocols.errors import ArmodalError, SessionError
-from protocols.frf_records import FrfEstimator
 from protocols.plan import load_plan
-from protocols.session.hdf5 import read_session
 from protocols.session.recovery import rebuild
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 from tui.arm_commands import app as arm_app
@@ -30,9 +27,9 @@ from tui.check import app as check_app
 from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
-from tui.fit import FitSettings, fit_lines, fit_session
-from tui.results import identification_json, identification_tables
+from tui.results import identification_tables
 from tui.review.command import add_review_command
+from tui.session_commands import app as session_app
 
 __all__ = ["main"]
 
@@ -42,11 +39,11 @@ USER_ERROR = 2
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(check_app, name="check")
 app.add_typer(arm_app)
+app.add_typer(session_app)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
-SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
 
 
 def _say(text: str) -> None:
@@ -222,88 +219,6 @@ def acquire_command(
             f"{finished.reason}\nsession {session_path}",
             markup=False,
         )
-
-
-@app.command()
-def fit(
-    session: SessionPath,
-    band: Annotated[
-        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
-    ] = None,
-    estimator: Annotated[
-        FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")
-    ] = None,
-    exponential_end: Annotated[
-        float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")
-    ] = None,
-    force_window: Annotated[
-        float | None, typer.Option(help="Seconds of the force kept from the trigger on.")
-    ] = None,
-    keep_hits: Annotated[
-        int | None, typer.Option(min=1, help="Hits averaged at most at a point.")
-    ] = None,
-    max_order: Annotated[
-        int, typer.Option(min=4, max=300, help="Highest order of the stabilisation.")
-    ] = 60,
-    as_json: Json = False,
-) -> None:
-    """Fit modes in every posture of a session.
-
-    Example: armodal fit session.h5 --band 3 400 --estimator hv --json
-    """
-    settings = FitSettings(
-        band_hz=band,
-        estimator=estimator,
-        exponential_end=exponential_end,
-        force_s=force_window,
-        keep_hits=keep_hits,
-        max_order=max_order,
-    )
-    value, table = fit_session(read_session(session), settings)
-    if as_json:
-        _print_json(value)
-        return
-    out.print(table)
-    for line in fit_lines(value):
-        out.print(line, markup=False)
-    for note in value["warnings"]:
-        out.print(f"note: {note}", markup=False)
-
-
-@app.command("identify")
-def identify_command(session: SessionPath, as_json: Json = False) -> None:
-    """Identify joint stiffness, damping and structural axes.
-
-    Example: armodal identify session.h5
-    """
-    measured = read_session(session)
-    result = identify(measured, _say)
-    if as_json:
-        _print_json(identification_json(measured, result))
-        return
-    for table in identification_tables(result):
-        out.print(table)
-    for note in (*result.notes, *measured.warnings):
-        out.print(f"note: {note}", markup=False)
-
-
-@app.command()
-def report(
-    session: SessionPath,
-    output: Annotated[Path | None, typer.Option("--out", help="HTML file to write.")] = None,
-    as_json: Json = False,
-) -> None:
-    """Write one self-contained HTML page of a session.
-
-    Example: armodal report session.h5 --out report.html
-    """
-    measured = read_session(session)
-    path = output or session.with_suffix(".html")
-    write_report(measured, identify(measured, _say), path)
-    if as_json:
-        _print_json({"report": str(path)})
-    else:
-        out.print(f"report {path}", markup=False)
 
 
 @app.command()

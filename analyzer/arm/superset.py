@@ -1,9 +1,10 @@
 """The superset model: every joint, and six more freedoms at the root of every link and of the base.
 
 One pinocchio model per arm holds a free interface of the base and, for each link, the drive joint
-followed by a free interface of six degrees of freedom, all locked unless somebody asks. Locking is deleting rows and columns, and
-a compliance axis inside a link is one combination of the link's six interface columns, so a
-posture is evaluated once and every hypothesis about the structure is a small matrix product.
+followed by a free interface of six degrees of freedom, all locked unless somebody asks. Locking
+is deleting rows and columns, and a compliance axis inside a link is one combination of the link's
+six interface columns, so a posture is evaluated once and every hypothesis about the structure is a
+small matrix product.
 
 An interface sits between a joint and all the mass of its link: what moves about an axis released
 in link i is link i and everything beyond it.

@@ -19,9 +19,14 @@ import numpy.typing as npt
 from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "System", "spatial_inertia"]
+__all__ = ["Assembly", "System", "skew", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
+
+
+def skew(v: Array) -> Array:
+    """Return the matrix of v x."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
 def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Array:
@@ -29,13 +34,7 @@ def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Ar
 
     Featherstone, Rigid Body Dynamics Algorithms (2008), Eq. (2.63), halves exchanged.
     """
-    cross = np.array(
-        [
-            [0.0, -center_m[2], center_m[1]],
-            [center_m[2], 0.0, -center_m[0]],
-            [-center_m[1], center_m[0], 0.0],
-        ]
-    )
+    cross = skew(center_m)
     result = np.zeros((6, 6))
     result[:3, :3] = mass_kg * np.eye(3)
     result[:3, 3:] = -mass_kg * cross
@@ -46,7 +45,7 @@ def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Ar
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
-    """Everything of a hypothesis in one posture that does not depend on frequency; n coordinates."""
+    """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
 
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)
@@ -131,6 +130,20 @@ class Assembly:
             mass_kg, center_m, inertia_kg_m2
         )
         self.link_moments[link] = self.link_moments[link] + mass_kg * np.append(1.0, center_m)
+
+    def add_small_body(
+        self, link: int, mass_kg: float, center_m: Array, more_kg_m: Array, inertia_kg_m2: Array
+    ) -> None:
+        """Bolt on a body at `center_m` whose first moment is `more_kg_m` more: linear in both."""
+        at, by = spatial_inertia(1.0, center_m, np.zeros((3, 3))), skew(more_kg_m)
+        inertia = mass_kg * at
+        inertia[:3, 3:] -= by
+        inertia[3:, :3] += by
+        inertia[3:, 3:] += inertia_kg_m2 - skew(center_m) @ by - by @ skew(center_m)
+        self.link_inertia[link] = self.link_inertia[link] + inertia
+        self.link_moments[link] = self.link_moments[link] + np.append(
+            mass_kg, mass_kg * center_m + more_kg_m
+        )
 
     def _add(self, name: str, column: Array, compliance: float, loss_s: float) -> int:
         self.names[name] = len(self.columns)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
-from analyzer.gap.assembly import Assembly
+from analyzer.gap.assembly import Assembly, System
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
@@ -113,78 +114,116 @@ class PosedModel:
         space: Space,
         values: Mapping[str, float],
     ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
-        ordinary = hypothesis.ordinary
-        offset = ordinary.encoder(values)
+        offset = hypothesis.ordinary.encoder(values)
         geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
         system = assembly.system()
         found = respond(system, lines, sensor_mass_kg=_sensor_mass(assembly))
         y = found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
-
-        def put(name: str, derivative: ComplexArray | float) -> None:
+        posed = _Posed(hypothesis.ordinary, assembly, system, found, values)
+        for name, derivative in chain(
+            posed.by_joints(),
+            posed.by_compliances(),
+            posed.by_inertias(),
+            posed.by_measurement(),
+            self._by_angles(posed, offset),
+            _by_effects(hypothesis, geometry, posed),
+        ):
             if name in space.index:
                 dy[space.index[name]] = derivative * space.std[space.index[name]]
+        return y, dy, assembly, found
 
-        # Joints; k enters with its hysteretic part.
-        n = system.mass.shape[0]
-        by_common_loss = np.zeros_like(y)
-        for i in ordinary.elastic:
-            name = ordinary.arm.joints[i].name
-            row = np.zeros(n)
-            row[assembly.names[name]] = 1.0
-            if name in assembly.stretched_by:
-                row[assembly.stretched_by[name]] = -1.0
-            k = float(np.exp(values[f"ln k {name}"]))
-            by_stiffness = k * found.by_stretch(row, 1.0)
-            put(f"ln k {name}", (1.0 + 1j * values["loss"]) * by_stiffness)
-            by_common_loss = by_common_loss + 1j * by_stiffness
-            c = float(np.exp(values[f"ln c {name}"]))
-            put(f"ln c {name}", c * found.by_stretch(row, lines.s_rad_s))
-        put("loss", by_common_loss)
-        compliances = assembly.compliance_of
-        rows = found.by_compliances(list(compliances.values()))
-        for name, row in zip(compliances, rows, strict=True):
-            put(name, row)
-        of_coordinate = {at: i for i, at in enumerate(compliances.values())}
-        for name, coordinates in assembly.loss_of.items():
-            by_loss = np.zeros_like(y)
-            for at in coordinates:
-                slower = -system.compliance[at] * lines.s_rad_s
-                slower = slower / (1.0 + system.compliance_loss_s[at] * lines.s_rad_s)
-                by_loss = by_loss + rows[of_coordinate[at]] * slower
-            put(name, by_loss)
-        for link in range(len(ordinary.arm.joints)):
-            names = ordinary.inertia_names(link)
-            rows = found.by_link_inertia(link, _inertia_changes(ordinary, link, names, values))
-            for name, row in zip(names, rows, strict=True):
-                put(name, row)
+    def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
+        for i, joint in enumerate(posed.ordinary.arm.joints):
+            beside, step = self._near.beside(offset, i)
+            moved = replace(posed.assembly, geometry=beside).system()
+            change = Change.between(posed.system, moved, step)
+            yield f"encoder {joint.name}", posed.found.by_change(change)
+
+
+@dataclass(frozen=True, slots=True)
+class _Posed:
+    """A solved posture, and its derivatives by the parameters every hypothesis has."""
+
+    ordinary: Ordinary
+    assembly: Assembly
+    system: System
+    found: Response
+    values: Mapping[str, float]
+
+    def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Stiffness with its hysteretic part, damping, and the common loss."""
+        s = self.found.lines.s_rad_s
+        loss = self.values["loss"]
+        by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        for i in self.ordinary.elastic:
+            name = self.ordinary.arm.joints[i].name
+            row = np.zeros(self.system.mass.shape[0])
+            row[self.assembly.names[name]] = 1.0
+            if name in self.assembly.stretched_by:
+                row[self.assembly.stretched_by[name]] = -1.0
+            k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
+            by_stiffness = k * self.found.by_stretch(row, 1.0)
+            yield f"ln k {name}", (1.0 + 1j * loss) * by_stiffness
+            yield f"ln c {name}", c * self.found.by_stretch(row, s)
+            by_loss = by_loss + 1j * by_stiffness
+        yield "loss", by_loss
+
+    def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Compliances and their losses."""
+        s, system = self.found.lines.s_rad_s, self.system
+        compliances = self.assembly.compliance_of
+        rows = self.found.by_compliances(list(compliances.values()))
+        yield from zip(compliances, rows, strict=True)
+        row_of = {at: rows[i] for i, at in enumerate(compliances.values())}
+        for name, coordinates in self.assembly.loss_of.items():
+            slower = [
+                -system.compliance[at] * s / (1.0 + system.compliance_loss_s[at] * s)
+                for at in coordinates
+            ]
+            yield (
+                name,
+                np.sum([row_of[at] * w for at, w in zip(coordinates, slower, strict=True)], 0),
+            )
+
+    def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Masses, centres and tensors of the links."""
+        for link in range(len(self.ordinary.arm.joints)):
+            names = self.ordinary.inertia_names(link)
+            changes = _inertia_changes(self.ordinary, link, names, self.values)
+            yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
+
+    def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Gains, delay and aim."""
+        found, lines = self.found, self.found.lines
+        y = found.values
         for axis, letter in enumerate("xyz"):
-            only_axis = np.zeros_like(y)
-            only_axis[:, axis] = y[:, axis]
-            put(f"ln gain {letter}", only_axis)
-        put("ln hammer", -y)
-        put("delay", -lines.s_rad_s * y)
+            column = self.system.mix[:, :, axis]  # of the recorded channels
+            yield f"ln gain {letter}", column[..., None] * found.true_axes[:, :, axis].T[:, None]
+        yield "ln hammer", -y
+        yield "delay", -lines.s_rad_s * y
         if len(lines.hit_point) == 1:
             sides = across(lines.hit_direction[0])
             for side, letter in enumerate("ab"):
-                put(f"aim {letter} {lines.name}", found.by_force(0, sides[:, side]))
-        for i, joint in enumerate(ordinary.arm.joints):
-            beside, step = self._near.beside(offset, i)
-            moved = replace(assembly, geometry=beside).system()
-            put(f"encoder {joint.name}", found.by_change(Change.between(system, moved, step)))
-        for instance in hypothesis.instances:
-            for parameter in instance.parameters:
-                if parameter.name in assembly.compliance_of or parameter.name in assembly.loss_of:
-                    continue
-                step = _RELATIVE_STEP * parameter.std
-                if values[parameter.name] + step > parameter.high:
-                    step = -step
-                changed = dict(values)
-                changed[parameter.name] += step
-                other = _assembled(hypothesis, geometry, lines, changed).system()
-                put(parameter.name, found.by_change(Change.between(system, other, step)))
-        return y, dy, assembly, found
+                yield f"aim {letter} {lines.name}", found.by_force(0, sides[:, side])
+
+
+def _by_effects(
+    hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
+) -> Iterator[tuple[str, ComplexArray]]:
+    """What effects bring beside compliances, by differences of the equations."""
+    known = {**posed.assembly.compliance_of, **posed.assembly.loss_of}
+    for instance in hypothesis.instances:
+        for parameter in instance.parameters:
+            if parameter.name in known:
+                continue
+            step = _RELATIVE_STEP * parameter.std
+            if posed.values[parameter.name] + step > parameter.high:
+                step = -step
+            changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
+            other = _assembled(hypothesis, geometry, posed.found.lines, changed).system()
+            yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
 
 
 def _assembled(

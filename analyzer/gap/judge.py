@@ -64,13 +64,13 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     if not material:
         return Judged(named=None, standing=(), phi=phi)
     best = material[0]
-    if better[0].evidence < best.evidence - thresholds.apart * phi:
-        # Something too small to matter explains it better than anything that would matter.
-        return Judged(named=None, standing=(), phi=phi)
+    # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
-        for r in material[1:]
-        if r.evidence - best.evidence < thresholds.apart * phi and not _same(best, r)
+        for r in better
+        if r is not best
+        and r.evidence - best.evidence < thresholds.apart * phi
+        and not _same(best, r)
     ]
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)

@@ -175,7 +175,7 @@ _INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _log(name: str, believed: Estimate | None, least: float) -> Parameter:
-    """A positive quantity as its logarithm; the arm file's own uncertainty, but not below `least`."""
+    """A positive quantity as its logarithm; the file's own uncertainty, but not below `least`."""
     value = 1.0 if believed is None or believed.value <= 0.0 else believed.value
     relative = 1.0 if believed is None else believed.std / value
     return Parameter(name=name, mean=float(np.log(value)), std=max(relative, least))

@@ -48,6 +48,7 @@ class EffectFound:
     title: str
     place: str
     parameters: Mapping[str, Interval]
+    size: str  # the parameter that says how large it is; empty for axes flipped or exchanged
     description: Mapping[str, object]  # direction and place of an axis, in the link's frame
     confidence: float  # that it is this and no other effect of the library
     gain: float  # of evidence over the model without it, nats

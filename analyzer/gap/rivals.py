@@ -18,7 +18,10 @@ from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
 
-_FIRST_STEP, _COARSE, _MIDDLE, _FINALISTS = 20, 7, 4, 3
+_FIRST_STEPS = 2
+_MOST_PROMISING = 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 7, 4, 4
+_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MOST_AXES = 6
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
 _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is not worth a fit
@@ -64,7 +67,10 @@ def find_rivals(
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
         first = _first_steps(sharp, at_sharp, looked_at, _WORTH_SHARP, postures, start or {})
-        best = _leading(first, at_sharp)
+        # The best after two steps, and those that promise most: some need more than two.
+        promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
+        best = _leading(first, None)[: _FINALISTS - 1]
+        best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
         coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
@@ -75,7 +81,7 @@ def find_rivals(
         best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
         best = _leading(best, at_middle)
     finals = []
-    for f in best[:_FINALISTS]:
+    for f in best[: _FINALISTS + 1]:
         tell(f"sharply: {f.hypothesis.name}")
         finals.append(_further(sharp, f, postures, 8))
     finals.sort(key=lambda f: f.evidence)
@@ -99,7 +105,7 @@ def _first_steps(
     postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
-    """One step of each promising candidate, best cost first."""
+    """The first steps of each promising candidate, best cost first."""
     present = base.hypothesis
     fits = []
     for candidate in _most_promising(looked_at, worth):
@@ -107,8 +113,50 @@ def _first_steps(
         if candidate.instance.effect.name in ("flipped_axis", "swapped_axes"):
             begin = start or {}  # the fit without it went astray
         richer = replace(present, instances=(*present.instances, candidate.instance))
-        fits.append(fit_hypothesis(stage, richer, start=begin, postures=postures, max_iterations=1))
+        if candidate.begin:
+            starts = [_part_of_the_way(base.values, candidate, part) for part in _PARTS]
+            begin = _better_start(stage, richer, [begin, *starts], postures)
+        fits.append(
+            fit_hypothesis(
+                stage, richer, start=begin, postures=postures, max_iterations=_FIRST_STEPS
+            )
+        )
     return sorted(fits, key=lambda f: f.cost)
+
+
+def _part_of_the_way(
+    values: dict[str, float], candidate: Candidate, part: float
+) -> dict[str, float]:
+    """Values between the present best and what the linear look promises; places at once."""
+    sizes = (candidate.instance.size, *candidate.instance.sizes)
+    start = dict(candidate.begin)
+    for name, reached in candidate.begin.items():
+        if name in values:
+            start[name] = values[name] + part * (reached - values[name])
+        elif name in sizes:
+            start[name] = part * reached
+    return start
+
+
+def _better_start(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    starts: Sequence[dict[str, float]],
+    postures: Sequence[int] | None,
+) -> dict[str, float]:
+    """The start of least cost."""
+    space = hypothesis.space()
+    used = range(len(stage.lines)) if postures is None else postures
+
+    def cost(start: dict[str, float]) -> float:
+        u = space.start(start)
+        return sum(stage.misfit(hypothesis, space.values(u), used)) + 0.5 * float(u @ u)
+
+    return min(starts, key=cost)
+
+
+def _key(fit: Fit) -> tuple[str, str]:
+    return fit.hypothesis.instances[-1].key
 
 
 def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
@@ -117,17 +165,18 @@ def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int)
     )
 
 
-def _leading(fits: Sequence[Fit], base: Fit) -> list[Fit]:
+def _leading(fits: Sequence[Fit], base: Fit | None) -> list[Fit]:
     """By evidence; one for each effect and place, and none hopeless beside the best or the base."""
+    if not fits:
+        return []
     kept: dict[tuple[tuple[str, str], ...], Fit] = {}
     for fit in sorted(fits, key=lambda f: f.evidence):
         kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
     ordered = list(kept.values())
-    return [
-        f
-        for f in ordered
-        if f.evidence < min(ordered[0].evidence + _HOPELESS, base.evidence - _PROMISE)
-    ]
+    worst = ordered[0].evidence + _HOPELESS
+    if base is not None:
+        worst = min(worst, base.evidence - _PROMISE)
+    return [f for f in ordered if f.evidence < worst]
 
 
 def _looked_at(
@@ -158,7 +207,7 @@ def _most_promising(candidates: Sequence[Candidate], worth: float) -> list[Candi
     chosen: list[Candidate] = []
     axes = 0
     for candidate in candidates:
-        if candidate.gain < worth or len(chosen) == _FIRST_STEP:
+        if candidate.gain < worth or len(chosen) == _LOOKED_AT:
             break
         if candidate.instance.effect.name == "link_axis":
             axes += 1

@@ -12,8 +12,8 @@ so that 21 columns an interface tell the gain of every line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -44,6 +44,7 @@ class Candidate:
     gain: float  # of cost, linear
     size: float = float("nan")  # what a linear look makes of its size parameter
     size_std: float = float("nan")
+    begin: Mapping[str, float] = field(default_factory=dict)  # values a fit begins with
 
 
 def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
@@ -59,29 +60,30 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     free = np.flatnonzero(ordinary)[fit.free]
     found = []
     for instance in instances:
-        if instance.parameters and not instance.relaxes:
-            names = [p.name for p in instance.parameters]
-            own = np.array([space.index[n] for n in names])
-            one_sided = np.array(
-                [
-                    p.low == 0.0 and p.name in (instance.size, *instance.sizes)
-                    for p in instance.parameters
-                ]
-            )
-            gain, step, stds = _gain(gradient, curvature, free, own, one_sided)
-            at = names.index(instance.size)
-            unit = space.std[own[at]]
-            found.append(
-                Candidate(
-                    instance=instance,
-                    gain=gain,
-                    size=float(step[at] * unit),
-                    size_std=float(stds[at] * unit),
-                )
-            )
-        else:
+        if not instance.parameters or instance.relaxes:
             gain, size, std = _relaxed_gain(fit, instance)
             found.append(Candidate(instance=instance, gain=gain, size=size, size_std=std))
+            continue
+        names = [p.name for p in instance.parameters]
+        own = np.array([space.index[n] for n in names])
+        sizes = (instance.size, *instance.sizes)
+        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
+        gain, step, stds, follow = _gain(gradient, curvature, free, own, one_sided)
+        at = names.index(instance.size)
+        unit = space.std[own]
+        reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
+        u = np.clip(fit.u[fit.free] + follow, fit.space.low[fit.free], fit.space.high[fit.free])
+        moved = fit.u.copy()
+        moved[fit.free] = u
+        found.append(
+            Candidate(
+                instance=instance,
+                gain=gain,
+                size=float(step[at] * unit[at]),
+                size_std=float(stds[at] * unit[at]),
+                begin={**fit.space.values(moved), **reached},
+            )
+        )
     return sorted(found, key=lambda c: -c.gain)
 
 
@@ -121,14 +123,16 @@ def _gain(
     free: npt.NDArray[np.int64],
     own: npt.NDArray[np.int64],
     one_sided: npt.NDArray[np.bool_],
-) -> tuple[float, Array, Array]:
+) -> tuple[float, Array, Array, Array]:
     """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
 
-    Returns the gain, the step (n_own,) and its standard deviation, each alone.
+    Returns the gain, the step (n_own,), its standard deviation, each alone, and how the free ones
+    follow (n_free,).
     """
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     B = curvature[np.ix_(free, own)]
-    S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ np.linalg.solve(A, B)
+    along = np.linalg.solve(A, B)
+    S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
     slope = gradient[own]
     std = 1.0 / np.sqrt(S.diagonal())
     active = ~(one_sided & (slope >= 0.0))
@@ -140,9 +144,9 @@ def _gain(
         wrong = one_sided[active] & (step < 0.0)
         if not wrong.any():
             whole[active] = step
-            return -0.5 * float(step @ slope[active]), whole, std
+            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole
         active[np.flatnonzero(active)[wrong]] = False
-    return 0.0, whole, std
+    return 0.0, whole, std, np.zeros(len(free))
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:

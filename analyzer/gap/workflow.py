@@ -346,6 +346,7 @@ def _effect(step: tuple[Fit, Fit, HeldOut, HeldOut, Judged], final: Fit, phi: fl
         title=words.title,
         place=instance.place,
         parameters=_intervals(final, instance.owned, phi),
+        size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
         confidence=1.0 / (1.0 + odds),
         gain=present.evidence - fit.evidence,
@@ -429,18 +430,16 @@ def _gaps(
     stage: Stage, fit: Fit, split: HeldOut, measured: Mapping[str, ModalModel]
 ) -> tuple[PostureGap, ...]:
     """Postures of the training by its own fit, held-out ones by what was foretold."""
-    rows = []
-    for p, lines in enumerate(stage.lines):
-        rows.append(
-            posture_gap(
-                stage,
-                split.training if p in split.postures else fit,
-                p,
-                held_out=p in split.postures,
-                measured=measured.get(lines.name),
-            )
+    return tuple(
+        posture_gap(
+            stage,
+            split.training if p in split.postures else fit,
+            p,
+            held_out=p in split.postures,
+            measured=measured.get(lines.name),
         )
-    return tuple(rows)
+        for p, lines in enumerate(stage.lines)
+    )
 
 
 def _interface(stage: Stage, before: Fit) -> str:

@@ -8,12 +8,14 @@ import numpy.typing as npt
 from analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
 from analyzer.modal.forms import derivative_order
 from analyzer.modal.modes import ModalModel, Mode
+from analyzer.modal.noise import SMOOTHED_LINES
 from analyzer.modal.plscf import Stabilisation
 from analyzer.modal.rank_one import RankOneFit
 from analyzer.modal.regression import residual_terms
 from analyzer.modal.selection import Selection
 from analyzer.modal.shape_uncertainty import (
     axis_correlation,
+    common_gain_variance,
     participation_covariance,
     shape_covariance,
     turned_std,
@@ -51,8 +53,11 @@ def _modes(
     correlation: _Complex,
     noise: float,
     power: int,
+    gain_variance: npt.NDArray[np.float64],
+    clusters: npt.NDArray[np.int64],
     *,
     line_dof: float,
+    gain_dof: float,
     transposed: bool,
 ) -> tuple[Mode, ...]:
     """Shapes of largest magnitude 1 on their best line; the participations carry the rest."""
@@ -63,7 +68,15 @@ def _modes(
         turned_long, turned_short = (
             v / np.max(np.abs(v)) for v in (to_real_axis(long), to_real_axis(short))
         )
-        covariance, pole_share = shape_covariance(fit, precision.theta, correlation, noise, m)
+        covariance, shares = shape_covariance(
+            fit,
+            precision.theta,
+            correlation,
+            noise,
+            m,
+            gain_variance=float(gain_variance[m]),
+            clusters=clusters,
+        )
         long_std, long_scale = turned_std(long, covariance, turned_long)
         short_std, _ = turned_std(
             short, participation_covariance(fit, precision.theta, m), turned_short
@@ -90,12 +103,41 @@ def _modes(
                 mpd_deg=mpd_deg(turned_long),
                 mcf=mcf(turned_long),
                 dof=dof,
-                shape_dof=1.0 / (pole_share**2 / dof + (1.0 - pole_share) ** 2 / line_dof),
+                shape_dof=1.0 / float(shares**2 @ (1.0 / np.array([dof, line_dof, gain_dof]))),
                 stability=float(chosen.share[m]),
                 significance=float(chosen.significance[m]),
             )
         )
     return tuple(modes)
+
+
+def _gain_variance(
+    frf: FrequencyResponse,
+    values: _Complex,
+    misfit: _Complex,
+    variance: npt.NDArray[np.float64],
+    freq: npt.NDArray[np.float64],
+    fit: RankOneFit,
+    *,
+    transposed: bool,
+) -> npt.NDArray[np.float64]:
+    """Variance of the factor each point's hits share, of every mode; 0 where no scatter is known.
+
+    Roving hammer: the short side is one sensor, its axes share the hit. Roving response: every
+    reference has hits of its own, and a shape is their mean weighted by participation.
+    """
+    if not np.any(frf.variance > 0.0):
+        return np.zeros(fit.poles.size)
+    result = np.empty(fit.poles.size)
+    least_hz = (SMOOTHED_LINES + 1.0) * float(np.min(np.diff(freq)))
+    for m, pole in enumerate(fit.poles):
+        # Wider than the scatter was smoothed over: smoothing keeps the sum over the lines.
+        reach = max((frf.decay_rad_s - pole.real) / (2.0 * np.pi), least_hz)
+        near = np.abs(freq - pole.imag / (2.0 * np.pi)) <= reach
+        power = np.abs(fit.participation[:, m]) ** 2
+        share = 1.0 if transposed else float(np.sum(power**2) / np.sum(power) ** 2)
+        result[m] = share * common_gain_variance(values, misfit, variance, near)
+    return result
 
 
 def assemble_model(
@@ -149,7 +191,10 @@ def assemble_model(
         correlation,
         lack_of_fit / line_share,
         derivative_order(frf.form),
+        _gain_variance(frf, values, misfit, variance, freq, fit, transposed=transposed),
+        clusters,
         line_dof=max(2.0 * (hits - 1.0), 1.0) * max(n_freq * line_share, 1.0),
+        gain_dof=max(hits - 1.0, 1.0) * float(clusters.max() + 1),
         transposed=transposed,
     )
 

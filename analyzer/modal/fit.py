@@ -16,7 +16,7 @@ from analyzer.modal.noise import independent_line_share
 from analyzer.modal.plscf import Stabilisation, poles_plscf
 from analyzer.modal.rank_one import refine_rank_one
 from analyzer.modal.regression import ModalData, modal_data
-from analyzer.modal.second_look import left_over_poles
+from analyzer.modal.second_look import left_over_poles, split_poles
 from analyzer.modal.selection import Selection, keep_modes, select_modes
 from analyzer.modal.windows import laplace_lines
 from protocols.errors import EstimateError
@@ -162,6 +162,25 @@ def _looked_again(
         if again.fit.cost.sum() > _LEAST_PROGRESS * chosen.fit.cost.sum():
             break
         chosen = again
+    return _split(data, chosen, freq, line_share)
+
+
+def _split(
+    data: ModalData, chosen: Selection, freq: npt.NDArray[np.float64], line_share: float
+) -> Selection:
+    """Choose again with a second pole beside each mode that leaves a misfit, where needed."""
+    band = (float(freq[0]), float(freq[-1]))
+    for pole in split_poles(data, chosen.fit, freq, line_share=line_share):
+        again = select_modes(
+            data,
+            np.append(chosen.fit.poles, pole),
+            np.append(chosen.share, 0.0),
+            band,
+            line_share=line_share,
+            chosen=chosen,
+        )
+        if again.share.size > chosen.share.size:
+            chosen = again
     return chosen
 
 

@@ -13,6 +13,11 @@ alpha = arg(sum phi_i^2) / 2 its best line and k its largest entry, so that
     ds_o = eps_o - j s_o Im(sum s_i eps_i / sum s_i^2) - s_o Re(eps_k / s_k),
 
 eps = d phi e^(-j alpha) / |phi_k|: what is common to all entries is no error of the shape.
+
+A hit that lands beside its point, or askew, multiplies a mode's part in all its FRFs by one real
+factor: the fit leaves nothing of that, for the factor goes into the residue. It is seen in the
+scatter between hits alone. Where a mode dominates, E|error of H|^2 from that scatter beyond the
+misfit is tau^2 |H|^2, and adds tau^2 s_o s_o^T to the entries of one point.
 """
 
 from __future__ import annotations
@@ -22,7 +27,13 @@ import numpy.typing as npt
 
 from analyzer.modal.rank_one import RankOneFit
 
-__all__ = ["axis_correlation", "participation_covariance", "shape_covariance", "turned_std"]
+__all__ = [
+    "axis_correlation",
+    "common_gain_variance",
+    "participation_covariance",
+    "shape_covariance",
+    "turned_std",
+]
 
 _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
@@ -55,9 +66,34 @@ def axis_correlation(misfit: _Complex, clusters: npt.NDArray[np.int64]) -> _Comp
     return result
 
 
+def common_gain_variance(
+    values: _Complex, misfit: _Complex, variance: _Real, near: npt.NDArray[np.bool_]
+) -> float:
+    """Relative variance of a mode's size from hit to hit that the misfit does not show.
+
+    Parameters
+    ----------
+    values, misfit, variance
+        (n_resp, n_ref, n_freq): averaged FRFs, FRFs minus model, and E|error|^2 by the scatter
+        of hits.
+    near
+        (n_freq,) the lines where the mode dominates.
+    """
+    beyond = variance[..., near] - np.abs(misfit[..., near]) ** 2
+    size = float(np.sum(np.abs(values[..., near]) ** 2))
+    return max(float(np.sum(beyond)) / max(size, float(np.finfo(float).tiny)), 0.0)
+
+
 def shape_covariance(
-    fit: RankOneFit, theta: _Real, correlation: _Complex, noise: float, mode: int
-) -> tuple[_Real, float]:
+    fit: RankOneFit,
+    theta: _Real,
+    correlation: _Complex,
+    noise: float,
+    mode: int,
+    *,
+    gain_variance: float,
+    clusters: npt.NDArray[np.int64],
+) -> tuple[_Real, npt.NDArray[np.float64]]:
     """Covariance of one shape as fitted, real and imaginary part of each entry interleaved.
 
     Parameters
@@ -72,11 +108,16 @@ def shape_covariance(
         Weighted misfit per degree of freedom and independent line.
     mode
         Which mode.
+    gain_variance
+        Of the factor that the entries of one point share, see `common_gain_variance`.
+    clusters
+        (n_resp,), the point of each response.
 
     Returns
     -------
-    covariance, pole_share
-        (2 n_resp, 2 n_resp), and the share of its trace that poles and participations bring.
+    covariance, shares
+        (2 n_resp, 2 n_resp), and the shares of its trace that poles and participations, noise,
+        and the common factors bring.
     """
     n_resp = fit.shape.shape[0]
     at = slice(2 * mode, 2 * mode + 2)
@@ -89,8 +130,13 @@ def shape_covariance(
     noisy = np.einsum("oab,obpc,pdc->oapd", root, rho, root, optimize=True)
     slope = fit.shape_slope[:, at].reshape(2 * n_resp, -1)
     shared = slope @ theta @ slope.T
-    result: _Real = noisy.reshape(2 * n_resp, 2 * n_resp) + shared
-    return result, float(np.trace(shared) / np.trace(result))
+    entries = np.ascontiguousarray(fit.shape[:, mode]).view(np.float64)
+    same_point = np.repeat(np.repeat(clusters[:, None] == clusters, 2, axis=0), 2, axis=1)
+    gain = gain_variance * np.outer(entries, entries) * same_point
+    white = noisy.reshape(2 * n_resp, 2 * n_resp)
+    result: _Real = white + shared + gain
+    traces = np.array([np.trace(part) for part in (shared, white, gain)])
+    return result, traces / traces.sum()
 
 
 def participation_covariance(fit: RankOneFit, theta: _Real, mode: int) -> _Real:

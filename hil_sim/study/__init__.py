@@ -4,7 +4,15 @@
 """
 
 from hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
-from hil_sim.study.cases import CaseFiles, CaseSpec, SealedCase, make_case, sealed, write_case
+from hil_sim.study.cases import (
+    CaseFiles,
+    CaseSpec,
+    KnownMass,
+    SealedCase,
+    make_case,
+    sealed,
+    write_case,
+)
 from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
 from hil_sim.study.draw import draw_study
 
@@ -15,6 +23,7 @@ __all__ = [
     "STUDY_ARMS",
     "CaseFiles",
     "CaseSpec",
+    "KnownMass",
     "SealedCase",
     "StudyArm",
     "draw_study",

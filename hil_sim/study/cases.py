@@ -5,17 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from hil_sim.plant_file import PlantFile, plant_text
 from hil_sim.study.arms import StudyArm, study_arm
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, SIZED
 from hil_sim.study.measure import measured
 from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
-from hil_sim.study.places import ArmPlaces
+from hil_sim.study.places import ArmPlaces, Hidden
+from hil_sim.study.plant_of_arm import rotations
+from hil_sim.study.prominence import Bystander
+from hil_sim.study.sizing import Sized, clear_size
 from protocols.arm.files import ARMS_DIRECTORY
 from protocols.arm.records import Arm
 from protocols.errors import PlantError
@@ -23,7 +27,16 @@ from protocols.plan_records import Plan
 from protocols.session.hdf5 import write_session
 from protocols.session.records import Session
 
-__all__ = ["CaseFiles", "CaseSpec", "SealedCase", "make_case", "sealed", "write_case"]
+__all__ = [
+    "CaseFiles",
+    "CaseSpec",
+    "KnownMass",
+    "SealedCase",
+    "braked",
+    "make_case",
+    "sealed",
+    "write_case",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,8 +50,24 @@ class CaseSpec:
     arm: str
     seed: int
     kinds: tuple[str, ...]
-    magnitude: str  # "clear", "medium", "faint"; "none" for nulls
+    magnitude: str | float  # "clear", "medium", "faint", or times clear; "none" for nulls
     ladder: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownMass:
+    """A body that the laboratory adds, its centre in the arm file's link frame."""
+
+    link: str
+    mass_kg: float
+    center_m: tuple[float, float, float]
+
+    def on(self, tables: Tables, arm: Arm) -> Tables:
+        """Tables of the arm with the body on it."""
+        center = rotations(arm)[self.link] @ np.array(self.center_m)
+        body = {"kind": "payload", "link": self.link, "mass_kg": self.mass_kg}
+        body |= {"center_m": tuple(center.tolist())}
+        return tables | {"effects": [*tables["effects"], body]}
 
 
 class SealedCase:
@@ -68,12 +97,40 @@ class SealedCase:
         """Hash of the truth's text, to be printed before any verdict."""
         return hashlib.sha256(self.open_truth().encode()).hexdigest()
 
-    def session(self) -> Session:
-        """Measure, in process, in some seconds."""
-        tables, _ = self._hidden
-        spec = self._spec
-        levels = self._study.ladder_n if spec.ladder else None
-        return measured(plant_of_tables(tables), self.arm, self.plan, spec.seed, levels)
+    def session(
+        self,
+        plan: Plan | None = None,
+        *,
+        levels_n: tuple[float, ...] | None = None,
+        known_mass: KnownMass | None = None,
+        brakes: bool = False,
+        run: int = 0,
+    ) -> Session:
+        """Measure, in process, in some seconds.
+
+        Parameters
+        ----------
+        plan
+            Another test of the same arm, such as the workflow asks for; its `fixed_point` is hit
+            along the postures' `hit_direction`.
+        levels_n
+            Peak forces at each point, one a hit; None takes the case's own.
+        known_mass
+            A mass that the laboratory bolts on.
+        brakes
+            With the brakes on no servo gives way; transmissions do.
+        run
+            Number of the measurement, so that noise and swings are others.
+        """
+        spec, (tables, _) = self._spec, self._hidden
+        if levels_n is None and spec.ladder:
+            levels_n = self._study.ladder_n
+        if known_mass is not None:
+            tables = known_mass.on(tables, self.arm)
+        if brakes:
+            tables = braked(tables)
+        plant = plant_of_tables(tables)
+        return measured(plant, self.arm, plan or self.plan, spec.seed, levels_n, run)
 
     def open_truth(self) -> str:
         """The sealed truth as JSON: only the marker of a study opens it."""
@@ -82,6 +139,10 @@ class SealedCase:
     def plant_tables(self) -> Tables:
         """Tables of the plant file; they hold the truth."""
         return self._hidden[0]
+
+    def plant_text(self) -> str:
+        """Text of the plant file, for a laboratory in real time; it holds the truth."""
+        return plant_text(PlantFile.model_validate(self._hidden[0]))
 
     @cached_property
     def _hidden(self) -> tuple[Tables, dict[str, Any]]:
@@ -102,7 +163,7 @@ def make_case(
     seed: int,
     arm: str,
     effect: str | tuple[str, ...] | None = None,
-    magnitude: str = "clear",
+    magnitude: str | float = "clear",
     *,
     ladder: bool = False,
     number: int = 1,
@@ -118,7 +179,7 @@ def make_case(
     effect
         Name in `LIBRARY` or `OUTSIDE`, several of them, or None for a null.
     magnitude
-        "clear", "medium" (half) or "faint" (a quarter).
+        "clear", "medium" (half), "faint" (a quarter), or a factor on clear.
     ladder
         Every point is hit at the arm's ladder of levels.
 
@@ -146,9 +207,10 @@ def sealed(spec: CaseSpec) -> SealedCase:
             raise PlantError(
                 f"no effect is called {kind!r}; wanted one of {', '.join((*LIBRARY, *OUTSIDE))}"
             )
-    if spec.kinds and spec.magnitude not in MAGNITUDES:
+    if spec.kinds and isinstance(spec.magnitude, str) and spec.magnitude not in MAGNITUDES:
         raise PlantError(
-            f"no magnitude is called {spec.magnitude!r}; wanted one of {', '.join(MAGNITUDES)}"
+            f"no magnitude is called {spec.magnitude!r}; wanted one of "
+            f"{', '.join(MAGNITUDES)}, or a factor"
         )
     return SealedCase(spec)
 
@@ -173,22 +235,25 @@ def write_case(case: SealedCase, folder: Path) -> CaseFiles:
 
 def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
     """Tables of the plant with its effects, and the truth about them."""
-    rng = np.random.default_rng([spec.seed, 1])
-    tables = erring_plant_tables(study, rng)
-    places = ArmPlaces(study, tables)
-    truths = []
-    for name in spec.kinds:
+    plain = erring_plant_tables(study, np.random.default_rng([spec.seed, 1]))
+    places = ArmPlaces(study, plain)
+    bystander = Bystander(study, plain)
+    tables, truths = plain, []
+    for i, name in enumerate(spec.kinds):
         make = LIBRARY.get(name) or OUTSIDE[name]
-        made = make(places, rng, MAGNITUDES[spec.magnitude])
-        replaced = [(t["kind"], t["joint"]) for t in made.tables if t["kind"] == "bearing"]
-        kept = [
-            t
-            for t in tables["effects"]
-            if (t["kind"], t.get("joint")) not in replaced
-            and not (t["kind"] == "hysteretic" == name)
-        ]
-        tables["effects"] = [*kept, *made.tables]
-        truths.append(made.truth())
+
+        def stream(place: int, number: int = i) -> np.random.Generator:
+            return np.random.default_rng([spec.seed, 3, number, place])
+
+        sized = Sized(size=1.0, place=0, stands_out=0.0)
+        if name in SIZED:
+            sized = clear_size(make, places, bystander, partial(_with, plain), stream)
+        factor = spec.magnitude
+        if isinstance(factor, str):
+            factor = MAGNITUDES[factor]
+        made = make(places, stream(sized.place), sized.size * factor)
+        tables = _with(tables, made)
+        truths.append(made.truth() | {"clear_stands_out": sized.stands_out or None})
     verdict = "named" if truths else "nothing_detectable"
     if any(name in OUTSIDE for name in spec.kinds):
         verdict = "outside_library"
@@ -210,3 +275,25 @@ def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
         },
         "plant": tables,
     }
+
+
+def braked(tables: Tables) -> Tables:
+    """A brake holds the rotor a thousand times as stiff as its servo."""
+    key = "servo_stiffness_n_m_per_rad"
+    effects = [
+        table | {key: 1000.0 * table[key]} if table.get(key) else table
+        for table in tables["effects"]
+    ]
+    return tables | {"effects": effects}
+
+
+def _with(tables: Tables, made: Hidden) -> Tables:
+    """The arm with what is hidden in the place of an error of the same kind there."""
+    bearings = [table["joint"] for table in made.tables if table["kind"] == "bearing"]
+    kept = [
+        table
+        for table in tables["effects"]
+        if not (table["kind"] == "bearing" and table["joint"] in bearings)
+        and not (table["kind"] == "hysteretic" and made.name == "hysteretic")
+    ]
+    return tables | {"effects": [*kept, *made.tables]}

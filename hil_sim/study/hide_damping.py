@@ -20,12 +20,12 @@ HYSTERETIC_LOSS = 0.12
 DASHPOT = 2.0  # about the joints between its ends, of their mean damping
 LOAD_DAMPING = 2.0  # more damping at the largest load of the postures
 # Amplitude-dependent: as parts of the joint's swing after a hit of middle level.
-FRICTION = 0.16  # limit / (stiffness x swing)
-MICROSLIP = 0.5
+FRICTION = 0.08  # limit / (stiffness x swing)
+MICROSLIP = 0.25
 SEAT = 2.0  # stiffness of the friction's seat / the joint's
 MICROSLIP_SEAT = 0.4
-SOFT_PART, SOFT_AT = 0.4, 0.6
-PLAY = 0.25  # half of it / swing
+SOFT_PART, SOFT_AT = 0.3, 0.6
+PLAY = 0.12  # half of it / swing
 
 Rng = np.random.Generator
 
@@ -37,7 +37,6 @@ def hysteretic(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "kind": "hysteretic",
         "joints": tuple(places.elastic),
         "loss_factor": loss,
-        "replaces_viscous": magnitude > 0.7,
     }
     return hidden("hysteretic", places.elastic, table, loss_factor=loss)
 

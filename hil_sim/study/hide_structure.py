@@ -10,11 +10,11 @@ __all__ = ["base", "bearing", "link_axis", "link_bending", "link_torsion", "rele
 
 # Compliances at magnitude 1, as parts of the arm's own joint compliance.
 RELEASED = 7.5
-BEARING = 0.25  # both ways across
+BEARING = 0.1  # both ways across
 AXIS = 0.38
-ROCKING = 0.25
+ROCKING = 0.08
 SHIFT_M2 = 2.5e-3  # m / N per rad / N m
-BENDING = 0.6  # of the whole link
+BENDING = 0.15  # of the whole link
 TORSION = 0.8
 LOSS_S = 4e-5  # damping / stiffness
 

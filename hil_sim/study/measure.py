@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -27,6 +27,8 @@ Array = npt.NDArray[np.float64]
 
 AIM_DEG = 0.8  # how far the wanted direction of a posture's hits is missed, about each axis
 ENCODER_NOISE_DEG = 1e-3
+LOUDEST = 0.9 * FULL_SCALE_COUNTS  # beyond, a hit is judged overloaded
+SOFTER = 5  # times that a point is hit again
 GAP_SAMPLES = 4000  # from one hit's record to the next
 
 
@@ -43,6 +45,7 @@ def measured(
     plan: Plan,
     seed: int,
     levels_n: tuple[float, ...] | None = None,
+    run: int = 0,
 ) -> Session:
     """Measure a roving-response plan with a fixed hammer.
 
@@ -54,22 +57,22 @@ def measured(
         Peak forces to go through at each point, one a hit, each hit to 10 % ; None draws every
         peak from the hand's own interval. As many hits are made as the plan has, or as there are
         levels.
+    run
+        Number of the measurement: another one has other swings, tilts and noise.
 
     Returns
     -------
     Session
         Complete; the true joint angles differ from the readings by the encoders' offsets.
     """
-    swings, mounts, noise, encoders, aims = np.random.default_rng([seed, 2]).spawn(5)
+    swings, mounts, noise, encoders, aims = np.random.default_rng([seed, 2, run]).spawn(5)
     front = FrontEnd(plant.truth, plan.sampling.rate_hz)
     planned = [
         hit
         for posture in plan.postures
         for hit in _strikes(plant, plan, posture, levels_n, swings, mounts, aims)
     ]
-    rung = ring(
-        front, [hit.strike for hit in planned], plant.sensing.delay_s, plan.sampling.samples
-    )
+    rung = _rung(plant, front, plan, [hit.strike for hit in planned])
     hits: list[Hit] = []
     for hit, counts in zip(planned, rung, strict=True):
         recorded = _recorded(plant, front, plan, hit.point, counts, noise)
@@ -77,7 +80,7 @@ def measured(
         hits.append(_hit(plan, hit, recorded, force_n, encoders, len(hits) + 1))
     dictionary = board_dictionary(plant.truth, tick_hz=1_000_000)
     header = SessionHeader(
-        session_id=f"{seed:032x}",
+        session_id=f"{seed:016x}{run:016x}",
         created=datetime(2026, 1, 1, tzinfo=UTC).isoformat(),
         software="armodal sealed case",
         arm=arm,
@@ -88,6 +91,27 @@ def measured(
         time_scale=1.0,
     )
     return Session(header=header, hits=tuple(hits), losses=(), complete=True)
+
+
+def _rung(plant: Plant, front: FrontEnd, plan: Plan, strikes: list[Strike]) -> list[Array]:
+    """Counts of every strike; one that overdrives the sensor is made again half as hard."""
+    delays, samples = plant.sensing.delay_s, plan.sampling.samples
+    rung = ring(front, strikes, delays, samples)
+    for _ in range(SOFTER):
+        loud = [i for i, counts in enumerate(rung) if np.max(np.abs(counts)) > LOUDEST]
+        if not loud:
+            break
+        strikes = [_softer(strike) if i in loud else strike for i, strike in enumerate(strikes)]
+        for i, counts in zip(
+            loud, ring(front, [strikes[i] for i in loud], delays, samples), strict=True
+        ):
+            rung[i] = counts
+    return rung
+
+
+def _softer(strike: Strike) -> Strike:
+    pulses = tuple(replace(pulse, peak_n=0.5 * pulse.peak_n) for pulse in strike.blow.pulses)
+    return replace(strike, blow=replace(strike.blow, pulses=pulses))
 
 
 def _strikes(

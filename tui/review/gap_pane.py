@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from rich.console import RenderableType
 from textual.binding import Binding, BindingType
+from typer.main import get_command
 
 from protocols.errors import ArmodalError, SessionError
 from tui.plan import write_plan
@@ -78,10 +79,8 @@ the session, for `armodal run`; `w` keeps the result as a file.
             return True
         from tui.cli import app  # noqa: PLC0415  (the command line registers this screen)
 
-        return any(
-            "gap" in (command.name, getattr(command.callback, "__name__", ""))
-            for command in app.registered_commands
-        )
+        command = get_command(app)
+        return "gap" in getattr(command, "commands", {})
 
     def result(self) -> RenderableType | None:
         """Verdict and all it stands on."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.effect import EffectWords, Instance
@@ -12,6 +13,8 @@ from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
+
+Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="payload",
@@ -23,51 +26,51 @@ WORDS = EffectWords(
     remedy="weigh what the link carries: tool, valves, cables; put it into the arm file",
 )
 _MATERIAL_KG = 0.2
-_PLACE_STD_M = 0.08
-_RADIUS_M, _RADIUS_STD_M = 0.04, 0.03  # of gyration
+_MOMENT_STD_KG_M = 0.1
+_LEAST_KG, _FURTHEST_M = 0.02, 0.15
+_RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's own tolerance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each link from the third on: what hangs on the others changes little."""
-    total = sum(joint.link.mass_kg for joint in ordinary.arm.joints)
-    found = []
     last = len(ordinary.arm.joints) - 1
-    for link, joint in enumerate(ordinary.arm.joints):
-        if link < 2 or link == last - 1:
-            continue
-        name = joint.link.name
-        mass = f"payload {name}"
-        at = [f"payload {axis} {name}" for axis in "xyz"]
-        radius = f"payload radius {name}"
-        center = joint.link.center_m
+    links = [i for i in range(2, last + 1) if i != last - 1]
+    return tuple(_on(ordinary, link) for link in links)
 
-        def build(
-            assembly: Assembly,
-            values: Mapping[str, float],
-            link: int = link,
-            mass: str = mass,
-            at: list[str] = at,
-            radius: str = radius,
-        ) -> None:
-            place = np.array([values[a] for a in at])
-            own = values[radius] ** 2 * values[mass] * np.eye(3)
-            assembly.add_body(link, values[mass], place, own)
 
-        found.append(
-            Instance(
-                effect=WORDS,
-                place=name,
-                parameters=(
-                    Parameter(name=mass, mean=0.0, std=0.05 * total, low=0.0),
-                    *(
-                        Parameter(name=a, mean=float(c), std=_PLACE_STD_M)
-                        for a, c in zip(at, center, strict=True)
-                    ),
-                    Parameter(name=radius, mean=_RADIUS_M, std=_RADIUS_STD_M, low=0.0),
-                ),
-                builder=build,
-                size=mass,
-                material=_MATERIAL_KG,
-            )
-        )
-    return tuple(found)
+def _on(ordinary: Ordinary, link: int) -> Instance:
+    """Mass and first moment about the link's centre: but for a small part the equations are linear.
+
+    A place for its own would be lost at a small mass.
+    """
+    joint = ordinary.arm.joints[link]
+    name, center = joint.link.name, joint.link.center_m
+    total = sum(j.link.mass_kg for j in ordinary.arm.joints)
+    mass = f"payload {name}"
+    moments = [f"payload moment {axis} {name}" for axis in "xyz"]
+
+    def lever(values: Mapping[str, float]) -> Array:
+        first = np.array([values[m] for m in moments])
+        return np.clip(first / max(values[mass], _LEAST_KG), -_FURTHEST_M, _FURTHEST_M)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        first = np.array([values[m] for m in moments])
+        d = lever(values)
+        own = _RADIUS_M**2 * np.eye(3) + d @ d * np.eye(3) - np.outer(d, d)
+        assembly.add_small_body(link, values[mass], center, first, values[mass] * own)
+
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        return {"link": name, "point_m": (center + lever(values)).tolist()}
+
+    return Instance(
+        effect=WORDS,
+        place=name,
+        parameters=(
+            Parameter(name=mass, mean=0.0, std=0.05 * total, low=0.0),
+            *(Parameter(name=m, mean=0.0, std=_MOMENT_STD_KG_M) for m in moments),
+        ),
+        builder=build,
+        describe=describe,
+        size=mass,
+        material=_MATERIAL_KG,
+    )
