@@ -146,8 +146,11 @@ def fit_picked(superset: Superset, view: PostureView) -> PostureView:
 def _with_model(superset: Superset, view: PostureView, model: ModalModel) -> PostureView:
     picks = tuple(mode.pole_rad_s for mode in model.modes)
     view = replace(view, model=model, picks=picks, changed=False, problem="")
-    if view.frf.joints_rad is None or not superset.n_joints:
-        return replace(view, measured=None, joint_share=(None,) * len(model.modes))
+    unknown = (None,) * len(model.modes)
+    if view.frf.joints_rad is None:
+        return replace(view, measured=None, joint_share=unknown)
     measured = MeasuredModes.of(superset, superset.posture(view.frf.joints_rad), model)
+    if not superset.n_joints:
+        return replace(view, measured=measured, joint_share=unknown)
     share = tuple(joint_share(superset, measured, shape) for shape in measured.shapes.T)
     return replace(view, measured=measured, joint_share=share)

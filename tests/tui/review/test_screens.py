@@ -2,15 +2,17 @@
 
 import asyncio
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from analyzer.arm.superset import Superset
 from protocols.errors import SessionError
 from protocols.session.records import Session
 from tui.review.app import TABS, ReviewApp
 from tui.review.picked_file import picked_path
-from tui.review.posture_view import open_session, opened_session
+from tui.review.posture_view import PostureView, fit_automatic, open_session, opened_session
 from tui.themes import MONO
 
 SIZES = [(80, 24), (160, 45)]
@@ -237,6 +239,58 @@ def test_a_click_on_a_pole_goes_there(drive):
         assert abs(clicked - table.f_hz[was]) <= cell_hz
 
     drive(steps, size=(160, 45))
+
+
+def _opened_changed(opened, arm, joints_rad):
+    header = replace(opened.session.header, arm=arm)
+    frf = replace(opened.views[0].frf, joints_rad=joints_rad)
+    superset = Superset(arm)
+    view = fit_automatic(superset, PostureView(frf=frf))
+    session = replace(opened.session, header=header)
+    return replace(opened, session=session, superset=superset, views=(view,))
+
+
+def _every_screen(opened, path):
+    async def main():
+        shown = {}
+        app = ReviewApp(path, opened=replace(opened, path=path), environment={})
+        async with app.run_test(size=(100, 30)) as pilot:
+            await app.workers.wait_for_complete()
+            for number, tab in enumerate(TABS, start=1):
+                await pilot.press(str(number))
+                await pilot.pause()
+                shown[tab] = as_picture(app)
+        return shown
+
+    return asyncio.run(main())
+
+
+def test_a_structure_without_an_arm_is_shown_by_its_points(opened, tmp_path):
+    arm = opened.session.header.arm
+    points = tuple(replace(point, link="base") for point in arm.points)
+    bare = replace(arm, joints=(), points=points)
+    shown = _every_screen(_opened_changed(opened, bare, np.zeros(0)), tmp_path / "s.h5")
+    assert "unknown" in shown["modes"]
+    assert "mode 1/" in shown["shape"]
+    assert "•" in shown["shape"]
+
+
+def test_a_posture_without_joint_angles_says_why_no_arm_is_drawn(opened, tmp_path):
+    arm = opened.session.header.arm
+    shown = _every_screen(_opened_changed(opened, arm, None), tmp_path / "s.h5")
+    assert "no joint angles were measured" in shown["shape"]
+
+
+def test_a_wall_screen_is_filled(drive, screen_text):
+    async def steps(app, pilot):
+        for key in "123":
+            await pilot.press(key)
+            await pilot.pause()
+            rows = screen_text(app).split("\n")
+            assert len(rows) == 90
+            assert rows[80].strip()
+
+    drive(steps, size=(320, 90))
 
 
 def test_an_unreadable_session_is_said_on_the_screen_with_the_way_back(tmp_path, screen_text):
