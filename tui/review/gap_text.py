@@ -20,6 +20,7 @@ VERDICTS = {
     "outside_library": "OUTSIDE THE LIBRARY",
 }
 _SHADES = " ░▒▓█"
+_CELL, _LABEL = 3, 22  # characters: 18 points beside their label fit 80 columns
 
 
 def gap_view(found: Mapping[str, Any]) -> RenderableType:
@@ -28,7 +29,7 @@ def gap_view(found: Mapping[str, Any]) -> RenderableType:
     parts: list[RenderableType] = [Text(VERDICTS.get(verdict, verdict), style="bold reverse")]
     if found.get("summary"):
         parts.append(Text(str(found["summary"])))
-    for section in (_effects, _before_after, gap_map, _rivals, _stiffness, _next_test):
+    for section in _SECTIONS:
         part = section(found)
         if part is not None:
             parts += [Text(""), part]
@@ -87,6 +88,9 @@ def _effects(found: Mapping[str, Any]) -> RenderableType | None:
         told = f", {100 * sure:.0f} % sure" if isinstance(sure, (int, float)) else ""
         lines.append((f"{_name(row)}{told}\n", "bold"))
         lines += [f"  {parameter}\n" for parameter in _parameters(row)]
+        described = row.get("description")
+        if isinstance(described, Mapping):
+            lines += [f"  {name}: {_told(value)}\n" for name, value in described.items()]
         confused = row.get("confused_with")
         if isinstance(confused, (list, tuple)) and confused:
             lines.append(f"  could be confused with {', '.join(map(str, confused))}\n")
@@ -141,30 +145,36 @@ def gap_map(found: Mapping[str, Any]) -> RenderableType | None:
     for row in rows:
         at = lines.index((str(row.get("posture")), _band(row))), points.index(str(row.get("point")))
         worst[at] = np.nanmax([worst[at], float(row["ratio"])])
-    table = _table("posture, Hz")
-    for point in points:
-        table.add_column(point, justify="right", no_wrap=True)
-    for (posture, band), values in zip(lines, worst, strict=True):
-        table.add_row(f"{posture} {band} ", *(_shaded(float(v)) for v in values))
-    below = "shade: " + ", ".join(
-        f"{shade} above {limit}" for shade, limit in zip(_SHADES[1:], (1, 2, 4, 8), strict=True)
+    names = [f"{posture} {band}"[:_LABEL] for posture, band in lines]
+    wide = max(len(name) for name in names) + 1
+    text = Text(" " * wide + "".join(point[-_CELL + 1 :].rjust(_CELL) for point in points))
+    for name, values in zip(names, worst, strict=True):
+        text.append(f"\n{name.ljust(wide)}")
+        for value in values:
+            text.append_text(_shaded(float(value)))
+    limits = zip(_SHADES[1:], (1, 2, 4, 8), strict=True)
+    text.append(
+        "\nshade: "
+        + ", ".join(f"{shade} from {limit}" for shade, limit in limits)
+        + "; - not measured; 99 is 99 or more",
+        style="italic",
     )
-    return _titled("Where: difference over what scatter explains (1), worst axis", table, below)
+    return _titled("Where: difference over what scatter explains (1), worst axis, by point", text)
 
 
 def _band(row: Mapping[str, Any]) -> str:
     band = row.get("band_hz")
     if isinstance(band, Sequence) and len(band) == 2:
-        return f"{band[0]:.0f} to {band[1]:.0f}"
+        return f"{band[0]:.0f}-{band[1]:.0f}"
     return ""
 
 
 def _shaded(ratio: float) -> Text:
     if not np.isfinite(ratio):
-        return Text(" - ", style="dim")
+        return Text("-".rjust(_CELL), style="dim")
     level = int(np.clip(np.floor(np.log2(max(ratio, 0.5))) + 1, 0, 4))
-    text = f"{ratio:.1f}" if ratio < 9.95 else f"{min(ratio, 999):.0f}"
-    return Text(f"{_SHADES[level]}{text}", style="bold" if level >= 2 else "")
+    number = str(min(int(ratio), 99)).rjust(_CELL - 1)
+    return Text(f"{_SHADES[level]}{number}", style="bold" if level >= 3 else "")
 
 
 def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
@@ -222,11 +232,45 @@ def _next_test(found: Mapping[str, Any]) -> RenderableType | None:
     if not isinstance(test, Mapping):
         return Text(f"Next test: {test}")
     lines = ["Next test (n makes a plan file of it)"]
-    for key, value in test.items():
-        told = (
-            ", ".join(_number(part) if isinstance(part, float) else str(part) for part in value)
-            if isinstance(value, (list, tuple))
-            else str(value)
-        )
-        lines.append(f"  {str(key).replace('_', ' ')}: {told}")
+    lines += [f"  {str(key).replace('_', ' ')}: {_told(value)}" for key, value in test.items()]
     return Text("\n".join(lines))
+
+
+def _told(value: object) -> str:
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_told(part) for part in value)
+    return _number(value) if isinstance(value, float) else str(value)
+
+
+def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
+    rows = _rows(found, "hidden")
+    if not rows:
+        return None
+    table = _table("effect", "place", "parameter", "at most")
+    for row in rows:
+        cells = (str(row.get(key, "?")) for key in ("name", "place", "parameter"))
+        table.add_row(*cells, _number(row.get("largest")))
+    return _titled("Could still hide, 95 %", table)
+
+
+def _evidence(found: Mapping[str, Any]) -> RenderableType | None:
+    lines = [f"Departs at: {found['interface']}"] if found.get("interface") else []
+    lines += [
+        f"check {row.get('check')}: {row.get('outcome')} {row.get('words', '')}"
+        for row in _rows(found, "gates")
+    ]
+    notes = found.get("notes")
+    lines += [f"note: {note}" for note in notes] if isinstance(notes, (list, tuple)) else []
+    return Text("\n".join(lines)) if lines else None
+
+
+_SECTIONS = (
+    _effects,
+    _before_after,
+    gap_map,
+    _rivals,
+    _stiffness,
+    _next_test,
+    _hidden,
+    _evidence,
+)

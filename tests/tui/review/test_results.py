@@ -64,8 +64,22 @@ def test_the_verdict_the_sizes_and_what_to_do_are_on_the_gap_screen():
         assert words in shown
     assert "40.0" in shown
     assert "10.0" in shown
-    assert "█9.0" in shown  # the worst axis of the point counts
+    assert "█ 9" in shown  # the worst axis of the point counts
     assert "10000 to 30000" in shown
+
+
+def test_the_map_of_eighteen_points_fits_eighty_columns():
+    where = [
+        {"posture": "validation 1", "point": str(p), "band_hz": [20, 55], "ratio": 10.0 * p}
+        for p in range(1, 19)
+    ]
+    row = next(
+        line
+        for line in plain(gap_view({**GAP, "where": where}), 78).split("\n")
+        if "validation 1" in line
+    )
+    assert row.count("█") == 18
+    assert row.rstrip().endswith("█99")
 
 
 def test_a_gap_result_of_the_verdict_alone_can_be_shown():
