@@ -10,6 +10,11 @@ from tui.review.picked_file import picked_path, read_picked, write_picked
 EXACT = 1e-12  # rounding of a pole to frequency and damping and back
 
 
+def told(rows="[]", form="armodal-picked-poles-1"):
+    """Text of a picks file of another session."""
+    return f'{{"format": "{form}", "session_id": "1", "postures": {{"a": {rows}}}}}'
+
+
 @given(
     st.lists(
         st.tuples(st.floats(0.1, 1e4), st.floats(1e-4, 0.9)).map(
@@ -41,17 +46,12 @@ def test_no_file_is_no_picks(session, tmp_path):
         "[]",
         "{}",
         "\x00",
-        '{"format": "other", "session_id": "0", "postures": {}}',
-        '{"format": "armodal-picked-poles-1", "session_id": "1", "postures": {}}',
-        (
-            '{"format": "armodal-picked-poles-1", "session_id": "1", "postures": {"a": [{"f_hz": -1,'
-            ' "damping_ratio": 0.1}]}}'
-        ),
-        (
-            '{"format": "armodal-picked-poles-1", "session_id": "1", "postures": {"a": [{"f_hz": NaN,'
-            ' "damping_ratio": 0.1}]}}'
-        ),
-        '{"format": "armodal-picked-poles-1", "session_id": "1", "postures": {"a": 3}}',
+        told(form="other"),
+        told(),
+        told('[{"f_hz": -1, "damping_ratio": 0.1}]'),
+        told('[{"f_hz": NaN, "damping_ratio": 0.1}]'),
+        told('[{"f_hz": 10, "damping_ratio": 1.5}]'),
+        told("3"),
     ],
 )
 def test_a_file_that_holds_no_picks_of_this_session_is_refused(session, tmp_path, text):
