@@ -28,6 +28,7 @@ from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
 from tui.results import identification_tables
+from tui.review.command import add_review_command
 from tui.session_commands import app as session_app
 
 __all__ = ["main"]
@@ -254,6 +255,7 @@ def recover(
 
 
 add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
+add_review_command(app)
 
 
 def main() -> None:

@@ -18,6 +18,7 @@ from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from analyzer.modal import (
     MassScaling,
     ModalModel,
+    Stabilisation,
     coherence_random_error,
     fit_modes,
     hit_choices,
@@ -30,7 +31,7 @@ from protocols.frf_records import FrequencyResponse, FrfEstimator
 from protocols.plan_records import Averaging, Windows
 from protocols.session.records import Session
 
-__all__ = ["FitSettings", "fit_lines", "fit_session"]
+__all__ = ["FitSettings", "fit_lines", "fit_session", "stable_poles"]
 
 SAME_F, SAME_DAMPING = 0.01, 0.05  # relative, between consecutive orders: the usual criterion
 
@@ -315,18 +316,9 @@ def _said_of_window(frf: FrequencyResponse) -> str:
 
 
 def _stabilisation(model: ModalModel) -> dict[str, Any]:
-    """Poles over model orders; stable where the order before has one of the same f and damping."""
+    """Poles over model orders, as plain values."""
     found = model.stabilisation
-    f_hz, damping = found.f_hz, found.damping_ratio
-    stable = np.zeros(len(f_hz), dtype=bool)
-    for before, order in pairwise(found.orders):
-        new, old = found.order == order, found.order == before
-        near_f = np.abs(f_hz[new][:, None] - f_hz[old]) <= SAME_F * f_hz[new][:, None]
-        near_damping = (
-            np.abs(damping[new][:, None] - damping[old])
-            <= SAME_DAMPING * np.abs(damping[new])[:, None]
-        )
-        stable[new] = (near_f & near_damping).any(axis=1)
+    f_hz, damping, stable = found.f_hz, found.damping_ratio, stable_poles(found)
     return {
         "band_hz": list(model.band_hz),
         "orders": list(found.orders),
@@ -340,3 +332,18 @@ def _stabilisation(model: ModalModel) -> dict[str, Any]:
             for order, f, ratio, same in zip(found.order, f_hz, damping, stable, strict=True)
         ],
     }
+
+
+def stable_poles(found: Stabilisation) -> npt.NDArray[np.bool_]:
+    """Return which poles (n_poles,) the order before has too, by frequency and damping."""
+    f_hz, damping = found.f_hz, found.damping_ratio
+    stable = np.zeros(len(f_hz), dtype=bool)
+    for before, order in pairwise(found.orders):
+        new, old = found.order == order, found.order == before
+        near_f = np.abs(f_hz[new][:, None] - f_hz[old]) <= SAME_F * f_hz[new][:, None]
+        near_damping = (
+            np.abs(damping[new][:, None] - damping[old])
+            <= SAME_DAMPING * np.abs(damping[new])[:, None]
+        )
+        stable[new] = (near_f & near_damping).any(axis=1)
+    return stable

@@ -3,7 +3,7 @@
 from analyzer.modal.chosen_hits import HitChoice, hit_choices
 from analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
 from analyzer.modal.estimators import FrfEstimate, estimate_frf
-from analyzer.modal.fit import fit_modes
+from analyzer.modal.fit import fit_modes, fit_modes_at
 from analyzer.modal.forms import convert_form
 from analyzer.modal.frf import HitFrfs, SensorAxes, posture_frf, posture_hit_frfs
 from analyzer.modal.indicators import (
@@ -44,6 +44,7 @@ __all__ = [
     "convert_form",
     "estimate_frf",
     "fit_modes",
+    "fit_modes_at",
     "frac",
     "frf_sum",
     "group_sums",

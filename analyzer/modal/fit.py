@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
@@ -14,12 +17,12 @@ from analyzer.modal.plscf import Stabilisation, poles_plscf
 from analyzer.modal.rank_one import refine_rank_one
 from analyzer.modal.regression import ModalData, modal_data
 from analyzer.modal.second_look import left_over_poles, split_poles
-from analyzer.modal.selection import Selection, select_modes
+from analyzer.modal.selection import Selection, keep_modes, select_modes
 from analyzer.modal.windows import laplace_lines
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 
-__all__ = ["fit_modes"]
+__all__ = ["fit_modes", "fit_modes_at"]
 
 _FEWEST_LINES = 8
 _MOST_ROUNDS = 8  # of looking for poles in what the model leaves over
@@ -215,21 +218,111 @@ def fit_modes(
     ----------
     `docs/theory-modal.md`.
     """
+    lines = _fitted_lines(frf, band_hz)
+    table, poles, stability = _candidates(
+        lines.values, lines.variance, lines.freq_hz, frf.decay_rad_s, max_order
+    )
+
+    def select(data: ModalData) -> Selection:
+        chosen = select_modes(data, poles, stability, lines.band_hz, line_share=lines.share)
+        n_ref = min(lines.values.shape[:2])
+        return _looked_again(data, chosen, lines.freq_hz, n_ref, frf.decay_rad_s, lines.share)
+
+    return _fitted(frf, lines, table, select)
+
+
+def fit_modes_at(
+    frf: FrequencyResponse,
+    poles_rad_s: npt.ArrayLike,
+    stabilisation: Stabilisation,
+    *,
+    band_hz: tuple[float, float] | None = None,
+) -> ModalModel:
+    """Shapes, refined poles and residual terms from poles picked by hand.
+
+    Every pole given is kept and refined to the least weighted misfit; none is added.
+
+    Parameters
+    ----------
+    frf
+        FRFs of any form, weighted by their variance.
+    poles_rad_s
+        (n,) starting poles, imaginary parts above zero.
+    stabilisation
+        The poles over model orders they were picked from; carried into the result.
+    band_hz
+        Lines used; all by default.
+
+    Raises
+    ------
+    EstimateError
+        If a pole is unstable or outside the band, or the FRFs cannot be fitted.
+    """
+    lines = _fitted_lines(frf, band_hz)
+    poles = np.asarray(poles_rad_s, dtype=np.complex128).reshape(-1)
+    f_hz = np.abs(poles) / (2.0 * np.pi)
+    low, high = lines.band_hz
+    # Written so that NaN is refused too.
+    bad = ~((poles.real < 0.0) & (poles.imag > 0.0) & (f_hz >= low) & (f_hz <= high))
+    if np.any(bad):
+        raise EstimateError(
+            f"posture {frf.posture!r}: wanted stable poles from {low:.4g} to {high:.4g} Hz, got "
+            f"{poles[bad][0]:.4g} rad/s; pick another pole or widen the band"
+        )
+    seen = np.array([_share_of_orders(stabilisation, pole) for pole in poles])
+
+    def keep(data: ModalData) -> Selection:
+        return keep_modes(data, poles, seen, line_share=lines.share)
+
+    return _fitted(frf, lines, stabilisation, keep)
+
+
+def _share_of_orders(table: Stabilisation, pole: complex) -> float:
+    """Share of the model orders with a pole within 1 % of this one."""
+    near = np.abs(table.pole_rad_s - pole) <= 0.01 * abs(pole)
+    return len(np.unique(table.order[near])) / max(len(table.orders), 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Lines:
+    """What is fitted: the lines of the band."""
+
+    freq_hz: npt.NDArray[np.float64]
+    values: npt.NDArray[np.complex128]
+    variance: npt.NDArray[np.float64]
+    share: float  # independent lines per line
+
+    @property
+    def band_hz(self) -> tuple[float, float]:
+        return float(self.freq_hz[0]), float(self.freq_hz[-1])
+
+
+def _fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> _Lines:
     _check(frf)
     keep = _band(frf, band_hz)
     freq = frf.freq_hz[keep]
     values = np.ascontiguousarray(frf.values[..., keep])
-    variance = _variance(values, frf.variance[..., keep])
-    band = (float(freq[0]), float(freq[-1]))
-    share = independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq))))
-    table, poles, stability = _candidates(values, variance, freq, frf.decay_rad_s, max_order)
+    return _Lines(
+        freq_hz=freq,
+        values=values,
+        variance=_variance(values, frf.variance[..., keep]),
+        share=independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq)))),
+    )
+
+
+def _fitted(
+    frf: FrequencyResponse,
+    lines: _Lines,
+    table: Stabilisation,
+    choose: Callable[[ModalData], Selection],
+) -> ModalModel:
+    values, variance = lines.values, lines.variance
     transposed = values.shape[1] > values.shape[0]
     if transposed:  # by reciprocity the short side serves as references
         values, variance = values.transpose(1, 0, 2), variance.transpose(1, 0, 2)
     try:
-        data = modal_data(frf.form, laplace_lines(freq, frf.decay_rad_s), values, variance)
-        chosen = select_modes(data, poles, stability, band, line_share=share)
-        chosen = _looked_again(data, chosen, freq, values.shape[1], frf.decay_rad_s, share)
+        data = modal_data(frf.form, laplace_lines(lines.freq_hz, frf.decay_rad_s), values, variance)
+        chosen = choose(data)
         start = chosen.fit.residues.reshape(*values.shape[:2], -1)
         fit = refine_rank_one(data, chosen.fit.poles, start)
     except np.linalg.LinAlgError as error:
@@ -239,5 +332,13 @@ def fit_modes(
             partial=table,
         ) from error
     return assemble_model(
-        frf, band, values, variance, table, chosen, fit, line_share=share, transposed=transposed
+        frf,
+        lines.band_hz,
+        values,
+        variance,
+        table,
+        chosen,
+        fit,
+        line_share=lines.share,
+        transposed=transposed,
     )

@@ -19,7 +19,7 @@ from analyzer.modal.refine import refine_poles
 from analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
 from analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
-__all__ = ["Selection", "lack_of_fit", "select_modes"]
+__all__ = ["Selection", "keep_modes", "lack_of_fit", "select_modes"]
 
 _LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0
@@ -200,4 +200,28 @@ def select_modes(
     rank = np.argsort(np.abs(fit.poles), kind="stable")
     if np.any(rank != np.arange(rank.size)):
         fit, share = regress(data, fit.poles[rank]), share[rank]
+    return Selection(fit=fit, share=share, significance=_significance(fit, data.s.size, line_share))
+
+
+def keep_modes(
+    data: ModalData,
+    poles: npt.NDArray[np.complex128],
+    stability: npt.NDArray[np.float64],
+    *,
+    line_share: float,
+) -> Selection:
+    """Refine exactly the poles given, dropping none; the significance tells what each is worth.
+
+    Parameters
+    ----------
+    data
+        FRFs weighted by one over their variance.
+    poles, stability
+        (n,) poles in rad/s and the share of orders each was seen at.
+    line_share
+        Independent lines per line under the window.
+    """
+    fit = refine_poles(data, poles)
+    rank = np.argsort(np.abs(fit.poles), kind="stable")
+    fit, share = regress(data, fit.poles[rank]), stability[rank]
     return Selection(fit=fit, share=share, significance=_significance(fit, data.s.size, line_share))

@@ -71,7 +71,9 @@ def whole_session(
     ours, theirs = multiprocessing.Pipe()
     teller = Announcing(theirs, announced, settings.journal)
     codes: list[int] = []
-    thread = threading.Thread(target=lambda: codes.append(run_acquisition(settings, teller, files=files)))
+    thread = threading.Thread(
+        target=lambda: codes.append(run_acquisition(settings, teller, files=files))
+    )
     thread.start()
     lab.controller.silent = False
     end = operate(ours, Hammer(lab, counts), heard=heard)

@@ -1,0 +1,71 @@
+"""One review in a real terminal, read as an operator reads it."""
+
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+import pytest
+
+from protocols.session.hdf5 import write_session
+
+pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="needs tmux")
+
+DEADLINE_S = 120.0  # far beyond what a loaded machine needs
+
+
+class Terminal:
+    def __init__(self, socket, command, size):
+        self._tmux = ["tmux", "-S", str(socket), "-f", "/dev/null"]
+        columns, rows = map(str, size)
+        subprocess.run(
+            [*self._tmux, "new-session", "-d", "-x", columns, "-y", rows, *command], check=True
+        )
+
+    def screen(self):
+        done = subprocess.run(
+            [*self._tmux, "capture-pane", "-p"], capture_output=True, text=True, check=False
+        )
+        return done.stdout
+
+    def press(self, *keys):
+        subprocess.run([*self._tmux, "send-keys", *keys], check=True)
+
+    def wait_for(self, pattern):
+        """Poll until the screen shows the pattern: the condition, not the time, ends the wait."""
+        end = time.monotonic() + DEADLINE_S
+        while time.monotonic() < end:
+            found = re.search(pattern, self.screen())
+            if found:
+                return found
+            time.sleep(0.05)
+        raise AssertionError(f"never saw {pattern!r}; last screen:\n{self.screen()}")
+
+    def close(self):
+        subprocess.run([*self._tmux, "kill-server"], check=False, capture_output=True)
+
+
+def test_a_session_is_reviewed_in_a_real_terminal(session, tmp_path):
+    path = tmp_path / "s.h5"
+    write_session(session, path)
+    command = [sys.executable, "-m", "tui.cli", "review", str(path)]
+    terminal = Terminal(tmp_path / "tmux", command, (160, 45))
+    try:
+        terminal.wait_for(r"4 modes automatic")
+        terminal.press("4")
+        terminal.wait_for(r"structural")
+        terminal.press("6")
+        first = terminal.wait_for(r"mode 1/4: (\d+\.\d+) Hz")
+        terminal.press("n")
+        second = terminal.wait_for(r"mode 2/4: (\d+\.\d+) Hz")
+        assert float(second[1]) > float(first[1])
+        terminal.wait_for(r"\d+ pictures/s")
+        terminal.press("q")
+        end = time.monotonic() + DEADLINE_S
+        while "mode 2/4" in terminal.screen() and time.monotonic() < end:
+            time.sleep(0.05)
+        assert "mode 2/4" not in terminal.screen()
+        assert not path.with_suffix(".picked.json").exists()
+    finally:
+        terminal.close()

@@ -1,0 +1,198 @@
+"""Identify and Gap: commands beside the app, and what their results look like."""
+
+import asyncio
+import json
+import sys
+
+import pytest
+from rich.console import Console
+
+from protocols.errors import EstimateError, PlanError, SessionError
+from protocols.plan import plan_from_text
+from tui.review.command_run import CommandRun
+from tui.review.gap_pane import read_gap
+from tui.review.gap_text import gap_view
+from tui.review.identify_text import identification_view
+from tui.review.next_test import next_test_plan
+
+GAP = {
+    "verdict": "named",
+    "summary": "The base rocks.",
+    "effects": [
+        {
+            "name": "base",
+            "title": "Base rocking",
+            "place": "base",
+            "parameters": {"rock_x": {"value": 1.0e5, "std": 10.0, "low": 9.0e4, "high": 1.1e5}},
+            "confidence": 0.97,
+            "confused_with": ["bearing"],
+            "remedy": "Tighten the bolts.",
+        }
+    ],
+    "rivals": [{"name": "bearing", "place": "joint_1", "behind": 12.0, "standing": False}],
+    "gap_before": [{"posture": "test 1", "held_out": True, "frf_error": 0.4, "floor": 0.03}],
+    "gap_after": [{"posture": "test 1", "held_out": True, "frf_error": 0.1, "floor": 0.03}],
+    "joint_stiffness_ranges": [{"joint": "joint_1", "k_n_m_per_rad": 2e4, "low": 1e4, "high": 3e4}],
+    "where": [
+        {"posture": "test 1", "point": "7", "axis": "x", "band_hz": [3, 60], "ratio": 9.0},
+        {"posture": "test 1", "point": "7", "axis": "y", "band_hz": [3, 60], "ratio": 2.0},
+    ],
+    "arm_file": "new.toml",
+    "next_test": {"joints_deg": [0, 10, 80, 0, 20, 0], "points": ["1", "7"], "why": "tells"},
+}
+
+
+def plain(renderable, width=100):
+    console = Console(width=width, color_system=None, force_terminal=False)
+    with console.capture() as capture:
+        console.print(renderable)
+    return capture.get()
+
+
+def python(code):
+    return (sys.executable, "-c", code)
+
+
+def run(code, progress=None):
+    heard = [] if progress is None else progress
+    return asyncio.run(CommandRun(("gap", "x"), heard.append, python(code)).result())
+
+
+def test_the_verdict_the_sizes_and_what_to_do_are_on_the_gap_screen():
+    shown = plain(gap_view(GAP))
+    for words in ("NAMED", "The base rocks.", "97 % sure", "Tighten the bolts.", "bearing"):
+        assert words in shown
+    assert "40.0" in shown
+    assert "10.0" in shown
+    assert "█ 9" in shown  # the worst axis of the point counts
+    assert "10000 to 30000" in shown
+
+
+def test_the_map_of_eighteen_points_fits_eighty_columns():
+    where = [
+        {"posture": "validation 1", "point": str(p), "band_hz": [20, 55], "ratio": 10.0 * p}
+        for p in range(1, 19)
+    ]
+    row = next(
+        line
+        for line in plain(gap_view({**GAP, "where": where}), 78).split("\n")
+        if "validation 1" in line
+    )
+    assert row.count("█") == 18
+    assert row.rstrip().endswith("█99")
+
+
+def test_a_gap_result_of_the_verdict_alone_can_be_shown():
+    assert "NOTHING DETECTABLE" in plain(gap_view({"verdict": "nothing_detectable"}))
+
+
+@pytest.mark.parametrize("key", list(GAP))
+@pytest.mark.parametrize("value", [None, 3, "text", [1], {"a": 1}, []])
+def test_no_odd_value_in_a_gap_result_breaks_the_screen(key, value):
+    assert plain(gap_view({**GAP, key: value}))
+
+
+def test_the_next_test_becomes_a_plan_the_arm_can_take(session):
+    plan = plan_from_text(next_test_plan(session, GAP), session.header.arm, origin="test")
+    assert [p.points for p in plan.postures] == [("1", "7")]
+    assert plan.sampling == session.header.plan.sampling
+    assert plan.windows == session.header.plan.windows
+
+
+@pytest.mark.parametrize("test", [None, "words", {}, {"joints_deg": [0, 500, 0, 0, 0, 0]}])
+def test_a_next_test_without_a_possible_posture_is_refused(session, test):
+    with pytest.raises(PlanError):
+        next_test_plan(session, {"next_test": test})
+
+
+def test_one_key_writes_the_plan_and_never_over_another(drive):
+    async def steps(app, pilot):
+        await pilot.press("8", "n")
+        pane = app.query_one("#gap-main")
+        first = pane.plan_path().read_text()
+        assert 'mode = "roving-response"' in first
+        pane.plan_path().write_text("mine")
+        await pilot.press("n")
+        assert pane.plan_path().read_text() == "mine"
+
+    drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(json.dumps(GAP)))
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"a": 1}', "\x00"])
+def test_a_file_that_is_no_gap_result_is_refused(tmp_path, text):
+    path = tmp_path / "g.json"
+    path.write_text(text)
+    with pytest.raises(SessionError):
+        read_gap(path)
+
+
+def test_a_command_tells_its_progress_and_its_result():
+    heard = []
+    code = "import sys; print('· step', file=sys.stderr); print('{\"a\": 1}')"
+    assert run(code, heard) == {"a": 1}
+    assert heard == ["step"]
+
+
+@pytest.mark.parametrize("code", ["raise SystemExit(2)", "print('[]')", "print('no json')", "pass"])
+def test_a_command_that_fails_or_says_something_else_is_an_error(code):
+    with pytest.raises(EstimateError):
+        run(code)
+
+
+def test_a_command_can_be_stopped():
+    async def main():
+        started = asyncio.Event()
+        code = "import sys, time; print('on', file=sys.stderr, flush=True); time.sleep(60)"
+        command = CommandRun(("identify", "x"), lambda _: started.set(), python(code))
+        task = asyncio.ensure_future(command.result())
+        await started.wait()
+        command.stop()
+        with pytest.raises(EstimateError, match="stopped"):
+            await task
+
+    asyncio.run(main())
+
+
+def test_stiffness_stands_with_its_range_and_its_method():
+    found = {
+        "joints": [
+            {
+                "joint": "joint_1",
+                "k_n_m_per_rad": 20_000.0,
+                "k_half_width_95": 15.0,
+                "k_std_model": 600.0,
+                "k_one_joint_n_m_per_rad": None,
+                "c_n_m_s_per_rad": 15.0,
+                "c_std": 0.1,
+            }
+        ],
+        "structural": [],
+        "validation": [],
+        "notes": ["a note"],
+    }
+    shown = plain(identification_view(found))
+    for words in ("20000", "19985 to 20015", "all FRFs", "one mode", "none", "note: a note"):
+        assert words in shown
+
+
+def test_identify_runs_beside_the_app_and_its_result_stays(drive, screen_text):
+    code = (
+        "import json, sys; print('· modes', file=sys.stderr); "
+        "print(json.dumps({'joints': [], 'structural': [], 'validation': [], 'notes': ['done']}))"
+    )
+
+    async def steps(app, pilot):
+        pane = app.query_one("#identify-main")
+        pane._command = python(code)
+        await pilot.press("7", "enter")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        assert app.state.identification == {
+            "joints": [],
+            "structural": [],
+            "validation": [],
+            "notes": ["done"],
+        }
+        assert "note: done" in screen_text(app)
+
+    drive(steps)

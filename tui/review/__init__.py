@@ -1,0 +1,1 @@
+"""`armodal review`: a session's modes, looked at in the terminal."""

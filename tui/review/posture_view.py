@@ -1,0 +1,156 @@
+"""What review shows of one posture: FRFs, modes, and what moves in each of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.identify import estimate_frfs
+from analyzer.identification.mode_fit import MeasuredModes
+from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from analyzer.modal import ModalModel, fit_modes, fit_modes_at
+from protocols.errors import EstimateError, SessionError
+from protocols.frf_records import FrequencyResponse
+from protocols.session.hdf5 import read_session
+from protocols.session.records import Session
+
+__all__ = [
+    "OpenSession",
+    "PostureView",
+    "fit_automatic",
+    "fit_picked",
+    "open_session",
+    "opened_session",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureView:
+    """One posture; without `model` until it is fitted, or when it cannot be: see `problem`."""
+
+    frf: FrequencyResponse
+    automatic: ModalModel | None = None
+    model: ModalModel | None = None  # the automatic one, or the one from picked poles
+    by_hand: bool = False
+    picks: tuple[complex, ...] = ()  # poles rad/s the next refit starts from
+    changed: bool = False  # picks differ from the model shown
+    measured: MeasuredModes | None = None
+    joint_share: tuple[float | None, ...] = ()
+    problem: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the posture."""
+        return self.frf.posture
+
+    def structural(self, mode: int) -> bool:
+        """Whether the joints leave a mode's motion unexplained."""
+        share = self.joint_share[mode] if mode < len(self.joint_share) else None
+        return share is not None and share < STRUCTURAL_SHARE
+
+    def shape(self, mode: int) -> npt.NDArray[np.complex128] | None:
+        """Shape (n_dofs,) of a mode along the measured directions."""
+        return None if self.measured is None else self.measured.shapes[:, mode]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenSession:
+    """A session read and ready to be looked at."""
+
+    path: Path
+    session: Session
+    superset: Superset
+    views: tuple[PostureView, ...]
+
+    @property
+    def lost(self) -> str:
+        """What the session lost, by kind: "lost 0", or "lost can 12, stream 3"."""
+        kinds = Counter[str]()
+        for loss in self.session.losses:
+            kinds[loss.kind] += loss.count
+        return "lost " + (", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0")
+
+
+def open_session(path: Path) -> OpenSession:
+    """Read a session and estimate its FRFs; modes are fitted afterwards.
+
+    Raises
+    ------
+    SessionError
+        If the file cannot be read or holds nothing to show.
+    """
+    try:
+        session = read_session(path)
+    except OSError as error:
+        raise SessionError(
+            f"{path}: {error.strerror or error}; give the .h5 file of a session"
+        ) from error
+    return opened_session(path, session)
+
+
+def opened_session(path: Path, session: Session) -> OpenSession:
+    """Make a session in memory ready to be looked at; `path` is where its files lie.
+
+    Raises
+    ------
+    SessionError
+        If it holds nothing to show.
+    """
+    superset = Superset(session.header.arm)
+    frfs = estimate_frfs(session, superset)
+    if not frfs:
+        raise SessionError(
+            f"{path}: wanted accepted hits or FRFs, the session has none yet; go on measuring with "
+            "`armodal run`"
+        )
+    return OpenSession(
+        path=path,
+        session=session,
+        superset=superset,
+        views=tuple(PostureView(frf=frf) for frf in frfs),
+    )
+
+
+def fit_automatic(superset: Superset, view: PostureView) -> PostureView:
+    """Fit a posture's modes; a posture that cannot be fitted says why."""
+    try:
+        model = fit_modes(view.frf)
+    except EstimateError as error:
+        return replace(view, problem=str(error))
+    fitted = _with_model(superset, view, model)
+    return replace(fitted, automatic=model, by_hand=False)
+
+
+def fit_picked(superset: Superset, view: PostureView) -> PostureView:
+    """Refit a posture from its picks.
+
+    Raises
+    ------
+    EstimateError
+        If the picks cannot be fitted; the view stays as it was.
+    """
+    if view.automatic is None:
+        raise EstimateError(
+            f"posture '{view.name}' is not fitted yet: wanted its poles over model orders first; "
+            "wait for the fit"
+        )
+    model = fit_modes_at(view.frf, np.array(view.picks), view.automatic.stabilisation)
+    return replace(_with_model(superset, view, model), by_hand=True)
+
+
+def _with_model(superset: Superset, view: PostureView, model: ModalModel) -> PostureView:
+    picks = tuple(mode.pole_rad_s for mode in model.modes)
+    view = replace(view, model=model, picks=picks, changed=False, problem="")
+    unknown = (None,) * len(model.modes)
+    if view.frf.joints_rad is None:
+        return replace(view, measured=None, joint_share=unknown)
+    measured = MeasuredModes.of(superset, superset.posture(view.frf.joints_rad), model)
+    if not superset.n_joints:
+        return replace(view, measured=measured, joint_share=unknown)
+    share = tuple(joint_share(superset, measured, shape) for shape in measured.shapes.T)
+    return replace(view, measured=measured, joint_share=share)
