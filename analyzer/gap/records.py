@@ -86,7 +86,7 @@ class Hidden:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StiffnessRange:
-    """A joint's stiffness over all rivals still standing: the union of their 95 % intervals."""
+    """A joint's stiffness: k ± k_std of the best; low to high over all that still may be so."""
 
     joint: str
     k_n_m_per_rad: float  # of the best

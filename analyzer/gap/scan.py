@@ -45,6 +45,8 @@ class Candidate:
     size: float = float("nan")  # what a linear look makes of its size parameter
     size_std: float = float("nan")
     begin: Mapping[str, float] = field(default_factory=dict)  # values a fit begins with
+    # What each ordinary parameter does, in its own unit, per unit of the size.
+    follow: Mapping[str, float] = field(default_factory=dict)
 
 
 def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
@@ -68,7 +70,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
         own = np.array([space.index[n] for n in names])
         sizes = (instance.size, *instance.sizes)
         one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
-        gain, step, stds, follow = _gain(gradient, curvature, free, own, one_sided)
+        gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided)
         at = names.index(instance.size)
         unit = space.std[own]
         reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
@@ -82,6 +84,13 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
                 size=float(step[at] * unit[at]),
                 size_std=float(stds[at] * unit[at]),
                 begin={**fit.space.values(moved), **reached},
+                follow=dict(
+                    zip(
+                        np.array(list(fit.space.index))[fit.free].tolist(),
+                        (along[:, at] * fit.space.std[fit.free] / unit[at]).tolist(),
+                        strict=True,
+                    )
+                ),
             )
         )
     return sorted(found, key=lambda c: -c.gain)
@@ -123,11 +132,11 @@ def _gain(
     free: npt.NDArray[np.int64],
     own: npt.NDArray[np.int64],
     one_sided: npt.NDArray[np.bool_],
-) -> tuple[float, Array, Array, Array]:
+) -> tuple[float, Array, Array, Array, Array]:
     """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
 
-    Returns the gain, the step (n_own,), its standard deviation, each alone, and how the free ones
-    follow (n_free,).
+    Returns the gain, the step (n_own,), its standard deviation, each alone, how the free ones
+    follow (n_free,), and how they do per unit of each (n_free, n_own).
     """
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     B = curvature[np.ix_(free, own)]
@@ -144,9 +153,9 @@ def _gain(
         wrong = one_sided[active] & (step < 0.0)
         if not wrong.any():
             whole[active] = step
-            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole
+            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole, -along
         active[np.flatnonzero(active)[wrong]] = False
-    return 0.0, whole, std, np.zeros(len(free))
+    return 0.0, whole, std, np.zeros(len(free)), -along
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:

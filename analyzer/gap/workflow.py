@@ -34,7 +34,7 @@ from analyzer.gap.records import (
     Verdict,
 )
 from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.scan import scan_axes, scan_instances
+from analyzer.gap.scan import Candidate, scan_axes, scan_instances
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from analyzer.modal.fit import fit_modes
@@ -287,6 +287,7 @@ def _outcome(
         titles = " or ".join(_title(f) for f in standing)
         notes.append(f"something more is there that cannot be told: {titles}")
     alive = (final, *standing)
+    hiding = _could_hide(sharp, final)
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
     )
@@ -298,8 +299,8 @@ def _outcome(
         summary=_summary(verdict, effects, standing, misfit, where),
         effects=effects,
         rivals=tuple(_rival(f, found, standing, phi) for f in found.rivals),
-        hidden=_hidden(sharp, final, phi),
-        joint_stiffness_ranges=_ranges(alive, phi),
+        hidden=_hidden(hiding, phi),
+        joint_stiffness_ranges=_ranges(alive, hiding, phi),
         gap_before=_gaps(sharp, before, first, measured),
         gap_after=_gaps(sharp, final, last, measured),
         where=where,
@@ -375,28 +376,40 @@ def _rival(fit: Fit, found: Rivals, standing: tuple[Fit, ...], phi: float) -> Ri
     )
 
 
-def _hidden(stage: Stage, final: Fit, phi: float) -> tuple[Hidden, ...]:
-    """What each effect could still be, about the final model, linearly."""
+def _could_hide(stage: Stage, final: Fit) -> list[Candidate]:
+    """Every effect that is not in the final model, linearly about it."""
     taken = {i.key for i in final.hypothesis.instances}
     instances = [i for i in all_instances(final.hypothesis.ordinary) if i.key not in taken]
-    rows = []
-    for candidate in scan_instances(stage, final, [i for i in instances if i.size]):
-        instance = candidate.instance
-        if not np.isfinite(candidate.size_std):
-            continue
-        rows.append(
-            Hidden(
-                name=instance.effect.name,
-                place=instance.place,
-                parameter=instance.size,
-                largest=abs(candidate.size) + _ONE_SIDED_95 * candidate.size_std * np.sqrt(phi),
-            )
+    found = scan_instances(stage, final, [i for i in instances if i.size])
+    return [c for c in found if np.isfinite(c.size_std)]
+
+
+def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
+    """How large each could be."""
+    rows = [
+        Hidden(
+            name=c.instance.effect.name,
+            place=c.instance.place,
+            parameter=c.instance.size,
+            largest=_largest(c, phi),
         )
+        for c in hiding
+    ]
     return tuple(sorted(rows, key=lambda r: (r.name, r.place)))
 
 
-def _ranges(alive: Sequence[Fit], phi: float) -> tuple[StiffnessRange, ...]:
-    """Union of the 95 % intervals of all models that still stand."""
+def _largest(candidate: Candidate, phi: float) -> float:
+    return float(abs(candidate.size) + _ONE_SIDED_95 * candidate.size_std * np.sqrt(phi))
+
+
+def _ranges(
+    alive: Sequence[Fit], hiding: Sequence[Candidate], phi: float
+) -> tuple[StiffnessRange, ...]:
+    """Union of the 95 % intervals of all models that still stand, and of what could hide.
+
+    An effect that nobody would see can still stand for a part of a joint's stiffness: a servo
+    behind the transmission does.
+    """
     best = alive[0]
     rows = []
     for i in best.hypothesis.ordinary.elastic:
@@ -404,13 +417,27 @@ def _ranges(alive: Sequence[Fit], phi: float) -> tuple[StiffnessRange, ...]:
         name = f"ln k {joint}"
         found = [_intervals(f, [name], phi)[name] for f in alive]
         k = float(np.exp(found[0].value))
+        half = found[0].high - found[0].value
+        low, high = min(f.low for f in found), max(f.high for f in found)
+        for c in hiding:
+            shift = c.follow.get(name, 0.0) * _largest(c, phi)
+            reach = [found[0].value + shift]
+            if c.instance.parameters and c.instance.parameters[0].low < 0.0:
+                reach.append(found[0].value - shift)
+            # Both are rarely at their limits at once: variances add.
+            for end in reach:
+                spread = float(np.hypot(end - found[0].value, half))
+                if end < found[0].value:
+                    low = min(low, found[0].value - spread)
+                else:
+                    high = max(high, found[0].value + spread)
         rows.append(
             StiffnessRange(
                 joint=joint,
                 k_n_m_per_rad=k,
                 k_std=k * found[0].std,
-                low=float(np.exp(min(f.low for f in found))),
-                high=float(np.exp(max(f.high for f in found))),
+                low=float(np.exp(low)),
+                high=float(np.exp(high)),
             )
         )
     return tuple(rows)

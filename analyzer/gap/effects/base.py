@@ -24,8 +24,8 @@ WORDS = EffectWords(
     remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
 )
 _WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
-_MATERIAL = 0.035  # of rocking, of the arm's compliance
-_SHIFT_MATERIAL = 6e-4  # m/N of shifting, likewise
+_MATERIAL = 0.01  # of rocking, of the arm's compliance
+_SHIFT_MATERIAL = 2e-5  # m/N of shifting, likewise
 _METRE = 0.3  # of lever between a shift's compliance and a rocking's
 
 
