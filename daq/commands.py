@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Command", "Note", "Ready", "Retake", "Skip", "Stop", "Withdraw"]
+__all__ = ["Command", "Note", "Ready", "Retake", "Skip", "Stop", "TriggerLevel", "Withdraw"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,4 +47,11 @@ class Withdraw:
     """Take back the last accepted hit; it stays in the journal, and counts no more."""
 
 
-Command = Ready | Skip | Retake | Stop | Note | Withdraw
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TriggerLevel:
+    """Before a session: set the board's trigger level for the next trial hits."""
+
+    level_n: float
+
+
+Command = Ready | Skip | Retake | Stop | Note | Withdraw | TriggerLevel

@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from daq.session_machine import Progress, Prompt
 from protocols.board.records import BoardDictionary, BoardStatus
-from protocols.session.records import Hit, JointReading, Loss
+from protocols.session.records import Hit, JointReading, Loss, Verdict
 
 __all__ = [
     "BoardFound",
+    "DeviceTrouble",
     "Event",
     "Failed",
     "Finished",
@@ -25,6 +26,7 @@ __all__ = [
     "Preview",
     "Prompted",
     "SessionOpened",
+    "TrialHit",
     "is_preview",
 ]
 
@@ -36,6 +38,25 @@ class BoardFound:
     port: str
     dictionary: BoardDictionary
     channel_mask: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeviceTrouble:
+    """Before a session: a device cannot be used, and is tried again; None when it can."""
+
+    device: str  # "board" or "can"
+    message: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialHit:
+    """Before a session: a hit for trial, judged and kept nowhere."""
+
+    counts: npt.NDArray[np.int32]  # (n_samples, n_channels)
+    first_sample: int
+    trigger_sample: int
+    verdict: Verdict
+    force_noise_n: float  # standard deviation before the trigger
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,6 +172,8 @@ class Failed:
 
 Event = (
     BoardFound
+    | DeviceTrouble
+    | TrialHit
     | SessionOpened
     | Prompted
     | HitJudged
