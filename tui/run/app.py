@@ -10,9 +10,9 @@ from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
 
-from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Prompted
-from tui.run.conductor import Conductor, RunOptions
-from tui.run.happenings import Happening, SensorsConfirmed, Tick
+from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Noted, Prompted
+from tui.run.conductor import CONFIRMED, Conductor, RunOptions
+from tui.run.happenings import HandIdle, Happening, SensorsConfirmed, Tick
 from tui.run.help import HelpScreen
 from tui.run.keys import ACTIONS, works
 from tui.run.screens.hit import HitScreen
@@ -44,17 +44,18 @@ class RunApp(App[int]):
     CSS_PATH = "run.tcss"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "go_on", "Go on", priority=True),
-        Binding("h", "hand", "Hand does it"),
-        Binding("s", "simulate", "Simulated lab"),
-        Binding("a", "take_trigger", "Take trigger"),
+        Binding("h", "hand", "Hand"),
+        Binding("s", "simulate", "Simulate"),
+        Binding("a", "take_trigger", "Trigger"),
         Binding("t", "retake", "Retake"),
         Binding("k", "skip", "Skip"),
-        Binding("u", "undo", "Undo hit"),
-        Binding("g", "progress", "Progress"),
+        Binding("u", "undo", "Undo"),
+        Binding("g", "progress", "Grid"),
         Binding("r", "again", "Try again"),
         Binding("b", "ring", "Bell"),
         Binding("question_mark,f1", "help", "Help"),
-        Binding("q,ctrl+q", "leave", "Leave"),
+        Binding("q", "leave", "Leave"),
+        Binding("ctrl+q", "leave", "Leave", show=False),
     ]
 
     def __init__(self, options: RunOptions, clock: Callable[[], float] = time.monotonic) -> None:
@@ -81,6 +82,8 @@ class RunApp(App[int]):
             Step.HIT: HitScreen(),
             Step.PROGRESS: ProgressScreen(),
         }
+        for step, screen in self._steps.items():
+            self.install_screen(screen, step.value)  # kept when another one is shown
         await self.push_screen(self._steps[Step.LAB])
         self.set_interval(REDRAW_WALL_S, self._tick)
         self.run_worker(self.conductor.start())
@@ -93,6 +96,10 @@ class RunApp(App[int]):
         self._stale = True
         if isinstance(event, HitJudged) and self._bell:
             self.bell()
+        if isinstance(event, HandIdle) and event.trouble:
+            self.notify(event.trouble, severity="error")
+        if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
+            self.notify(event.text, severity="warning")
         if isinstance(event, HitJudged | Failed):
             self._overview = False
         if isinstance(event, Finished) and self.state.phase is Phase.ENDED:

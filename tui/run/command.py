@@ -49,4 +49,6 @@ def run_app(
         time_scale=time_scale,
         software=software,
     )
-    return RunApp(options).run() or 0
+    app = RunApp(options)
+    app.run()
+    return app.return_code or 0

@@ -34,8 +34,9 @@ from tui.run.reducer import reduce
 from tui.run.state import Phase, RunState, begin_state
 from tui.run.trials import suggested_level_n
 
-__all__ = ["Conductor", "RunOptions"]
+__all__ = ["CONFIRMED", "Conductor", "RunOptions"]
 
+CONFIRMED = "the operator has confirmed:"
 LEAVING = "the operator has left; the session can be gone on with"
 
 
@@ -139,8 +140,7 @@ class Conductor:
             if not state.safe:
                 self.tell(SafeConfirmed())
                 if self.state.safe:
-                    words = "the operator has confirmed that the arm is held, safe to approach"
-                    self._engine.send(Note(text=words))
+                    self._engine.send(Note(text=f"{CONFIRMED} the arm is held, safe to approach"))
             elif prompt.kind is PromptKind.POINT:
                 self._engine.send(Ready())
 

@@ -8,9 +8,9 @@ from daq.events import Event
 from protocols.plan_records import Plan
 
 __all__ = [
-    "Happening",
     "HandAtWork",
     "HandIdle",
+    "Happening",
     "LabWanted",
     "PortsFound",
     "ProcessGone",

@@ -25,25 +25,18 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
     """Return whether an action does something now; actions not of the session always do."""
     in_session = state.phase is Phase.SESSION
     in_lab = state.phase is Phase.LAB
-    match action:
-        case "go_on":
-            return overview or _enter_works(state)
-        case "hand":
-            return state.simulated and (in_session or in_lab) and not overview
-        case "simulate":
-            return in_lab and not state.board_port
-        case "take_trigger":
-            return in_lab and not state.resuming and suggested_level_n(state) is not None
-        case "retake" | "skip":
-            return in_session and not overview
-        case "undo":
-            return in_session and any(p.accepted for p in state.progress)
-        case "progress":
-            return in_session
-        case "again":
-            return state.phase is Phase.FAILED or _paused(state)
-        case _:
-            return True
+    answers = {
+        "go_on": overview or _enter_works(state),
+        "hand": state.simulated and (in_session or in_lab) and not overview,
+        "simulate": in_lab and not state.board_port,
+        "take_trigger": in_lab and not state.resuming and suggested_level_n(state) is not None,
+        "retake": in_session and not overview,
+        "skip": in_session and not overview,
+        "undo": in_session and any(p.accepted for p in state.progress),
+        "progress": in_session,
+        "again": state.phase is Phase.FAILED or _paused(state),
+    }
+    return answers.get(action, True)
 
 
 def _enter_works(state: RunState) -> bool:

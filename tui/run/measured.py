@@ -92,9 +92,9 @@ def last_pulse(state: RunState, hit: Hit) -> LastPulse | None:
     floor = max(float(spectrum.max()), np.finfo(np.float64).tiny)
     freq = np.fft.rfftfreq(n, 1.0 / rate_hz)
     return LastPulse(
-        time_ms=1e3 * (np.arange(first, last) - trigger) / rate_hz,
+        time_ms=np.asarray(1e3 * (np.arange(first, last) - trigger) / rate_hz, dtype=np.float64),
         force_n=force_n[first:last],
-        freq_hz=freq[1:],
+        freq_hz=np.asarray(freq[1:], dtype=np.float64),
         spectrum_db=20.0 * np.log10(np.maximum(spectrum[1:] / floor, 1e-6)),
     )
 

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 from statistics import median
 
 from protocols.session.progress import roving_point
 from protocols.session.records import Hit
 from tui.run.state import RunState
 
-__all__ = ["PointQuality", "hits_left", "missing", "point_qualities", "seconds_left"]
+__all__ = [
+    "PointQuality",
+    "hits_left",
+    "missing",
+    "point_qualities",
+    "roving_place",
+    "seconds_left",
+]
 
 LONGEST_PAUSE_S = 600.0  # lab seconds between hits beyond which somebody was away
 FEWEST_INTERVALS = 3
@@ -42,6 +50,11 @@ class PointQuality:
 def all_hits(state: RunState) -> tuple[Hit, ...]:
     """Return the hits of the whole session, those of an earlier run first."""
     return (*state.earlier_hits, *(judged.hit for judged in state.hits))
+
+
+def roving_place(state: RunState, hit: Hit) -> tuple[str, str]:
+    """Return the posture and the roving point of a hit."""
+    return hit.posture, roving_point(state.plan, hit)
 
 
 def counts_accepted(state: RunState, hit: Hit) -> bool:
@@ -93,7 +106,7 @@ def seconds_left(state: RunState) -> float | None:
     accepted = [hit for hit in all_hits(state) if counts_accepted(state, hit)]
     within: list[float] = []
     between: list[float] = []
-    for before, after in zip(accepted, accepted[1:], strict=False):
+    for before, after in pairwise(accepted):
         gap_s = after.trigger_host_s - before.trigger_host_s
         if not 0.0 < gap_s < LONGEST_PAUSE_S:
             continue

@@ -75,6 +75,7 @@ class RunState:
     progress: tuple[Progress, ...] = ()
     reading: JointReading | None = None
     reading_at_s: float | None = None  # wall seconds
+    held_at_s: float | None = None  # wall seconds at which the arm was last known to be held
     safe: bool = False
     hits: tuple[HitJudged, ...] = ()  # of this run of the app, in order
     withdrawn: frozenset[int] = frozenset()  # numbers of hits
@@ -131,6 +132,8 @@ class RunState:
     def step(self) -> Step:
         """The screen the operator needs now."""
         if self.phase in {Phase.LAB, Phase.OPENING}:
+            return Step.LAB
+        if self.prompt is None and self.phase is Phase.SESSION:
             return Step.LAB
         if self.phase is Phase.ENDED or self.prompt is None or self.prompt.posture is None:
             return Step.PROGRESS

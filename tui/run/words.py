@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from daq.session_machine import PromptKind
 from protocols.plan_records import Mode
 from tui.run.state import RunState
 
@@ -70,24 +71,23 @@ def safety_line(state: RunState) -> tuple[bool, str]:
         return False, "POSTURE UNKNOWN - stay away from the arm"
     if state.held is not True:
         return False, "ARM IS NOT HELD - stay away from the arm"
-    return True, "arm is held by its drives"
+    return True, "arm is held"
 
 
 def what_to_do(state: RunState) -> str:
     """Return the one sentence that tells the operator what is wanted now."""
     prompt = state.prompt
-    if prompt is None:
-        return "Wait."
-    if prompt.posture is None:
-        return "Every planned point has its hits."
-    hand = " (h: the simulated hand does it)" if state.simulated else ""
-    if prompt.kind.value == "posture":
-        return f"Bring the arm to posture {prompt.posture.name}{hand}"
-    if not state.safe:
+    if prompt is None or prompt.posture is None:
+        return "Wait." if prompt is None else "Every planned point has its hits."
+    if prompt.kind is not PromptKind.POSTURE and not state.safe:
         return "Is the arm held and safe to approach? Enter: yes"
     roving_hammer = state.plan.mode is Mode.ROVING_HAMMER
-    if prompt.kind.value == "point":
-        if roving_hammer:
-            return f"Sensor stays at {prompt.sensor_point}. Go to point {prompt.hit_point}" + hand
-        return f"Mount the sensor at point {prompt.sensor_point}{hand}"
-    return f"Hit point {prompt.hit_point}{hand}"
+    words = {
+        PromptKind.POSTURE: f"Bring the arm to posture {prompt.posture.name}",
+        PromptKind.POINT: f"Sensor stays at {prompt.sensor_point}. Go to point {prompt.hit_point}"
+        if roving_hammer
+        else f"Mount the sensor at point {prompt.sensor_point}",
+        PromptKind.HIT: f"Hit point {prompt.hit_point}",
+    }
+    hand = " (h: the simulated hand does it)" if state.simulated else ""
+    return words[prompt.kind] + hand

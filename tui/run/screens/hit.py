@@ -6,7 +6,7 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 
-from tui.run.pictures import HitPictures
+from tui.run.pictures import HitPictures, live_picture
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
 from tui.run.views.hit import left_text, verdict_text
@@ -26,7 +26,9 @@ class HitScreen(StepScreen):
         with Horizontal(id="verdict-row"):
             yield Pane(id="verdict")
             yield Pane(id="left")
-        yield Pane(id="live")
+        with Horizontal(id="live"):
+            yield Pane(id="force")
+            yield Pane(id="acceleration")
         with Horizontal(id="measured"):
             yield Pane(id="pulse")
             yield Pane(id="frf")
@@ -39,12 +41,10 @@ class HitScreen(StepScreen):
         width = self.pane("verdict").room[0]
         self.pane("verdict").show(verdict_text(state, width, 8 if high else 6))
         self.pane("left").show(left_text(state, self.pane("left").room[0], 5))
-        for name, draw in (
-            ("live", self._pictures.live),
-            ("pulse", self._pictures.pulse),
-            ("frf", self._pictures.frf),
-        ):
-            self.pane(name).show(draw(state, *self.pane(name).room))
+        self.pane("pulse").show(self._pictures.pulse(state, *self.pane("pulse").room))
+        self.pane("frf").show(self._pictures.frf(state, *self.pane("frf").room, state.here))
+        for name in ("force", "acceleration"):
+            self.pane(name).show(live_picture(state, *self.pane(name).room, name))
 
     def brief(self, state: RunState) -> Text:
         """Return the verdict alone."""

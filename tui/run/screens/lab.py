@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 
@@ -29,9 +30,7 @@ class LabScreen(StepScreen):
         width = self.size.width - 4
         sentence, style = next_step(state)
         word = "LAB" if self.size.height >= 30 else ""
-        text = (
-            big(word, "bold", width=width, height=3).append("\n") if word else big("", "", width=1)
-        )
+        text = big(word, "bold", width=width, height=3).append("\n") if word else Text()
         self.pane("next").show(text.append(sentence, style=style))
         self.pane("devices").show(devices_text(state))
         self.pane("levels").show(levels_text(state, width))

@@ -2,33 +2,64 @@
 
 from __future__ import annotations
 
+import math
+from typing import ClassVar
+
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.containers import Horizontal
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
 
-from tui.run.pictures import point_picture
+from tui.run.overview import roving_place
+from tui.run.pictures import HitPictures, point_picture
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
-from tui.run.views.point import point_text
+from tui.run.views.point import last_verdict_text, point_text
 from tui.run.words import what_to_do
 
 __all__ = ["PointScreen"]
+
+TURN_RAD = math.radians(15.0)
 
 
 class PointScreen(StepScreen):
     """Sensor and hammer go to their points."""
 
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "turn(-1)", "Turn"),
+        Binding("right", "turn(1)", "Turn picture", show=False),
+    ]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._turned_rad = 0.0
+        self._pictures = HitPictures()
+
     def body(self) -> ComposeResult:
         """The picture, and what to do."""
         with Horizontal(id="point"):
             yield Pane(id="arm")
-            yield Pane(id="instructions")
+            with Vertical(id="beside"):
+                yield Pane(id="instructions")
+                yield Pane(id="last-verdict")
+                yield Pane(id="last-frf")
 
     def draw(self, state: RunState) -> None:
         """Fill the panes."""
         width, height = self.pane("arm").room
-        self.pane("arm").show(point_picture(state, width, height))
-        self.pane("instructions").show(point_text(state, self.pane("instructions").room[0]))
+        self.pane("arm").show(point_picture(state, width, height, turned_rad=self._turned_rad))
+        beside = self.widget("beside").content_size.width
+        self.pane("instructions").show(point_text(state, beside))
+        judged = state.last_hit
+        self.pane("last-verdict").show(last_verdict_text(state, beside))
+        place = None if judged is None else roving_place(state, judged.hit)
+        frf = self.pane("last-frf")
+        frf.show(self._pictures.frf(state, *frf.room, place))
+
+    def action_turn(self, way: int) -> None:
+        """Walk around the arm in the picture."""
+        self._turned_rad += way * TURN_RAD
+        self.again()
 
     def brief(self, state: RunState) -> Text:
         """Return what to do, in one line."""

@@ -11,6 +11,8 @@ from tui.run.views.posture import joints_text, posture_word, word_text
 
 __all__ = ["PostureScreen"]
 
+HIGH, MIDDLING = 38, 28  # rows of the window, from which the word is written larger
+
 
 class PostureScreen(StepScreen):
     """The arm is brought to its posture, from outside its reach."""
@@ -22,10 +24,11 @@ class PostureScreen(StepScreen):
 
     def draw(self, state: RunState) -> None:
         """Fill the panes."""
-        rows = 7 if self.size.height >= 38 else 5
+        rows = 7 if self.size.height >= HIGH else 5 if self.size.height >= MIDDLING else 2
         self.widget("word").styles.height = rows
         width = self.size.width - 2
-        self.pane("word").show(word_text(state, width, 5 if rows == 7 else 3))
+        letters = {7: 5, 5: 3, 2: 1}[rows]
+        self.pane("word").show(word_text(state, width, letters))
         self.pane("joints").show(joints_text(state, width, self.size.height - rows - 3))
 
     def brief(self, state: RunState) -> Text:

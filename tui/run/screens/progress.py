@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from rich.text import Text
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 
 from tui.run.screens.step import Pane, StepScreen
@@ -16,11 +19,11 @@ __all__ = ["ProgressScreen"]
 class ProgressScreen(StepScreen):
     """Postures by points."""
 
-    BINDINGS = [
-        ("left", "move(-1)", "Choose"),
-        ("right", "move(1)", ""),
-        ("up", "row(-1)", ""),
-        ("down", "row(1)", ""),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "move(-1)", "Choose"),
+        Binding("right", "move(1)", "Choose point", show=False),
+        Binding("up", "row(-1)", "Choose point", show=False),
+        Binding("down", "row(1)", "Choose point", show=False),
     ]
 
     def __init__(self) -> None:

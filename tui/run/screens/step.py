@@ -47,6 +47,7 @@ class StepScreen(Screen[None]):
     def __init__(self) -> None:
         super().__init__()
         self._state: RunState | None = None
+        self._composed = False
 
     def compose(self) -> ComposeResult:
         """Title, body, safety and losses, keys."""
@@ -69,8 +70,8 @@ class StepScreen(Screen[None]):
     def show(self, state: RunState) -> None:
         """Show a state."""
         self._state = state
-        if not self.is_mounted or not self.size.width:
-            return
+        if not self._composed or not self.size.width:
+            return  # it is drawn when it is composed
         small = self.size.width < LEAST_COLUMNS or self.size.height < LEAST_ROWS
         self.set_class(small, "small")
         self.pane("title").show(title(state, self.size.width))
@@ -88,6 +89,11 @@ class StepScreen(Screen[None]):
         """Show the last state once more, after something of the screen's own has changed."""
         if self._state is not None:
             self.show(self._state)
+
+    def on_mount(self) -> None:
+        """Draw as soon as the widgets have their sizes."""
+        self._composed = True
+        self.call_after_refresh(self.again)
 
     def on_resize(self) -> None:
         """Draw for the new size, once it is known."""

@@ -14,16 +14,24 @@ from tui.run.words import reason_word
 
 __all__ = ["devices_text", "levels_text", "next_step", "trials_text"]
 
-LOW, HIGH = 1e-4, 0.9  # of full scale: nothing, and nearly too much
+HIGH = 0.9  # of full scale: nearly too much
+WIDE = 96  # columns, from which supply and calibration are told of every sensor
 _IEPE = {IepeState.OFF: "off", IepeState.OK: "ok", IepeState.OPEN: "OPEN", IepeState.SHORT: "SHORT"}
 
 
 def next_step(state: RunState) -> tuple[str, str]:
     """Return what the operator does next before the session, and its style."""
-    if state.phase is Phase.OPENING:
+    if state.phase is not Phase.LAB:
         return "The session is being opened ...", WARN
     if not state.board_port:
-        return "s: simulated laboratory   1-9: choose the board's port, then the controller's", WARN
+        words = "s: simulated laboratory   1-9: press the number of the board's port"
+        if state.board_choice:
+            words = f"The board is on {state.board_choice}. Now press the controller's number."
+        return words, WARN
+    return _next_with_ports(state)
+
+
+def _next_with_ports(state: RunState) -> tuple[str, str]:
     if state.board is None:
         return "Waiting for the board. Look at its cable and power.", BAD
     if state.reading is None or state.reading.joints_rad is None:
@@ -63,7 +71,7 @@ def devices_text(state: RunState) -> Text:
     elif reading is None or reading.joints_rad is None:
         text.append(f"✗ no joint angles on {state.can_channel or 'no port'}\n", style=BAD)
     else:
-        degrees = " ".join(f"{x:.0f}" for x in np.degrees(reading.joints_rad))
+        degrees = " ".join(f"{round(x) + 0.0:.0f}" for x in np.degrees(reading.joints_rad))
         text.append("✓ ", style=GOOD)
         text.append(f"joints {degrees}°, {'held' if reading.held else 'NOT HELD'}\n")
     _health(text, state)
@@ -76,9 +84,8 @@ def _health(text: Text, state: RunState) -> None:
     if health is None or health.clock_uncertainty_s is None or health.clock_rate_ppm is None:
         text.append("unknown yet\n", style=DIM)
         return
-    text.append(
-        f"± {1e3 * health.clock_uncertainty_s:.2f} ms, board runs {health.clock_rate_ppm:+.0f} ppm\n"
-    )
+    text.append(f"± {1e3 * health.clock_uncertainty_s:.2f} ms, ")
+    text.append(f"board runs {health.clock_rate_ppm:+.0f} ppm\n")
     text.append("traffic     ", style="bold")
     text.append(f"{health.stream_samples} samples, {health.can_frames} CAN frames")
     if health.can_faults:
@@ -96,14 +103,16 @@ def levels_text(state: RunState, width: int) -> Text:
     style = GOOD if state.sensors_confirmed else WARN
     text.append("sensors     ", style="bold")
     text.append(mark + "\n", style=style)
-    bar = max(width - 58, 6)
+    wide = width >= WIDE
+    bar = max(width - (78 if wide else 56), 6)
     lowest, highest = _extremes(state, len(channels))
     for i, channel in enumerate(channels):
         full = abs(channel.full_scale)
         text.append(f" {channel.name:<8}")
         text.append(f"no {channel.serial_number:<9} ", style="")
         text.append(f"± {full:<6.4g} {channel.unit:<6}")
-        text.append_text(_calibrated(channel))
+        if wide or channel.iepe in {IepeState.OPEN, IepeState.SHORT}:
+            text.append_text(_calibrated(channel))
         if lowest is None or highest is None:
             text.append("  no samples\n", style=WARN)
             continue

@@ -12,7 +12,7 @@ from tui.run.state import RunState
 from tui.run.views.hit import verdict_text
 from tui.run.views.parts import DIM, GOOD, big
 
-__all__ = ["axis_words", "point_text"]
+__all__ = ["axis_words", "last_verdict_text", "point_text"]
 
 NEARLY = 0.94  # of an axis: within 20 degrees it is named alone
 SOME = 0.26  # 15 degrees
@@ -31,7 +31,8 @@ def axis_words(direction: npt.NDArray[np.float64]) -> str:
     words = [_WAYS[i][0] if direction[i] > 0 else _WAYS[i][1] for i in order]
     if abs(direction[order[0]]) >= NEARLY:
         return words[0]
-    return " and ".join(w for w, i in zip(words, order, strict=True) if abs(direction[i]) > SOME)
+    named = [word for word, i in zip(words, order, strict=True) if abs(direction[i]) > SOME]
+    return " and ".join(named[:2])
 
 
 def point_text(state: RunState, width: int) -> Text:
@@ -62,8 +63,11 @@ def point_text(state: RunState, width: int) -> Text:
     elif state.simulated:
         text.append("h: the simulated hand mounts it\n", style=DIM)
     text.append("Enter: mounted, ready to hit", style=GOOD)
-    last = state.last_hit
-    if last is not None:
-        text.append("\n\nlast hit: ", style=DIM)
-        text.append_text(verdict_text(state, 20, 1))
     return text
+
+
+def last_verdict_text(state: RunState, width: int) -> Text:
+    """Return the verdict on the hit before, which has finished its point; empty before any."""
+    if state.last_hit is None and state.last_taken_back is None:
+        return Text("")
+    return Text("last hit\n", style=DIM).append_text(verdict_text(state, width, 4))

@@ -24,8 +24,7 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
         return (
             "UNKNOWN",
             BAD,
-            "The controller tells no angles (silent, or too old). Stay away from the arm; look at "
-            "the controller and its CAN cable.",
+            "No joint angles come. Stay away from the arm; look at the controller's CAN cable.",
         )
     if state.held is False:
         return "NOT HELD", BAD, "The drives do not hold the arm. Stay away; let it come to rest."
@@ -33,8 +32,7 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
         return (
             "APPROACH?",
             GOOD,
-            "The arm stands where it should, and its drives hold it. Look at it: is it safe to go "
-            "near? Enter: yes, the arm is held.",
+            "At its posture, held by its drives. Look: is it safe to go near? Enter: yes, it is.",
         )
     reading = state.joints
     known = reading.joints_rad if reading is not None else None
@@ -48,7 +46,8 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
 def word_text(state: RunState, width: int, height: int) -> Text:
     """Return the large word with its sentence."""
     word, style, sentence = posture_word(state)
-    return Text.assemble(big(word, style, width=width, height=height), "\n", sentence)
+    between = "\n" if height > 1 else "  "
+    return Text.assemble(big(word, style, width=width, height=height), between, sentence)
 
 
 def joints_text(state: RunState, width: int, height: int) -> Text:
@@ -68,7 +67,7 @@ def joints_text(state: RunState, width: int, height: int) -> Text:
     head = f"{'joint':<{LABEL}}{'now':<{column}}{'wanted':<{column}}within {tolerance:g}°"
     text.append(head[:width] + "\n", style=DIM)
     for i, joint in enumerate(state.arm.joints):
-        there = "?" if now is None else f"{now[i]:+.{digits}f}"
+        there = "?" if now is None else f"{round(now[i], digits) + 0.0:+.{digits}f}"
         wanted = f"{target[i]:+.{digits}f}"
         mark, style = _mark(None if now is None else float(now[i] - target[i]), tolerance, digits)
         _row(text, joint.name, there, wanted, mark, style, column, rows)
@@ -86,7 +85,7 @@ def _mark(off: float | None, tolerance: float, digits: int) -> tuple[str, str]:
 def _row(
     text: Text, name: str, there: str, wanted: str, mark: str, style: str, column: int, rows: int
 ) -> None:
-    lines = min(rows, 5)
+    lines = 5 if rows > 5 else min(rows, 3)
     left = big_lines(there, width=column - 2, height=lines)
     right = big_lines(wanted, width=column - 2, height=lines)
     middle = (max(len(left), len(right)) - 1) // 2

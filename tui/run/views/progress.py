@@ -52,7 +52,9 @@ def summary_text(state: RunState) -> Text:
     lacking = missing(state)
     for posture, points in lacking:
         text.append(f"missing in {posture}: ", style=DIM)
-        text.append(", ".join(points) + "\n")
+        planned = next(p for p in state.plan.postures if p.name == posture)
+        every = len(points) == len(planned.points)
+        text.append((f"all {len(points)} points" if every else ", ".join(points)) + "\n")
     if not lacking:
         text.append("nothing is missing\n", style=GOOD)
     for note in state.notes[-3:]:
