@@ -85,7 +85,9 @@ class HandIdle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProcessGone:
-    """The acquisition process ended without a word."""
+    """The acquisition process ended without an event; its last words, if it had any."""
+
+    last_word: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

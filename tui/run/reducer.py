@@ -137,12 +137,16 @@ def _safe_confirmed(state: RunState, event: SafeConfirmed) -> RunState:
     return replace(state, safe=asked and state.held is True)
 
 
+def _hand_idle(state: RunState, event: HandIdle) -> RunState:
+    did = state.hand_did if event.trouble else state.hand_doing
+    return replace(state, hand_doing=None, hand_did=did, hand_trouble=event.trouble)
+
+
 def _gone(state: RunState, event: ProcessGone) -> RunState:
-    del event
     if state.phase in {Phase.ENDED, Phase.FAILED}:
         return state
     failed = Failed(
-        message="the acquisition process ended without a word",
+        message=event.last_word or "the acquisition process ended without a word",
         kind="ProcessGone",
         journal=state.opened.journal if state.opened else None,
     )
@@ -181,7 +185,7 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
         state, session_file=event.path, file_problem=event.problem
     ),
     HandAtWork: lambda state, event: replace(state, hand_doing=event.doing, hand_trouble=None),
-    HandIdle: lambda state, event: replace(state, hand_doing=None, hand_trouble=event.trouble),
+    HandIdle: _hand_idle,
 }
 
 

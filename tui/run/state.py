@@ -88,6 +88,7 @@ class RunState:
     file_problem: str | None = None
     # the simulated operator
     hand_doing: str | None = None
+    hand_did: str | None = None  # what it finished last
     hand_trouble: str | None = None
 
     @property

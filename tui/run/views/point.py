@@ -60,6 +60,8 @@ def point_text(state: RunState, width: int) -> Text:
     text.append(f"Hammer: point {prompt.hit_point}, strike {axis_words(direction)}\n")
     if state.hand_doing:
         text.append(f"the simulated hand {state.hand_doing} ...\n", style=DIM)
+    elif state.hand_did == f"mounts the sensor at {prompt.sensor_point}":
+        text.append("✓ the simulated hand has mounted it\n", style=GOOD)
     elif state.simulated:
         text.append("h: the simulated hand mounts it\n", style=DIM)
     text.append("Enter: mounted, ready to hit", style=GOOD)
