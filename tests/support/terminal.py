@@ -65,9 +65,11 @@ class Terminal:
         """Write all that the program sends to a file, or pipe, as it comes."""
         self._tmux("pipe-pane", f"exec cat > {shlex.quote(str(path))}")
 
-    def shell_pid(self) -> int:
-        """Return the process id of the shell that started the program."""
-        return int(self._tmux("display-message", "-p", "#{pane_pid}"))
+    def program_pid(self) -> int:
+        """Return the process id of the program."""
+        shell = self._tmux("display-message", "-p", "#{pane_pid}").strip()
+        children = Path(f"/proc/{shell}/task/{shell}/children").read_text(encoding="ascii")
+        return int(children.split()[0])
 
     def until(self, pattern: str, timeout_s: float = 30.0) -> str:
         """Wait until the screen shows a pattern, and return the screen."""

@@ -113,7 +113,7 @@ class RunApp(App[int]):
 
     def redraw(self) -> None:
         """Show the screen the state asks for, if it has changed."""
-        if not self._steps or not isinstance(self.screen, StepScreen):
+        if not self._steps or not self.screen_stack or not isinstance(self.screen, StepScreen):
             return
         wanted = self._steps[self._step]
         if self.screen is not wanted:

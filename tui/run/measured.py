@@ -22,6 +22,7 @@ __all__ = ["LastPulse", "PointFrf", "last_pulse", "point_frf", "session_of_hits"
 Array = npt.NDArray[np.float64]
 PULSE_WIDTHS = 6.0  # half widths shown on either side of the pulse
 FEWEST_SAMPLES = 12
+SHOWN_SHARE = 0.06  # of the peak: what the judge calls a second pulse
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +88,10 @@ def last_pulse(state: RunState, hit: Hit) -> LastPulse | None:
     half = int(PULSE_WIDTHS * (width if np.isfinite(width) else 0.0) * rate_hz)
     half = max(half, FEWEST_SAMPLES)
     peak = int(np.abs(force_n).argmax())
-    first, last = max(peak - half, 0), min(peak + 2 * half, n)
+    # A second pulse is shown too, wherever it is.
+    loud = np.flatnonzero(np.abs(force_n) > SHOWN_SHARE * np.abs(force_n[peak]))
+    first = max(min(peak, int(loud[0])) - half, 0)
+    last = min(max(peak + half, int(loud[-1])) + half, n)
     spectrum = np.abs(np.fft.rfft(force_n))
     floor = max(float(spectrum.max()), np.finfo(np.float64).tiny)
     freq = np.fft.rfftfreq(n, 1.0 / rate_hz)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -68,7 +67,7 @@ def test_killing_the_app_loses_no_hit_and_coming_back_goes_on(small_plan, tmp_pa
             terminal.until("Enter: begin", 20.0)
             terminal.keys("Enter")
             terminal.until("wanted ", 60.0)
-            kill_app(terminal)
+            os.kill(terminal.program_pid(), signal.SIGKILL)
             terminal.until("ended 137", 20.0)
         with Terminal([*command[:3], "run", *command[5:]]) as terminal:
             # The acquisition that was left alone closes its journal first.
@@ -81,12 +80,3 @@ def test_killing_the_app_loses_no_hit_and_coming_back_goes_on(small_plan, tmp_pa
             terminal.keys("q")
             terminal.until("ended 0", 30.0)
     assert load_journal(journal).hits == ()
-
-
-def kill_app(terminal: Terminal) -> None:
-    """Kill the program in the terminal, as the system does when memory is out."""
-    shell = terminal.shell_pid()
-    found = subprocess.run(
-        ["pgrep", "-P", str(shell)], check=True, capture_output=True, text=True
-    ).stdout.split()
-    os.kill(int(found[0]), signal.SIGKILL)

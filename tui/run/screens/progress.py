@@ -11,7 +11,7 @@ from textual.containers import VerticalScroll
 
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
-from tui.run.views.progress import CELL, grid_text, outcome_text, summary_text
+from tui.run.views.progress import cell_width, grid_text, outcome_text, summary_text
 
 __all__ = ["ProgressScreen"]
 
@@ -63,7 +63,8 @@ class ProgressScreen(StepScreen):
 
     def action_row(self, by: int) -> None:
         """Move the cursor by rows of the grid."""
-        self.action_move(by * max((self.size.width - 4) // CELL, 1))
+        if self._state is not None:
+            self.action_move(by * max((self.size.width - 4) // cell_width(self._state), 1))
 
     @property
     def chosen(self) -> tuple[str, str] | None:

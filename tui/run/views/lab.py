@@ -110,7 +110,7 @@ def levels_text(state: RunState, width: int) -> Text:
         full = abs(channel.full_scale)
         text.append(f" {channel.name:<8}")
         text.append(f"no {channel.serial_number:<9} ", style="")
-        text.append(f"± {full:<6.4g} {channel.unit:<6}")
+        text.append(f"± {full:<7.5g}{channel.unit:<6}")
         if wide or channel.iepe in {IepeState.OPEN, IepeState.SHORT}:
             text.append_text(_calibrated(channel))
         if lowest is None or highest is None:

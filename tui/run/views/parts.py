@@ -11,12 +11,14 @@ from tui.run.words import safety_line
 
 __all__ = ["BAD", "DIM", "GOOD", "WARN", "big", "losses_text", "safety_text", "time_words", "title"]
 
-GOOD, BAD, WARN, DIM = "bold green", "bold red", "bold yellow", "dim"
+GOOD, BAD, WARN = "bold bright_green", "bold bright_red", "bold bright_yellow"
+DIM = "dim"
 
 
 def big(text: str, style: str, *, width: int, height: int = 5) -> Text:
     """Return a word in the largest letters that fit."""
-    return Text("\n".join(big_lines(text, width=width, height=height)), style=style, no_wrap=True)
+    lines = "\n".join(big_lines(text, width=width, height=height))
+    return Text().append(lines, style=style)
 
 
 def time_words(seconds: float | None) -> str:
@@ -68,6 +70,6 @@ def safety_text(state: RunState) -> Text:
 def losses_text(state: RunState) -> Text:
     """Return the loss counters: always there, also when nothing was lost."""
     if not state.losses:
-        return Text("lost: nothing", style="green")
+        return Text("lost: nothing", style="bright_green")
     words = ", ".join(f"{kind} {count}" for kind, count in sorted(state.losses))
     return Text(f"! lost: {words}", style=WARN)

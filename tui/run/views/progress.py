@@ -9,40 +9,49 @@ from tui.run.state import Phase, RunState
 from tui.run.views.parts import BAD, DIM, GOOD, WARN, big, time_words
 from tui.run.words import error_advice
 
-__all__ = ["CELL", "grid_text", "outcome_text", "summary_text"]
+__all__ = ["cell_width", "grid_text", "outcome_text", "summary_text"]
 
-CELL = 7
 _STYLES = {"●": GOOD, "◐": WARN, "○": "", "-": DIM, "!": WARN}
+
+
+def cell_width(state: RunState) -> int:
+    """Return the columns a cell takes: the longest count, and an edge on either side."""
+    longest = max((len(_count(q)) for q in point_qualities(state)), default=4)
+    return max(longest, 4) + 2
 
 
 def grid_text(state: RunState, width: int, cursor: int) -> Text:
     """Return the grid; the cell under the cursor is reversed, the point in hand in brackets."""
     text = Text(no_wrap=True)
     qualities = point_qualities(state)
+    cell = cell_width(state)
     for posture in state.plan.postures:
         own = [(i, q) for i, q in enumerate(qualities) if q.posture == posture.name]
         done = sum(q.accepted >= q.wanted for _, q in own)
         text.append(posture.name, style="bold")
         kind = ", for validation" if posture.validation else ""
         text.append(f"  {done} of {len(own)} points{kind}\n", style=DIM)
-        per_row = max(width // CELL, 1)
+        per_row = max(width // cell, 1)
         for start in range(0, len(own), per_row):
             row = own[start : start + per_row]
             for i, quality in row:
-                _cell(text, f"{quality.point:>3}", quality, reverse=i == cursor)
+                _cell(text, quality.point, quality, cell, reverse=i == cursor)
             text.append("\n")
             for i, quality in row:
-                count = f"{quality.mark}{quality.accepted}/{quality.wanted}"
-                _cell(text, count, quality, reverse=i == cursor)
+                _cell(text, _count(quality), quality, cell, reverse=i == cursor)
             text.append("\n")
     text.append("● done  ◐ begun  ○ to do  - skipped  ! done, with many rejects", style=DIM)
     return text
 
 
-def _cell(text: Text, words: str, quality: PointQuality, *, reverse: bool) -> None:
+def _count(quality: PointQuality) -> str:
+    return f"{quality.mark}{quality.accepted}/{quality.wanted}"
+
+
+def _cell(text: Text, words: str, quality: PointQuality, cell: int, *, reverse: bool) -> None:
     style = _STYLES[quality.mark] + (" reverse" if reverse else "")
     edges = ("[", "]") if quality.here else (" ", " ")
-    text.append(edges[0] + words[: CELL - 2].center(CELL - 2) + edges[1], style=style.strip())
+    text.append(edges[0] + words[: cell - 2].center(cell - 2) + edges[1], style=style.strip())
 
 
 def summary_text(state: RunState) -> Text:
