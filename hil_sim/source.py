@@ -21,6 +21,7 @@ __all__ = ["SensorSource", "draw_mounting", "force_history", "modal_response"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
+MASS_FELT_S = 5.0  # the sensors' high pass forgets a pulse within it
 RING_DOWN = 1e-6  # a response is followed until it has decayed to this part
 
 
@@ -147,6 +148,9 @@ class SensorSource:
         PlantError
             If the point is unknown.
         """
+        if blow.free_mass_kg is not None:
+            self._strike_mass(at_sample, blow, blow.free_mass_kg)
+            return
         plant, fine_hz = self._plant, self._front.fine_hz
         if self._motion is None:
             self._motion = linearise(plant, self._joints, self._mounting)
@@ -170,7 +174,23 @@ class SensorSource:
         free[:, 1:] = states[:, -1:] * amplitudes
         ratio = np.exp(motion.poles[motion.poles.imag >= 0.0] / fine_hz)
         n = int((np.log(1.0 / RING_DOWN) / slowest + last_pulse) * float(self._rate_hz))
-        counts = self._front.sample(np.column_stack([force, felt]), free, ratio, n)
+        self._ring(first, self._front.sample(np.column_stack([force, felt]), free, ratio, n))
+
+    def _strike_mass(self, at_sample: float, blow: Blow, mass_kg: float) -> None:
+        """Hit a freely hung mass through its centre; the sensor's z lies along the hit."""
+        fine_hz, rate_hz = self._front.fine_hz, float(self._rate_hz)
+        first = int(np.floor(at_sample))
+        begin_s = (at_sample - first) / rate_hz
+        last_pulse = max(pulse.delay_s + pulse.width_s for pulse in blow.pulses)
+        n_fine = int((begin_s + last_pulse) * fine_hz) + self._front.span + 2
+        force = force_history(blow, begin_s, fine_hz, n_fine)
+        felt = np.outer(force, [0.0, 0.0, 1.0 / mass_kg])
+        none = np.zeros((0, 4), dtype=np.complex128)
+        n = int((last_pulse + MASS_FELT_S) * rate_hz)
+        signal_in = np.column_stack([force, felt])
+        self._ring(first, self._front.sample(signal_in, none, none[:, 0], n))
+
+    def _ring(self, first: int, counts: Array) -> None:
         if first < self._next:
             counts, first = counts[self._next - first :], self._next
         self._ringing.append(_Ringing(first=first, counts=counts))

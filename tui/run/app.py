@@ -11,6 +11,7 @@ from textual.app import App
 from textual.binding import Binding, BindingType
 
 from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Noted, Prompted
+from tui.run.ask_mass import MassScreen
 from tui.run.conductor import CONFIRMED, Conductor, RunOptions
 from tui.run.happenings import HandIdle, Happening, SensorsConfirmed, Tick
 from tui.run.help import HelpScreen
@@ -47,6 +48,7 @@ class RunApp(App[int]):
         Binding("h", "hand", "Hand"),
         Binding("s", "simulate", "Simulate"),
         Binding("a", "take_trigger", "Trigger"),
+        Binding("c", "mass", "Mass"),
         Binding("t", "retake", "Retake"),
         Binding("k", "skip", "Skip"),
         Binding("u", "undo", "Undo"),
@@ -135,6 +137,8 @@ class RunApp(App[int]):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer only the keys that do something now."""
         del parameters
+        if action in ACTIONS and not isinstance(self.screen, StepScreen):
+            return False  # a dialogue has the keys
         return works(action, self.state, overview=self._overview)
 
     async def on_key(self, event: events.Key) -> None:
@@ -165,6 +169,13 @@ class RunApp(App[int]):
     def action_take_trigger(self) -> None:
         """Take the trigger level that the trial hits suggest."""
         self.conductor.take_trigger()
+
+    def action_mass(self) -> None:
+        """Calibrate on a known mass, or be done with it."""
+        if self.state.mass_kg is not None:
+            self.conductor.choose_mass(None)
+        else:
+            self.push_screen(MassScreen(), self.conductor.choose_mass)
 
     def action_retake(self) -> None:
         """Begin the point in hand anew."""

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from daq.commands import Note, Ready, Retake, Skip, Stop, TriggerLevel, Withdraw
+from daq.events import SessionOpened, TrialHit
 from daq.ports import find_ports
 from daq.session_machine import PromptKind
 from daq.settings import AcquisitionSettings
@@ -21,7 +22,9 @@ from tui.run.happenings import (
     HandIdle,
     Happening,
     LabWanted,
+    MassChosen,
     PortsFound,
+    RatioFound,
     SafeConfirmed,
     SensorsConfirmed,
     SessionFileReady,
@@ -29,10 +32,12 @@ from tui.run.happenings import (
     TriggerChosen,
 )
 from tui.run.laboratory import SimulatedLab
+from tui.run.measured import active_channels, mass_ratio
 from tui.run.place import SessionPlace, find_place, with_trigger_level
 from tui.run.reducer import reduce
 from tui.run.state import Phase, RunState, begin_state
 from tui.run.trials import suggested_level_n
+from tui.run.words import ratio_words
 
 __all__ = ["CONFIRMED", "Conductor", "RunOptions"]
 
@@ -90,6 +95,12 @@ class Conductor:
         """Take an event in."""
         self.state = reduce(self.state, event)
         self._changed(event)
+        if isinstance(event, TrialHit) and self.state.mass_kg is not None:
+            found = mass_ratio(self.state)
+            if found is not None:
+                self.tell(RatioFound(calibration=found))
+        elif isinstance(event, SessionOpened):
+            self._note_what_was_confirmed()
 
     async def start(self) -> None:
         """Begin as it was asked for: simulated, with the ports given, or by looking for them."""
@@ -150,11 +161,16 @@ class Conductor:
         if lab is None or state.hand_doing is not None:
             return
         if state.phase is Phase.LAB:
-            lab.hand.do(*trial_request(state.arm, state.plan))
+            lab.hand.do(*trial_request(state.arm, state.plan, state.mass_kg))
         elif state.phase is Phase.SESSION and state.prompt is not None:
             wanted = request_for(state.arm, state.prompt)
             if wanted is not None:
                 lab.hand.do(*wanted)
+
+    def choose_mass(self, mass_kg: float | None) -> None:
+        """Take hits on a known mass, or on the arm again."""
+        if self.state.phase is Phase.LAB:
+            self.tell(MassChosen(mass_kg=mass_kg))
 
     def take_trigger(self) -> None:
         """Take the suggested trigger level for the board and for the plan of the session."""
@@ -227,6 +243,14 @@ class Conductor:
         except (ArmodalError, OSError) as error:
             problem = str(error)
         self.tell(SessionFileReady(path=str(place.session_file), problem=problem))
+
+    def _note_what_was_confirmed(self) -> None:
+        serials = ", ".join(f"{c.name} {c.serial_number}" for c in active_channels(self.state))
+        if serials and self.state.sensors_confirmed:
+            self._engine.send(Note(text=f"{CONFIRMED} the sensors mounted are {serials}"))
+        if self.state.ratio is not None:
+            words = ratio_words(self.state.ratio)
+            self._engine.send(Note(text=f"{CONFIRMED} ratio calibration on a known mass, {words}"))
 
     async def _begin(self) -> None:
         """Let the watch go, and start the acquisition on the same ports."""

@@ -43,8 +43,10 @@ def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
     )
 
 
-def trial_request(arm: Arm, plan: Plan) -> tuple[Request, str]:
-    """Return a hit for trial, where the first posture's hits will be."""
+def trial_request(arm: Arm, plan: Plan, mass_kg: float | None) -> tuple[Request, str]:
+    """Return a hit for trial: on a known mass, or where the first posture's hits will be."""
+    if mass_kg is not None:
+        return {"do": "hit-mass", "mass_kg": mass_kg}, "hits the known mass"
     posture = plan.postures[0]
     roving = plan.mode is Mode.ROVING_RESPONSE
     point = plan.fixed_point if roving else posture.points[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from analyzer.ratio_calibration import RatioCalibration
 from daq.events import Event
 from protocols.plan_records import Plan
 
@@ -12,8 +13,10 @@ __all__ = [
     "HandIdle",
     "Happening",
     "LabWanted",
+    "MassChosen",
     "PortsFound",
     "ProcessGone",
+    "RatioFound",
     "SafeConfirmed",
     "SensorsConfirmed",
     "SessionFileReady",
@@ -57,6 +60,20 @@ class TriggerChosen:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorsConfirmed:
     """The operator says that the sensors of the dictionary are those mounted."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MassChosen:
+    """Trial hits are on a known mass from now on; None: on the arm again."""
+
+    mass_kg: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RatioFound:
+    """What the hits on the known mass say of hammer and accelerometer together."""
+
+    calibration: RatioCalibration
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,6 +122,8 @@ Happening = (
     | LabWanted
     | TriggerChosen
     | SensorsConfirmed
+    | MassChosen
+    | RatioFound
     | SessionWanted
     | SafeConfirmed
     | HandAtWork

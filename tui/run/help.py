@@ -22,6 +22,7 @@ WORDS = """\
  t      begin the point anew            k  skip the point
  u      take the last accepted hit back g  progress; arrows and Enter jump to a point
  s      simulated laboratory            a  take the suggested trigger level
+ c      calibrate hammer and accelerometer on a known mass
  r      try again after a stop          b  bell at every verdict
  q      leave: come back with the same command, it goes on at the same point
  ctrl+p all commands and themes

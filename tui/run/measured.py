@@ -7,21 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.frf import posture_frf
+from analyzer.modal.frf import hit_spectra, posture_frf
+from analyzer.ratio_calibration import RatioCalibration, ratio_calibration
 from daq.judge import channels_of, force_column
 from protocols.arm.kinematics import link_pose
 from protocols.board.records import Channel
 from protocols.errors import ArmodalError
 from protocols.session.progress import roving_point
-from protocols.session.records import Hit, Session, SessionHeader
+from protocols.session.records import Hit, JointReading, Session, SessionHeader
 from tui.run.overview import all_hits, counts_accepted
 from tui.run.state import RunState
 
-__all__ = ["LastPulse", "PointFrf", "last_pulse", "point_frf", "session_of_hits"]
+__all__ = ["LastPulse", "PointFrf", "last_pulse", "mass_ratio", "point_frf", "session_of_hits"]
 
 Array = npt.NDArray[np.float64]
 PULSE_WIDTHS = 6.0  # half widths shown on either side of the pulse
 FEWEST_SAMPLES = 12
+_NOBODY = JointReading(joints_rad=None, drive_state=None, held=False, age_s=0.0, host_s=0.0)
 SHOWN_SHARE = 0.06  # of the peak: what the judge calls a second pulse
 
 
@@ -70,6 +72,36 @@ def session_of_hits(state: RunState, hits: tuple[Hit, ...]) -> Session | None:
         time_scale=state.time_scale,
     )
     return Session(header=header, hits=hits, losses=(), complete=False)
+
+
+def mass_ratio(state: RunState) -> RatioCalibration | None:
+    """Return what the good hits on the known mass say; None while there are none."""
+    hits = tuple(
+        Hit(
+            number=i + 1,
+            posture="",
+            sensor_point="",
+            hit_point="",
+            hit_direction=np.array([0.0, 0.0, 1.0]),
+            first_sample=trial.first_sample,
+            trigger_sample=trial.trigger_sample,
+            trigger_host_s=0.0,
+            counts=trial.counts,
+            before=_NOBODY,
+            after=_NOBODY,
+            verdict=trial.verdict,
+        )
+        for i, trial in enumerate(state.mass_hits)
+        if trial.verdict.accepted
+    )
+    session = session_of_hits(state, hits)
+    if state.mass_kg is None or not hits or session is None:
+        return None
+    try:
+        return ratio_calibration(hit_spectra(session, hits), state.mass_kg)
+    except ArmodalError:
+        # Hits from which no spectrum can be made; more are asked for.
+        return None
 
 
 def last_pulse(state: RunState, hit: Hit) -> LastPulse | None:

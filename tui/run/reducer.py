@@ -28,8 +28,10 @@ from tui.run.happenings import (
     HandIdle,
     Happening,
     LabWanted,
+    MassChosen,
     PortsFound,
     ProcessGone,
+    RatioFound,
     SafeConfirmed,
     SensorsConfirmed,
     SessionFileReady,
@@ -71,6 +73,18 @@ def _device_trouble(state: RunState, event: DeviceTrouble) -> RunState:
 
 def _joints_seen(state: RunState, event: JointsSeen) -> RunState:
     return replace(state, reading=event.reading, reading_at_s=state.now_s)
+
+
+def _trial_hit(state: RunState, event: TrialHit) -> RunState:
+    if state.mass_kg is None:
+        return replace(state, trials=(*state.trials, event)[-KEPT_TRIALS:])
+    return replace(state, mass_hits=(*state.mass_hits, event)[-KEPT_TRIALS:])
+
+
+def _mass_chosen(state: RunState, event: MassChosen) -> RunState:
+    if event.mass_kg is None:
+        return replace(state, mass_kg=None)
+    return replace(state, mass_kg=event.mass_kg, mass_hits=(), ratio=None)
 
 
 def _loss_noted(state: RunState, event: LossNoted) -> RunState:
@@ -167,7 +181,9 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
         state, previews=(*state.previews, event)[-KEPT_PREVIEWS:]
     ),
     JointsSeen: _joints_seen,
-    TrialHit: lambda state, event: replace(state, trials=(*state.trials, event)[-KEPT_TRIALS:]),
+    TrialHit: _trial_hit,
+    MassChosen: _mass_chosen,
+    RatioFound: lambda state, event: replace(state, ratio=event.calibration),
     TriggerChosen: lambda state, event: replace(state, plan=event.plan, trials=()),
     SensorsConfirmed: lambda state, _: replace(state, sensors_confirmed=state.board is not None),
     LossNoted: _loss_noted,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from analyzer.ratio_calibration import RatioCalibration
 from daq.events import (
     BoardFound,
     Failed,
@@ -66,6 +67,9 @@ class RunState:
     health: Health | None = None
     previews: tuple[Preview, ...] = ()
     trials: tuple[TrialHit, ...] = ()
+    mass_kg: float | None = None  # of the known mass, while it is hit
+    mass_hits: tuple[TrialHit, ...] = ()
+    ratio: RatioCalibration | None = None
     sensors_confirmed: bool = False
     # session
     earlier_hits: tuple[Hit, ...] = ()

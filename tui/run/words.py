@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from analyzer.ratio_calibration import RatioCalibration
 from daq.session_machine import PromptKind
 from protocols.plan_records import Mode
 from tui.run.state import RunState
 
-__all__ = ["advice_for", "error_advice", "reason_word", "safety_line", "what_to_do"]
+__all__ = ["advice_for", "error_advice", "ratio_words", "reason_word", "safety_line", "what_to_do"]
+
+FEWEST_MASS_HITS = 3
 
 # Reason: the large word, and what to do about it.
 _REASONS: dict[str, tuple[str, str]] = {
@@ -63,6 +66,16 @@ def error_advice(kind: str, message: str = "") -> tuple[str, str]:
     if "No space left" in message:
         return "The disk is full", "Make room on it; nothing that was accepted is lost."
     return _ERRORS.get(kind, ("The measurement cannot go on", "Read the message below."))
+
+
+def ratio_words(found: RatioCalibration) -> str:
+    """Return a ratio calibration in words; what one hit cannot tell is said."""
+    if found.n_hits < FEWEST_MASS_HITS:
+        return f"ratio {found.ratio:.4f} of {found.n_hits} hit(s): hit {FEWEST_MASS_HITS} times"
+    return (
+        f"ratio {found.ratio:.4f} ± {found.ratio_std:.4f} of {found.n_hits} hits, uneven by "
+        f"{100 * found.unevenness:.1f} %"
+    )
 
 
 def safety_line(state: RunState) -> tuple[bool, str]:

@@ -138,6 +138,15 @@ def trial(peak_n: float = 100.0, noise_n: float = 0.1) -> TrialHit:
     )
 
 
+def mass_hit(mass_kg: float) -> TrialHit:
+    """A hit on a mass that moves freely, along the third axis."""
+    made = trial(100.0)
+    values = made.counts.copy()
+    values[:, 3] = np.round(values[:, 0] * FORCE_SCALE / mass_kg / ACCELERATION_SCALE)
+    values[:, 1:3] = 0
+    return replace(made, counts=values)
+
+
 def after(state: RunState, *events: Happening) -> RunState:
     for event in events:
         state = reduce(state, event)

@@ -18,6 +18,7 @@ from made import (
     PLAN,
     SESSION_EVENTS,
     judged,
+    mass_hit,
     prompted,
     reading,
     trial,
@@ -311,3 +312,26 @@ def test_help_comes_and_goes(tmp_path):
         assert type(stage.app.screen).__name__ == "LabScreen"
 
     play(stage, body, (80, 24))
+
+
+def test_a_known_mass_is_asked_for_and_hits_on_it_tell_the_ratio(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *LAB_EVENTS)
+        await pilot.press("c")
+        await pilot.pause()
+        await pilot.press("2", ".", "5", "enter")
+        await stage.settle(pilot)
+        assert stage.app.state.mass_kg == 2.5
+        assert stage.app.state.board_port == "/dev/ttyACM0"  # the digits chose no port
+        await stage.tell(pilot, *[mass_hit(2.5 / 1.02)] * 3)
+        # The counts are of a pair that is wrong by 2 %; coupling and rounding are far below.
+        assert stage.app.state.ratio.ratio == pytest.approx(1.02, rel=2e-3)
+        assert "ratio 1.02" in stage.text()
+        await pilot.press("c")
+        await stage.settle(pilot)
+        assert stage.app.state.mass_kg is None
+        assert "ratio 1.02" in stage.text()
+
+    play(stage, body)

@@ -10,11 +10,12 @@ from tui.run.measured import active_channels
 from tui.run.state import Phase, RunState
 from tui.run.trials import suggested_level_n
 from tui.run.views.parts import BAD, DIM, GOOD, WARN
-from tui.run.words import reason_word
+from tui.run.words import ratio_words, reason_word
 
 __all__ = ["devices_text", "levels_text", "next_step", "trials_text"]
 
 HIGH = 0.9  # of full scale: nearly too much
+RATIO_OFF = 0.03  # what two certificates of 1.5 % leave open
 WIDE = 96  # columns, from which supply and calibration are told of every sensor
 _IEPE = {IepeState.OFF: "off", IepeState.OK: "ok", IepeState.OPEN: "OPEN", IepeState.SHORT: "SHORT"}
 
@@ -154,7 +155,17 @@ def trials_text(state: RunState) -> Text:
         text.append("  three trial hits suggest a level\n", style=DIM)
     else:
         text.append(f"  suggested {level:g} N (a: take it)\n", style=WARN)
-    for trial in state.trials[-4:]:
+    if state.mass_kg is not None:
+        text.append("mass        ", style="bold")
+        text.append(f"hit the mass of {state.mass_kg:g} kg, {len(state.mass_hits)} hits so far; ")
+        text.append("c: done with it\n", style=WARN)
+    if state.ratio is not None:
+        text.append("ratio       ", style="bold")
+        off = abs(state.ratio.ratio - 1.0)
+        text.append(f"{ratio_words(state.ratio)}\n", style=WARN if off > RATIO_OFF else GOOD)
+        if off > RATIO_OFF:
+            text.append(" the sensitivities do not fit each other: look at both certificates\n")
+    for trial in (state.trials if state.mass_kg is None else state.mass_hits)[-4:]:
         verdict = trial.verdict
         word = "good" if verdict.accepted else reason_word(verdict.reasons[0]).lower()
         text.append(f" trial  {verdict.peak_n:7.1f} N  {1e3 * verdict.width_s:5.2f} ms  ")
