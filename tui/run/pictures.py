@@ -63,15 +63,22 @@ def point_picture(state: RunState, columns: int, rows: int, *, turned_rad: float
         wire.point_m[sensor],
         wire.point_rotation[sensor],
         TRIAD_SHARE * wire.reach_m,
-        styles=("bold red", "bold green", "bold blue"),
+        styles=("bold bright_red", "bold bright_green", "bold bright_blue"),
     )
     hit = wire.point(prompt.hit_point)
     direction = hit_direction(state.arm, prompt.posture, prompt.hit_point)
-    draw_hit(canvas, camera, wire.point_m[hit], direction, HIT_SHARE * wire.reach_m, "bold magenta")
+    draw_hit(
+        canvas,
+        camera,
+        wire.point_m[hit],
+        direction,
+        HIT_SHARE * wire.reach_m,
+        "bold bright_magenta",
+    )
     at = camera.project(wire.point_m[[wanted]], canvas.width, canvas.height)
-    canvas.mark(at, f"◉ {wire.point_ids[wanted]}", "bold yellow")
+    canvas.mark(at, f"◉ {wire.point_ids[wanted]}", "bold bright_yellow")
     name = "the arm as it stands" if known else "POSTURE UNKNOWN: drawn as planned"
-    canvas.label(1, 0, name, "dim" if known else "bold red")
+    canvas.label(1, 0, name, "dim" if known else "bold bright_red")
     canvas.label(1, rows - 1, "◉ point  x y z sensor  ▪→ hammer", "dim")
     return canvas.text()
 
@@ -89,7 +96,7 @@ def live_picture(state: RunState, columns: int, rows: int, quantity: str) -> Tex
     if not which or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
         return Text("")
     if not state.previews:
-        return Text(f"{quantity}: no samples come", style="bold yellow")
+        return Text().append(f"{quantity}: no samples come", style="bold bright_yellow")
     scale = np.array([channels[i].scale for i in which])
     lowest = np.concatenate([p.lowest[:, which] for p in state.previews]) * scale
     highest = np.concatenate([p.highest[:, which] for p in state.previews]) * scale
@@ -154,7 +161,7 @@ def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
     judged = state.last_hit
     pulse = None if judged is None else last_pulse(state, judged.hit)
     if pulse is None:
-        return Text("the last record has no pulse to show", style="dim")
+        return Text().append("the last record has no pulse to show", style="dim")
     upper = rows - rows // 2 if rows >= 2 * LEAST_ROWS else rows
     title = f"last pulse (N), hit {judged.hit.number}" if judged is not None else ""
     picture = plot(
@@ -184,11 +191,11 @@ def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
 
 def _frf_text(found: PointFrf | None, point: str, columns: int, rows: int) -> Text:
     if found is None:
-        return Text(f"FRF of point {point}: no accepted hit yet", style="dim")
+        return Text().append(f"FRF of point {point}: no accepted hit yet", style="dim")
     lower = max(rows // 3, LEAST_ROWS) if rows >= 2 * LEAST_ROWS else 0
     hits = "1 hit" if found.n_hits == 1 else f"{found.n_hits} hits"
     magnitude = 10.0 ** (found.magnitude_db / 20.0)
-    styles = ("red", "green", "blue")
+    styles = ("bright_red", "bright_green", "bright_blue")
     x = Scale(low=float(found.freq_hz[0]), high=float(found.freq_hz[-1]), log=True)
     upper_plot = plot(
         columns,
@@ -206,7 +213,7 @@ def _frf_text(found: PointFrf | None, point: str, columns: int, rows: int) -> Te
     if not lower:
         return upper_plot
     if found.coherence is None:
-        words = Text("\ncoherence needs a second hit", style="dim")
+        words = Text().append("\ncoherence needs a second hit", style="dim")
         return Text.assemble(upper_plot, words)
     coherence = plot(
         columns,

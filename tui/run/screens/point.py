@@ -63,4 +63,4 @@ class PointScreen(StepScreen):
 
     def brief(self, state: RunState) -> Text:
         """Return what to do, in one line."""
-        return Text(what_to_do(state), style="bold")
+        return Text().append(what_to_do(state), style="bold")

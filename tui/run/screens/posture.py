@@ -34,4 +34,4 @@ class PostureScreen(StepScreen):
     def brief(self, state: RunState) -> Text:
         """Return the large word, small."""
         word, style, _ = posture_word(state)
-        return Text(word, style=style)
+        return Text().append(word, style=style)

@@ -128,7 +128,9 @@ def levels_text(state: RunState, width: int) -> Text:
 def _calibrated(channel: Channel) -> Text:
     state = _IEPE[channel.iepe]
     style = BAD if channel.iepe in {IepeState.OPEN, IepeState.SHORT} else ""
-    return Text(f"cal {channel.calibration_date or 'unknown':<10} supply {state:<5} ", style=style)
+    return Text().append(
+        f"cal {channel.calibration_date or 'unknown':<10} supply {state:<5} ", style=style
+    )
 
 
 def _extremes(state: RunState, n: int) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:

@@ -61,15 +61,15 @@ def safety_text(state: RunState) -> Text:
     safe, words = safety_line(state)
     mark, style = ("✓", GOOD) if safe else ("✗", BAD)
     if state.phase is not Phase.SESSION and not safe and state.board is None:
-        return Text("no word of the arm yet", style=DIM)
+        return Text().append("no word of the arm yet", style=DIM)
     if safe and state.safe:
         words += ", approach confirmed"
-    return Text(f"{mark} {words}", style=style)
+    return Text().append(f"{mark} {words}", style=style)
 
 
 def losses_text(state: RunState) -> Text:
     """Return the loss counters: always there, also when nothing was lost."""
     if not state.losses:
-        return Text("lost: nothing", style="bright_green")
+        return Text().append("lost: nothing", style="bright_green")
     words = ", ".join(f"{kind} {count}" for kind, count in sorted(state.losses))
-    return Text(f"! lost: {words}", style=WARN)
+    return Text().append(f"! lost: {words}", style=WARN)
