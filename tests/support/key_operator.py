@@ -18,6 +18,7 @@ RULES: tuple[tuple[str, str], ...] = (
     (r"simulated hand moves it", "h"),
     (r"the simulated hand has mounted it", "Enter"),
     (r"h: the simulated hand mounts it", "h"),
+    (r"Enter: mounted, ready to hit", "Enter"),
     (r"hits at point", "h"),
 )
 PATIENCE_S = 4.0  # for the screen to answer a key: a hit below the trigger leaves no trace

@@ -72,4 +72,4 @@ def last_verdict_text(state: RunState, width: int) -> Text:
     """Return the verdict on the hit before, which has finished its point; empty before any."""
     if state.last_hit is None and state.last_taken_back is None:
         return Text("")
-    return Text("last hit\n", style=DIM).append_text(verdict_text(state, width, 4))
+    return Text().append("last hit\n", style=DIM).append_text(verdict_text(state, width, 4))
