@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+BENCH_STAMP := $(VENV)/.installed-bench
 # The board's device library, compiled for this machine: the simulated board runs on it.
 DEVICE_LIBRARY := protocols/c/build/libarmodal_board.so
 DEVICE_SOURCES := $(wildcard protocols/c/src/* protocols/c/include/*) protocols/c/build.py
@@ -11,7 +12,7 @@ export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test check bench sizes format clean setup
+.PHONY: demo test check bench torture sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -19,6 +20,11 @@ $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "armodal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.12")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+# What the benches measure themselves against.
+$(BENCH_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[bench]'
 	@touch $@
 
 $(DEVICE_LIBRARY): $(STAMP) $(DEVICE_SOURCES)
@@ -37,8 +43,12 @@ check: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(DEVICE_LIBRARY)
+bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
+
+# What docs/reliability.md promises, at length.
+torture: $(DEVICE_LIBRARY)
+	$(BIN)/python bench/torture.py
 
 sizes: $(STAMP)
 	$(BIN)/python -m protocols.c.sizes

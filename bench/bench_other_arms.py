@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
-from any_arm import arm_text_of_urdf, plant_of_arm
+from any_arm import arm_text_of_urdf
 from offline_lab import simulate_session
 
 from analyzer.identification.identify import identify
@@ -22,6 +22,7 @@ from analyzer.planning.clearance import Clearance
 from analyzer.planning.selective import plan_tests
 from analyzer.workspace.spectrum import elastic_joints
 from analyzer.workspace.study import study_workspace
+from hil_sim.study.plant_of_arm import plant_of_arm
 from protocols.arm.files import load_arm
 from protocols.arm.urdf import read_urdf
 from tui.mozzi import load_tool

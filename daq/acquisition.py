@@ -9,6 +9,8 @@ from __future__ import annotations
 import gc
 import secrets
 import select
+import signal
+import threading
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -34,6 +36,7 @@ from daq.settings import AcquisitionSettings
 from protocols.arm.records import CanMapping
 from protocols.board.records import IepeState
 from protocols.errors import ArmError, ArmodalError, CanError, JournalError
+from protocols.file_layer import DISK, FileLayer
 from protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
 from protocols.session.progress import roving_point
 from protocols.session.records import SessionHeader
@@ -51,11 +54,14 @@ GONE = "the operator's program has gone"
 
 @dataclass(slots=True)
 class _Journal:
+    files: FileLayer
     writer: JournalWriter | None = None
     earlier: Journal | None = None
 
 
-def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]) -> int:
+def run_acquisition(
+    settings: AcquisitionSettings, channel: Connection[Any, Any], files: FileLayer = DISK
+) -> int:
     """Run a session until its plan is done, `Stop` comes, the listener goes, or it fails.
 
     Parameters
@@ -65,15 +71,18 @@ def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]
     channel
         Receives commands (`daq.commands`), is sent events (`daq.events`). A slow listener is
         never waited for.
+    files
+        What the journal is written through.
 
     Returns
     -------
     int
         Exit code: 0, or 2 after a `Failed` event.
     """
+    _leave_interrupts_to_the_operator()
     prepare_judge()
     outbox = Outbox(channel)
-    journal = _Journal()
+    journal = _Journal(files=files)
     try:
         with ExitStack() as stack:
             finished = _run(settings, channel, outbox, journal, stack)
@@ -85,6 +94,12 @@ def run_acquisition(settings: AcquisitionSettings, channel: Connection[Any, Any]
     outbox.put(finished)
     outbox.finish(FAREWELL_WALL_S)
     return 0
+
+
+def _leave_interrupts_to_the_operator() -> None:
+    """Ignore Ctrl-C, which a terminal sends to both: the operator's program says stop."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _run(
@@ -262,7 +277,7 @@ def _silence(source: CanSource, joints: JointState, mapping: CanMapping, n_frame
 
 def _resume(settings: AcquisitionSettings, journal: _Journal, stack: ExitStack) -> None:
     """Open the journal to go on with, if it belongs to this arm and plan."""
-    writer, earlier = JournalWriter.resume(settings.journal)
+    writer, earlier = JournalWriter.resume(settings.journal, files=journal.files)
     stack.callback(writer.close)
     header = earlier.header
     for what, theirs, ours, name in (
@@ -315,7 +330,7 @@ def _open_journal(
         channel_mask=board.mask,
         time_scale=settings.time_scale,
     )
-    journal.writer = JournalWriter.create(settings.journal, header)
+    journal.writer = JournalWriter.create(settings.journal, header, files=journal.files)
     stack.callback(journal.writer.close)
     return journal.writer
 

@@ -211,6 +211,9 @@ class PythonCanListener:
                 f"cannot open CAN channel {self.name}: {error}; does the interface exist, and is "
                 "it up?"
             ) from error
+        # The bus object lives on behind `recv`; not even by way of it can a frame be sent.
+        for way_out in ("send", "send_periodic"):
+            setattr(bus, way_out, _never_send)
         self.error_frames = 0
         self._fetched: list[tuple[float, list[CanFrame]]] = []
         self._receive = bus.recv
@@ -266,3 +269,7 @@ class PythonCanListener:
                 f"the CAN channel {self.name} is gone ({error}); check it, then resume"
             ) from error
         return frames
+
+
+def _never_send(*_: object, **__: object) -> None:
+    raise CanError("armodal only listens to the CAN bus, and sends nothing on it")

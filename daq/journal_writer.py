@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from daq.session_lock import SessionLock, lock_journal
 from protocols.errors import JournalError
-from protocols.session.journal import Journal, begin_journal, decode_journal
+from protocols.file_layer import DISK, FileLayer, write_all
+from protocols.session.journal import (
+    Journal,
+    begin_journal,
+    decode_journal,
+    read_journal_bytes,
+    scan,
+)
 from protocols.session.records import SessionHeader
 
 __all__ = ["JournalWriter"]
@@ -28,15 +36,19 @@ class JournalWriter:
         Wall seconds the last `append` took.
     """
 
-    def __init__(self, path: Path, fd: int) -> None:
+    def __init__(self, path: Path, fd: int, lock: SessionLock, files: FileLayer) -> None:
         self.path = path
         self.last_commit_s = 0.0
         self._fd = fd
+        self._lock = lock
+        self._files = files
         self._broken = False
 
     @classmethod
-    def create(cls, path: Path, header: SessionHeader) -> JournalWriter:
-        """Begin a journal in a file that must not exist yet.
+    def create(cls, path: Path, header: SessionHeader, *, files: FileLayer = DISK) -> JournalWriter:
+        """Begin a journal in a file that must not exist yet, readable by its user only.
+
+        If that fails, there is no file afterwards.
 
         Raises
         ------
@@ -44,26 +56,29 @@ class JournalWriter:
             If it exists or cannot be written.
         """
         try:
-            fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
+            lock, fd = _locked(path, files.create)
         except FileExistsError:
             raise JournalError(
                 f"{path} exists already: resume that session, or give another name"
             ) from None
         except OSError as error:
             raise _cannot("begin", path, error) from error
-        writer = cls(path, fd)
+        writer = cls(path, fd, lock, files)
         try:
-            writer._lock()
             writer.append(begin_journal(header))
-            _sync_directory(path.parent)
-        except BaseException:
+            files.sync_folder(path.parent)
+        except BaseException as error:
+            with suppress(OSError):
+                files.remove(path)
             writer.close()
+            if isinstance(error, OSError):
+                raise _cannot("begin", path, error) from error
             raise
         return writer
 
     @classmethod
-    def resume(cls, path: Path) -> tuple[JournalWriter, Journal]:
-        """Open a journal to go on with it, and return what it holds.
+    def resume(cls, path: Path, *, files: FileLayer = DISK) -> tuple[JournalWriter, Journal]:
+        """Open a journal to go on with it, and return what it holds, which is durable then.
 
         Bytes of a torn last record are copied to a file beside it before they are cut off.
 
@@ -73,16 +88,22 @@ class JournalWriter:
             If it cannot be read or written, is in use, or holds records behind damage.
         """
         try:
-            fd = os.open(path, os.O_RDWR | os.O_APPEND)
+            lock, fd = _locked(path, files.open)
         except OSError as error:
             raise _cannot("resume", path, error) from error
-        writer = cls(path, fd)
+        writer = cls(path, fd, lock, files)
         try:
-            writer._lock()
-            data = path.read_bytes()
+            data = read_journal_bytes(path)
             journal = decode_journal(data)
             _check_may_append(path, journal)
             writer._cut(data, journal.good_end)
+            # What a killed session wrote last may be in the system's memory only. And what a
+            # refused sync held, the system takes for written: only if it is written again will
+            # it be.
+            last = _last_record(data)
+            files.rewrite(path, data[last : journal.good_end], last)
+            files.sync(fd)
+            files.sync_folder(path.parent)
         except OSError as error:
             writer.close()
             raise _cannot("resume", path, error) from error
@@ -103,18 +124,18 @@ class JournalWriter:
             If the disk refuses, or refused before; the record then does not count.
         """
         if self._broken:
-            raise JournalError(f"{self.path} takes no more records since the disk refused one")
+            raise JournalError(
+                f"{self.path} takes no more records since the disk refused one: resume the session"
+            )
         begun = time.monotonic()
         good_end = os.fstat(self._fd).st_size
-        rest = memoryview(record)
         try:
-            while rest:
-                rest = rest[os.write(self._fd, rest) :]
-            _make_durable(self._fd)
+            write_all(self._files, self._fd, record)
+            self._files.sync(self._fd)
         except OSError as error:
             self._broken = True
             with suppress(OSError):
-                os.ftruncate(self._fd, good_end)
+                self._files.cut(self._fd, good_end)
             raise _cannot("write", self.path, error) from error
         self.last_commit_s = time.monotonic() - begun
         return self.last_commit_s
@@ -123,16 +144,9 @@ class JournalWriter:
         """Close the file and give the lock back."""
         if self._fd >= 0:
             with suppress(OSError):
-                os.close(self._fd)
+                self._files.close(self._fd)
             self._fd = -1
-
-    def _lock(self) -> None:
-        try:
-            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise JournalError(
-                f"{self.path} is being written by another session; wait for it to end"
-            ) from None
+        self._lock.release()
 
     def _cut(self, data: bytes, good_end: int) -> None:
         if good_end == len(data):
@@ -140,13 +154,27 @@ class JournalWriter:
         number = 1
         while (aside := self.path.with_name(f"{self.path.name}.torn-{number}")).exists():
             number += 1
-        with aside.open("xb") as file:
-            file.write(data[good_end:])
-            file.flush()
-            os.fsync(file.fileno())
-        _sync_directory(self.path.parent)
-        os.ftruncate(self._fd, good_end)
-        _make_durable(self._fd)
+        fd = self._files.create(aside)
+        try:
+            write_all(self._files, fd, data[good_end:])
+            self._files.sync(fd)
+            self._files.sync_folder(self.path.parent)
+        except BaseException:
+            with suppress(OSError):
+                self._files.remove(aside)
+            raise
+        finally:
+            self._files.close(fd)
+        self._files.cut(self._fd, good_end)
+
+
+def _locked(path: Path, open_file: Callable[[Path], int]) -> tuple[SessionLock, int]:
+    lock = lock_journal(path)
+    try:
+        return lock, open_file(path)
+    except BaseException:
+        lock.release()
+        raise
 
 
 def _check_may_append(path: Path, journal: Journal) -> None:
@@ -157,23 +185,23 @@ def _check_may_append(path: Path, journal: Journal) -> None:
         )
 
 
-def _make_durable(fd: int) -> None:
-    full_sync = getattr(fcntl, "F_FULLFSYNC", None)
-    if full_sync is not None:  # macOS: fsync stops at the drive's own cache
-        fcntl.fcntl(fd, full_sync)
-    else:
-        os.fdatasync(fd)
+def _last_record(data: bytes) -> int:
+    """Return where the last complete record begins; the first one goes with the magic."""
+    records = scan(data).records
+    return records[-1].offset if len(records) > 1 else 0
 
 
-def _sync_directory(path: Path) -> None:
-    fd = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
+_WAYS_BACK = {
+    "begin": "check path, rights and free space",
+    "resume": "check path, rights and free space; nothing in it is lost",
+    "write": (
+        "the hit in hand is not accepted, all accepted before are safe; make the disk writable, "
+        "or free space on it, and resume the session"
+    ),
+}
 
 
 def _cannot(what: str, path: Path, error: OSError) -> JournalError:
     return JournalError(
-        f"cannot {what} the journal {path}: {error.strerror}; check path, rights and free space"
+        f"cannot {what} the journal {path}: {error.strerror or error}; {_WAYS_BACK[what]}"
     )

@@ -14,6 +14,7 @@ from typing import Protocol
 
 import serial
 
+from daq.session_lock import lock_port
 from protocols.errors import DeviceLostError, DeviceTimeoutError, PortError
 
 __all__ = ["BytePort", "SerialPort"]
@@ -59,9 +60,11 @@ class SerialPort:
 
     def __init__(self, name: str, *, baud: int = 115200) -> None:
         self.name = name
+        self._lock = lock_port(name)
         try:
             self._serial = serial.Serial(name, baudrate=baud, timeout=0, exclusive=True)
         except (OSError, ValueError) as error:
+            self._lock.release()
             raise _port_error(name, error) from error
         self._fd: int = self._serial.fileno()
 
@@ -123,6 +126,7 @@ class SerialPort:
         """Close the line; an unplugged adapter that refuses even that is let go."""
         with suppress(OSError):
             self._serial.close()
+        self._lock.release()
 
     def _read_unless_hung_up(self) -> bytes:
         # A terminal that is readable and yet gives nothing has been hung up.

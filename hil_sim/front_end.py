@@ -81,6 +81,10 @@ class FrontEnd:
         (n, 4) float64
             One row a sample, the filter's delay included.
         """
+        # What falls to less than half in a fine step is gone by the last row, and its powers
+        # backwards over the filter's length would overflow.
+        lasting = np.abs(ratio) > 0.5
+        free, ratio = free[lasting], ratio[lasting]
         passed = np.empty_like(fine)
         tail = np.zeros((len(ratio) + 1, 4), dtype=np.complex128)
         head_n = (len(fine) - 1) // self.oversampling + 1
@@ -93,10 +97,39 @@ class FrontEnd:
             tail[:-1, channel] = gain * free[:, channel]
             tail[-1, channel] = passed[-1, channel] - tail[:-1, channel].sum().real
             ratios = np.append(ratio, -a[1])
-            delays = np.arange(len(self._taps))
-            filtered = (self._taps * ratios[:, None] ** -delays).sum(axis=1) * tail[:, channel]
-            powers = np.exp(np.outer(fine_after, np.log(ratios.astype(np.complex128))))
-            after[:, channel] = (powers @ filtered).real
+            logs = np.log(ratios.astype(np.complex128))
+            filtered = np.exp(-np.outer(logs, np.arange(len(self._taps)))) @ self._taps
+            after[:, channel] = _decay(
+                filtered * tail[:, channel], logs, fine_after, self.oversampling
+            )
         head = signal.upfirdn(self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0)
         sampled: Array = np.concatenate([head[:head_n], after @ self._mixing.T])
         return sampled
+
+    def sample_all(self, fine: Array) -> Array:
+        """Counts (n, 4), not yet rounded, of a signal given at the fine rate to its end."""
+        passed = np.empty_like(fine)
+        for channel, corner_hz in enumerate(self._corners_hz):
+            b, a = signal.butter(1, corner_hz, "highpass", fs=self.fine_hz)
+            passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
+        n = (len(fine) - 1) // self.oversampling + 1
+        sampled: Array = signal.upfirdn(
+            self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0
+        )[:n]
+        return sampled
+
+
+def _decay(
+    amplitudes: ComplexArray, logs: ComplexArray, steps: npt.NDArray[np.int_], stride: int
+) -> Array:
+    """Sum of exponentials at evenly spaced steps, its real part.
+
+    Powers of a step within a block times powers of whole blocks: two short tables and a product.
+    """
+    n, block = len(steps), 128
+    if n == 0:
+        return np.zeros(0)
+    inside = np.exp(np.outer(logs, stride * np.arange(block)))
+    blocks = np.exp(np.outer(steps[::block], logs)) * amplitudes
+    result: Array = (blocks @ inside).real.ravel()[:n]
+    return result

@@ -25,7 +25,7 @@ from hil_sim.controller import Controller
 from hil_sim.faults import FaultSet
 from hil_sim.ledger import LedgerWriter
 from hil_sim.operator import Operator, Swing, Workplace
-from hil_sim.operator_socket import OperatorSocket
+from hil_sim.operator_socket import OperatorSocket, check_free
 from hil_sim.plant import Plant
 from hil_sim.pty_port import PtyPort
 
@@ -84,8 +84,8 @@ class LabProcess(Generic[BlowT]):
         board_rng, garbage_rng, can_rng, operator_rng = (np.random.default_rng(s) for s in seeds)
         clock = LabClock(scale=options.time_scale)
         faults = FaultSet(options.faults)
-        options.directory.chmod(0o700)
         self._clock = clock
+        check_free(options.directory / SOCKET_NAME)
         self.ledger_path = options.directory / LEDGER_NAME
         self._ledger = keep.enter_context(
             LedgerWriter(self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale)

@@ -6,6 +6,7 @@ Only the laboratory writes it. Only tests and the last table of the demo read it
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -80,7 +81,8 @@ class LedgerWriter:
     """Appends to a ledger; the first line is the truth."""
 
     def __init__(self, path: Path, plant: Plant, *, seed: int, time_scale: float) -> None:
-        self._file = path.open("a", encoding="utf-8")
+        fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        self._file = os.fdopen(fd, "a", encoding="utf-8")
         self._write({"truth": _truth_of(plant) | {"seed": seed, "time_scale": time_scale}})
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""Newton-Euler inverse dynamics of a chain of hinged rigid bodies.
+"""Newton-Euler inverse dynamics of a chain of rigid bodies that turn or slide.
 
 Written for the simulated laboratory alone, so that it shares no line with the arm model of the
 estimator it tests. Everything is written in base axes. The forward recursion over the bodies is a
@@ -43,7 +43,9 @@ class Body:
 
     The body's frame stands at `origin_m`, `R_parent_body` in the frame of the body before it
     while the hinge is at zero. The hinge turns the body about the line through `hinge_m` along
-    `axis`, both in the body's frame; a drive's hinge passes through the frame's origin.
+    `axis`, both in the body's frame; a drive's hinge passes through the frame's origin. A hinge
+    that `slides` moves the body along the axis instead: angles are then lengths in m, torques
+    forces in N.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Body:
     mass_kg: float
     center_m: Array  # (3,) body frame
     inertia_kg_m2: Array  # (3, 3) about the center, body axes
+    slides: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +71,11 @@ class Chain:
         """Number of hinges."""
         return len(self.bodies)
 
+    @property
+    def turns(self) -> Array:
+        """(n, 1) one for hinges that turn, zero for those that slide."""
+        return np.array([[0.0 if body.slides else 1.0] for body in self.bodies])
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Placement:
@@ -77,6 +85,7 @@ class Placement:
     origin_m: Array  # (..., n, 3)
     hinge_m: Array  # (..., n, 3)
     axis: Array  # (..., n, 3)
+    turns: Array  # (n, 1) one for hinges that turn, zero for those that slide
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -107,14 +116,17 @@ def rotation(axis: Array, angle_rad: npt.ArrayLike) -> Array:
 def place(chain: Chain, q_rad: Array) -> Placement:
     """Frames of all bodies for hinge angles (..., n)."""
     batch = q_rad.shape[:-1]
-    R = np.broadcast_to(np.eye(3), (*batch, 3, 3))
+    R: Array = np.broadcast_to(np.eye(3), (*batch, 3, 3))
     origin = np.zeros((*batch, 3))
     frames, origins, hinges, axes = [], [], [], []
     for i, body in enumerate(chain.bodies):
-        turn = rotation(body.axis, q_rad[..., i])
         step = body.origin_m + body.R_parent_body @ body.hinge_m
         hinge = origin + R @ step
-        R = R @ body.R_parent_body @ turn
+        R = R @ body.R_parent_body
+        if body.slides:
+            hinge = hinge + (R @ body.axis) * q_rad[..., i, None]
+        else:
+            R = R @ rotation(body.axis, q_rad[..., i])
         origin = hinge - R @ body.hinge_m
         frames.append(R)
         origins.append(origin)
@@ -125,6 +137,7 @@ def place(chain: Chain, q_rad: Array) -> Placement:
         origin_m=np.stack(origins, axis=-2),
         hinge_m=np.stack(hinges, axis=-2),
         axis=np.stack(axes, axis=-2),
+        turns=chain.turns,
     )
 
 
@@ -151,14 +164,17 @@ def inverse_dynamics(chain: Chain, q_rad: Array, qd_rad_s: Array, qdd_rad_s2: Ar
 
     # Outwards: angular velocity and acceleration of each body, acceleration of its hinge point.
     # Gravity enters as an acceleration of the base upwards.
-    spin = at.axis * qd_rad_s[..., None]
+    spin = at.turns * at.axis * qd_rad_s[..., None]
+    slide = (1.0 - at.turns) * at.axis * qd_rad_s[..., None]
     omega = np.cumsum(spin, axis=-2)
     omega_before = omega - spin
-    alpha = np.cumsum(at.axis * qdd_rad_s2[..., None] + cross(omega_before, spin), axis=-2)
+    push = at.axis * qdd_rad_s2[..., None]
+    alpha = np.cumsum(at.turns * push + cross(omega_before, spin), axis=-2)
     lever = np.diff(at.hinge_m, axis=-2, prepend=0.0)
     still = np.zeros_like(alpha[..., :1, :])
     alpha_before = np.concatenate((still, alpha[..., :-1, :]), axis=-2)
     hinge_step = cross(alpha_before, lever) + cross(omega_before, cross(omega_before, lever))
+    hinge_step = hinge_step + 2.0 * cross(omega_before, slide) + (1.0 - at.turns) * push
     hinge_acc = np.cumsum(hinge_step, axis=-2) - chain.gravity_m_s2
     arm = center - at.hinge_m
     center_acc = hinge_acc + cross(alpha, arm) + cross(omega, cross(omega, arm))
@@ -171,7 +187,8 @@ def inverse_dynamics(chain: Chain, q_rad: Array, qd_rad_s: Array, qdd_rad_s2: Ar
     force_beyond = np.cumsum(force[..., ::-1, :], axis=-2)[..., ::-1, :]
     moment_beyond = np.cumsum(moment[..., ::-1, :], axis=-2)[..., ::-1, :]
     about_hinge = moment_beyond - cross(at.hinge_m, force_beyond)
-    torque: Array = np.sum(at.axis * about_hinge, axis=-1)
+    wanted = at.turns * about_hinge + (1.0 - at.turns) * force_beyond
+    torque: Array = np.sum(at.axis * wanted, axis=-1)
     return torque
 
 
@@ -215,8 +232,10 @@ def point_jacobian(at: Placement, body: int, point_m: Array) -> Array:
     n = at.axis.shape[-2]
     J = np.zeros((6, n))
     carried = slice(0, body + 1)
-    J[:3, carried] = cross(at.axis[carried], point_m - at.hinge_m[carried]).T
-    J[3:, carried] = at.axis[carried].T
+    turns, axis = at.turns[carried], at.axis[carried]
+    turned = cross(axis, point_m - at.hinge_m[carried])
+    J[:3, carried] = (turns * turned + (1.0 - turns) * axis).T
+    J[3:, carried] = (turns * axis).T
     return J
 
 

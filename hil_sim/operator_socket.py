@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import socket
+import stat
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +15,7 @@ from hil_sim.clock import LabClock
 from hil_sim.operator import Action
 from protocols.errors import PlantError
 
-__all__ = ["OperatorSocket"]
+__all__ = ["OperatorSocket", "check_free"]
 
 MAX_LINE = 64 * 1024
 MAX_WAITING = 64  # requests
@@ -38,7 +39,7 @@ class OperatorSocket:
     Raises
     ------
     PlantError
-        If the path is too long for a socket.
+        If the path is too long for a socket, or another laboratory listens there.
     """
 
     def __init__(self, path: Path, begin: Callable[[object], Action], *, clock: LabClock) -> None:
@@ -50,9 +51,19 @@ class OperatorSocket:
         self.path = path
         self._begin = begin
         self._clock = clock
+        check_free(path)
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._listener.bind(str(path))
-        path.chmod(0o600)
+        try:
+            before = os.umask(0o177)  # from its first moment on it is its owner's alone
+            try:
+                self._listener.bind(str(path))
+            finally:
+                os.umask(before)
+        except OSError as error:
+            self._listener.close()
+            raise PlantError(
+                f"cannot listen at {path}: {error.strerror}; give the laboratory another directory"
+            ) from error
         self._listener.listen(4)
         self._listener.setblocking(False)
         self._client: socket.socket | None = None
@@ -183,3 +194,23 @@ class OperatorSocket:
 
 def _line(answer: dict[str, Any]) -> bytes:
     return json.dumps(answer).encode() + b"\n"
+
+
+def check_free(path: Path) -> None:
+    """Remove the socket of a laboratory that was killed; raise PlantError where one listens."""
+    try:
+        if not stat.S_ISSOCK(path.lstat().st_mode):
+            return
+    except FileNotFoundError:
+        return
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as caller:
+        try:
+            caller.connect(str(path))
+        except ConnectionRefusedError:
+            path.unlink(missing_ok=True)
+            return
+        except OSError:
+            return
+    raise PlantError(
+        f"another laboratory listens at {path}: stop it, or give this one another directory"
+    )

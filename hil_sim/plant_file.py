@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+import tomlkit
+from pydantic import Field, ValidationError, model_validator
 
+from hil_sim.effects import Effect
+from hil_sim.truth import Interval, NotNegative, Positive, Probability, Truth, Vector
 from protocols.errors import PlantError
 
 __all__ = [
@@ -24,22 +27,11 @@ __all__ = [
     "PlantFile",
     "PointTruth",
     "load_plant_file",
+    "plant_text",
 ]
 
-Vector = Annotated[tuple[float, float, float], Field(strict=False)]
-Interval = Annotated[tuple[float, float], Field(strict=False)]
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
-Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 
-
-class _Truth(BaseModel):
-    """A table of the plant file: unknown keys, nan and inf are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class LinkTruth(_Truth):
+class LinkTruth(Truth):
     """A link with the joint that moves it; a joint without stiffness is rigid when held."""
 
     name: str
@@ -75,7 +67,7 @@ class LinkTruth(_Truth):
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-class HiddenAxisTruth(_Truth):
+class HiddenAxisTruth(Truth):
     """A compliance axis between a joint and all the mass of its link, in the link's frame."""
 
     link: str
@@ -91,7 +83,7 @@ class HiddenAxisTruth(_Truth):
         return self
 
 
-class PointTruth(_Truth):
+class PointTruth(Truth):
     """A test point; `normal` is the outward normal (sensor z), `x_axis` the sensor's x."""
 
     id: str
@@ -108,7 +100,7 @@ class PointTruth(_Truth):
         return self
 
 
-class HammerTruth(_Truth):
+class HammerTruth(Truth):
     """The instrumented hammer."""
 
     serial_number: str
@@ -120,7 +112,7 @@ class HammerTruth(_Truth):
     flicker_n: NotNegative
 
 
-class AccelerometerTruth(_Truth):
+class AccelerometerTruth(Truth):
     """The triaxial accelerometer.
 
     Row i of `response` is what output i truly makes of accelerations along x, y, z, as parts of
@@ -140,15 +132,15 @@ class AccelerometerTruth(_Truth):
     base_motion: NotNegative  # motion of the base / motion of the hidden axis' link
 
 
-class BoardTruth(_Truth):
+class BoardTruth(Truth):
     """The analog inputs of the acquisition board."""
 
     range_v: Positive  # largest magnitude of the 24-bit converter
     filter_delay_samples: Annotated[int, Field(ge=8, le=256)]
-    oversampling: Annotated[int, Field(ge=16, le=256)]
+    oversampling: Annotated[int, Field(ge=8, le=256)]
 
 
-class HandTruth(_Truth):
+class HandTruth(Truth):
     """How a person hits."""
 
     peak_n: Interval  # of a good hit
@@ -177,7 +169,7 @@ class HandTruth(_Truth):
         return self
 
 
-class PlantFile(_Truth):
+class PlantFile(Truth):
     """All of a plant file."""
 
     name: str
@@ -185,6 +177,7 @@ class PlantFile(_Truth):
     gravity_m_s2: Vector
     links: Annotated[tuple[LinkTruth, ...], Field(strict=False, min_length=1)]
     hidden_axis: HiddenAxisTruth | None = None
+    effects: Annotated[tuple[Effect, ...], Field(strict=False)] = ()
     points: Annotated[tuple[PointTruth, ...], Field(strict=False)]
     hammer: HammerTruth
     accelerometer: AccelerometerTruth
@@ -238,3 +231,8 @@ def load_plant_file(path: Path) -> PlantFile:
             for fault in error.errors()
         )
         raise PlantError(f"plant file {path}: {faults}") from error
+
+
+def plant_text(truth: PlantFile) -> str:
+    """Write a plant as the text of a plant file."""
+    return tomlkit.dumps(truth.model_dump(mode="json", exclude_none=True))

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Dof", "FrequencyResponse", "FrfForm"]
+__all__ = ["Dof", "FrequencyResponse", "FrfEstimator", "FrfForm"]
 
 
 class FrfForm(StrEnum):
@@ -17,6 +17,14 @@ class FrfForm(StrEnum):
     RECEPTANCE = "receptance"  # m/N
     MOBILITY = "mobility"  # m/(N s)
     ACCELERANCE = "accelerance"  # m/(N s^2)
+
+
+class FrfEstimator(StrEnum):
+    """Where an averaged FRF takes the noise to be."""
+
+    H1 = "h1"  # on the response
+    H2 = "h2"  # on the force
+    HV = "hv"  # on both, in proportion to their power
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

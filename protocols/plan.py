@@ -14,8 +14,10 @@ import numpy as np
 from protocols.arm.records import Arm
 from protocols.arrays import frozen_array
 from protocols.errors import PlanError
+from protocols.frf_records import FrfEstimator
 from protocols.plan_model import PlanFile, PostureTable, exact_rate
 from protocols.plan_records import (
+    Averaging,
     Mode,
     Plan,
     PlannedPosture,
@@ -97,6 +99,9 @@ def plan_from_text(text: str, arm: Arm, *, origin: str = "plan file") -> Plan:
         ),
         trigger=Trigger(level_n=file.trigger.level_n, rising=file.trigger.slope == "rising"),
         windows=Windows(exponential_end=file.windows.exponential_end, force_s=file.windows.force_s),
+        averaging=Averaging(
+            estimator=FrfEstimator(file.averaging.estimator), keep_hits=file.averaging.keep_hits
+        ),
         sensor=SensorOnArm(mass_kg=file.sensor.mass_kg),
         postures=tuple(
             _posture(table, f"postures[{index}]", arm, origin)

@@ -82,6 +82,13 @@ class WindowsTable(FileModel):
     force_s: Annotated[float, Field(gt=0.0, le=1e3)] | None = None
 
 
+class AveragingTable(FileModel):
+    """How the hits of a point become one FRF."""
+
+    estimator: Literal["h1", "h2", "hv"] = "h1"
+    keep_hits: Annotated[int, Field(ge=1, le=100)] | None = None
+
+
 class SensorTable(FileModel):
     """The accelerometer as a mass on the arm."""
 
@@ -119,6 +126,7 @@ class PlanFile(FileModel):
     sampling: SamplingTable
     trigger: TriggerTable
     windows: WindowsTable = WindowsTable()
+    averaging: AveragingTable = AveragingTable()
     sensor: SensorTable
     postures: Annotated[list[PostureTable], Field(min_length=1, max_length=100)]
 

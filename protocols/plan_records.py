@@ -9,7 +9,18 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Mode", "Plan", "PlannedPosture", "Sampling", "SensorOnArm", "Trigger", "Windows"]
+from protocols.frf_records import FrfEstimator
+
+__all__ = [
+    "Averaging",
+    "Mode",
+    "Plan",
+    "PlannedPosture",
+    "Sampling",
+    "SensorOnArm",
+    "Trigger",
+    "Windows",
+]
 
 
 class Mode(StrEnum):
@@ -47,6 +58,18 @@ class Windows:
 
     exponential_end: float
     force_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Averaging:
+    """How the hits of a point become one FRF.
+
+    Hits unlike the others are left out in any case; `keep_hits` is how many of the like ones are
+    averaged at most (None: all).
+    """
+
+    estimator: FrfEstimator = FrfEstimator.H1
+    keep_hits: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,3 +111,4 @@ class Plan:
     postures: tuple[PlannedPosture, ...]
     text: str
     sha256: str
+    averaging: Averaging = Averaging()

@@ -70,8 +70,12 @@ def read_text(path: Path, *, what: str, limit_bytes: int, error: type[ArmodalErr
         Of type `error`, if the file is absent, no plain file, too large or not UTF-8.
     """
     try:
-        if not path.is_file():
-            raise error(f"{what} {path}: wanted a readable file, found none; check the path")
+        absent = not path.is_file()
+    except (OSError, ValueError) as problem:
+        raise error(f"{what} {path}: cannot be read ({problem}); check the path") from problem
+    if absent:
+        raise error(f"{what} {path}: wanted a readable file, found none; check the path")
+    try:
         with path.open("rb") as file:
             data = file.read(limit_bytes + 1)
     except (OSError, ValueError) as problem:

@@ -18,12 +18,20 @@ from analyzer.workspace.spectrum import elastic_joints
 from protocols.arm.files import load_arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
-from tui.mozzi import deflection_json, deflection_tables, load_tool, rank_random_postures
-from tui.plan import plan_json, plan_tables, plan_text, write_plan
+from tui.mozzi import (
+    Elbow,
+    deflection_json,
+    deflection_tables,
+    load_tool,
+    posture_of_wrist,
+    rank_random_postures,
+)
+from tui.plan import plan_json, plan_text, write_plan
+from tui.plan_tables import other_plan, plan_tables
 from tui.reproduce import figure_json, figure_tables, reproduce_papers
-from tui.workspace import survey_workspace, workspace_table
+from tui.workspace import survey_to_files, workspace_table
 
-__all__ = ["app"]
+__all__ = ["app", "comma_numbers"]
 
 app = typer.Typer()
 out = Console(highlight=False)
@@ -51,7 +59,14 @@ def _progress(what: str) -> Callable[[int, int], None]:
     return show
 
 
-def _numbers(text: str, what: str, count: int | None = None) -> list[float]:
+def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:
+    """The numbers of an option such as 0,30,-45.
+
+    Raises
+    ------
+    ArmError
+        If they are not finite numbers, or not `count` of them.
+    """
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -72,6 +87,10 @@ def plan_command(
     name: Annotated[str, typer.Option(help="Name of the plan in that file.")] = "selective",
     floor: Annotated[float, typer.Option(help="Height of the floor, m in base.")] = 0.0,
     base_radius: Annotated[float, typer.Option(min=0, help="Kept clear round the base, m.")] = 0.12,
+    beside: Annotated[
+        str | None,
+        typer.Option(help="Plan to compare with; else the arm's shipped plan, if it has one."),
+    ] = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -80,9 +99,11 @@ def plan_command(
     Example: armodal plan viper_s650 --out viper-plan.toml
     """
     the_arm = load_arm(arm)
+    elastic = elastic_joints(the_arm)
+    other = other_plan(the_arm, elastic, beside)
     found = plan_tests(
         the_arm,
-        elastic_joints(the_arm),
+        elastic,
         np.random.default_rng(seed),
         clearance=Clearance(floor_m=floor, base_radius_m=base_radius),
         n_tests=tests,
@@ -91,9 +112,9 @@ def plan_command(
     if out_path is not None:
         write_plan(plan_text(found, name), out_path)
     if as_json:
-        _print_json(plan_json(found) | {"plan": None if out_path is None else str(out_path)})
+        _print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
         return
-    for table in plan_tables(found):
+    for table in plan_tables(found, other):
         out.print(table)
     if found.not_isolated:
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
@@ -109,6 +130,11 @@ def mozzi_command(
     posture: Annotated[
         str | None, typer.Option(help="Joint angles in degrees, separated by commas.")
     ] = None,
+    wrist: Annotated[
+        str | None,
+        typer.Option(help="Instead: wrist at horizontal,vertical m of the meridian plane."),
+    ] = None,
+    elbow: Annotated[Elbow, typer.Option(help="Which way, with --wrist.")] = Elbow.UP,
     at: Annotated[
         str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
     ] = "0,0,0",
@@ -124,7 +150,7 @@ def mozzi_command(
     Example: armodal mozzi viper_s650 --posture 0,0,60,0,40,0 --wrench 0,50,-100,0,0,0 --at 0,0,0.1
     """
     the_arm = load_arm(arm)
-    load, tool = _numbers(wrench, "--wrench", 6), _numbers(at, "--at", 3)
+    load, tool = comma_numbers(wrench, "--wrench", 6), comma_numbers(at, "--at", 3)
     if rank:
         rows = rank_random_postures(the_arm, load, tool, n=rank, best=best, seed=seed)
         if as_json:
@@ -134,11 +160,20 @@ def mozzi_command(
             angles = " ".join(f"{angle:7.1f}" for angle in row["posture_deg"])
             out.print(f"{1e3 * row['displacement_m']:9.4f} mm  at {angles} deg")
         return
-    if posture is None:
-        raise ArmError("wanted --posture with the joint angles in degrees, or --rank; got neither")
-    found, lines = load_tool(the_arm, _numbers(posture, "--posture"), load, tool)
+    if (posture is None) == (wrist is None):
+        raise ArmError(
+            "wanted one of --posture with the joint angles in degrees, --wrist with its place in "
+            f"the meridian plane, and --rank; got {'none' if posture is None else 'two'}"
+        )
+    if wrist is not None:
+        asked = posture_of_wrist(the_arm, comma_numbers(wrist, "--wrist", 2), elbow)
+    else:
+        asked = comma_numbers(posture or "", "--posture")
+    found, lines = load_tool(the_arm, asked, load, tool)
     if as_json:
-        _print_json({"arm": the_arm.name} | deflection_json(the_arm, found, lines))
+        _print_json(
+            {"arm": the_arm.name, "posture_deg": asked} | deflection_json(the_arm, found, lines)
+        )
         return
     for table in deflection_tables(the_arm, found, lines):
         out.print(table)
@@ -151,6 +186,7 @@ def workspace_command(
     directory: Annotated[Path, typer.Option("--out", help="Folder for page and arrays.")] = Path(
         "workspace"
     ),
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes that share it.")] = 1,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -158,8 +194,13 @@ def workspace_command(
 
     Example: armodal workspace viper_s650 --postures 1000000
     """
-    value, study = survey_workspace(
-        load_arm(arm), directory, n_postures=postures, seed=seed, progress=_progress("postures")
+    value, study = survey_to_files(
+        load_arm(arm),
+        directory,
+        n_postures=postures,
+        seed=seed,
+        workers=workers,
+        progress=_progress("postures"),
     )
     if as_json:
         _print_json(value)

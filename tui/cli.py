@@ -13,15 +13,13 @@ from rich.console import Console
 from rich.table import Table
 
 from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs, identify
-from analyzer.report import write_report
+from analyzer.identification.identify import estimate_frfs
 from daq.events import Event
 from daq.settings import AcquisitionSettings
 from hil_sim.lab import start_laboratory
 from protocols.arm.files import load_arm
 from protocols.errors import ArmodalError, SessionError
 from protocols.plan import load_plan
-from protocols.session.hdf5 import read_session
 from protocols.session.recovery import rebuild
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 from tui.arm_commands import app as arm_app
@@ -29,9 +27,9 @@ from tui.check import app as check_app
 from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
-from tui.fit import fit_session
-from tui.results import identification_json, identification_tables
+from tui.results import identification_tables
 from tui.run.command import run_app
+from tui.session_commands import app as session_app
 
 __all__ = ["main"]
 
@@ -41,11 +39,11 @@ USER_ERROR = 2
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(check_app, name="check")
 app.add_typer(arm_app)
+app.add_typer(session_app)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
-SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
 
 
 def _say(text: str) -> None:
@@ -255,63 +253,6 @@ def run_command(
             software=SOFTWARE,
         )
     )
-
-
-@app.command()
-def fit(
-    session: SessionPath,
-    band: Annotated[
-        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
-    ] = None,
-    as_json: Json = False,
-) -> None:
-    """Fit modes in every posture of a session.
-
-    Example: armodal fit session.h5 --band 3 400 --json
-    """
-    value, table = fit_session(read_session(session), band_hz=band)
-    if as_json:
-        _print_json(value)
-        return
-    out.print(table)
-    for note in value["warnings"]:
-        out.print(f"note: {note}", markup=False)
-
-
-@app.command("identify")
-def identify_command(session: SessionPath, as_json: Json = False) -> None:
-    """Identify joint stiffness, damping and structural axes.
-
-    Example: armodal identify session.h5
-    """
-    measured = read_session(session)
-    result = identify(measured, _say)
-    if as_json:
-        _print_json(identification_json(measured, result))
-        return
-    for table in identification_tables(result):
-        out.print(table)
-    for note in (*result.notes, *measured.warnings):
-        out.print(f"note: {note}", markup=False)
-
-
-@app.command()
-def report(
-    session: SessionPath,
-    output: Annotated[Path | None, typer.Option("--out", help="HTML file to write.")] = None,
-    as_json: Json = False,
-) -> None:
-    """Write one self-contained HTML page of a session.
-
-    Example: armodal report session.h5 --out report.html
-    """
-    measured = read_session(session)
-    path = output or session.with_suffix(".html")
-    write_report(measured, identify(measured, _say), path)
-    if as_json:
-        _print_json({"report": str(path)})
-    else:
-        out.print(f"report {path}", markup=False)
 
 
 @app.command()

@@ -2,76 +2,287 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from rich.table import Table
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.identify import estimate_frfs
 from analyzer.identification.mode_fit import MeasuredModes
 from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from analyzer.modal import ModalModel, fit_modes
+from analyzer.modal import (
+    MassScaling,
+    ModalModel,
+    Mode,
+    fit_modes,
+    hit_choices,
+    mass_scaling,
+    missing_mode_hints,
+)
+from protocols.errors import EstimateError
+from protocols.frf_records import Dof, FrequencyResponse, FrfEstimator
+from protocols.plan_records import Averaging, Windows
 from protocols.session.records import Session
 
-__all__ = ["fit_session"]
+__all__ = ["FitSettings", "fit_lines", "fit_session"]
 
 SAME_F, SAME_DAMPING = 0.01, 0.05  # relative, between consecutive orders: the usual criterion
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitSettings:
+    """What is asked for beside, or instead of, what the plan says; None leaves it to the plan."""
+
+    band_hz: tuple[float, float] | None = None
+    estimator: FrfEstimator | None = None
+    exponential_end: float | None = None
+    force_s: float | None = None
+    keep_hits: int | None = None
+    max_order: int = 60
+
+    def applied_to(self, session: Session) -> Session:
+        """Return the session as if its plan had asked for these windows and averages."""
+        plan = session.header.plan
+        windows, averaging = plan.windows, plan.averaging
+        end, force_s, keep = self.exponential_end, self.force_s, self.keep_hits
+        windows = Windows(
+            exponential_end=windows.exponential_end if end is None else end,
+            force_s=windows.force_s if force_s is None else force_s,
+        )
+        averaging = Averaging(
+            estimator=self.estimator or averaging.estimator,
+            keep_hits=averaging.keep_hits if keep is None else keep,
+        )
+        plan = replace(plan, windows=windows, averaging=averaging)
+        return replace(session, header=replace(session.header, plan=plan))
+
+    def about_hits(self) -> bool:
+        """Whether anything is asked for that only single hits can follow."""
+        asked = (self.estimator, self.exponential_end, self.force_s, self.keep_hits)
+        return any(value is not None for value in asked)
+
+
 def fit_session(
-    session: Session, *, band_hz: tuple[float, float] | None = None
+    session: Session, settings: FitSettings | None = None
 ) -> tuple[dict[str, Any], Table]:
-    """Fit the modes of every posture; return them as plain values and as a table."""
+    """Fit the modes of every posture; return them as plain values and as a table.
+
+    Raises
+    ------
+    EstimateError
+        If the session has neither hits nor FRFs, or FRFs cannot be fitted.
+    """
+    settings = settings or FitSettings()
+    session = settings.applied_to(session)
     superset = Superset(session.header.arm)
     table = Table(title="Modes")
     for column in ("posture", "f Hz", "±", "damping %", "±", "MPC", "joint share", ""):
         table.add_column(column, justify="right")
+    frfs = estimate_frfs(session, superset)
+    if not frfs:
+        raise EstimateError(
+            "the session has no accepted hits and no FRFs: there is nothing to fit; measure first"
+        )
+    given = {frf.posture for frf in session.frfs}
     modes: list[dict[str, Any]] = []
     errors: dict[str, float] = {}
     stabilisation: dict[str, Any] = {}
-    for frf in estimate_frfs(session, superset):
-        model = fit_modes(frf, band_hz=band_hz)
+    postures: dict[str, Any] = {}
+    warnings = list(session.warnings)
+    for frf in frfs:
+        model = fit_modes(frf, band_hz=settings.band_hz, max_order=settings.max_order)
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = _stabilisation(model)
-        if frf.joints_rad is None:
-            continue
-        measured = MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
-        for mode, shape in zip(model.modes, measured.shapes.T, strict=True):
-            # Without an arm there are no joints to share a mode with.
-            share = joint_share(superset, measured, shape) if superset.n_joints else None
-            structural = share is not None and share < STRUCTURAL_SHARE
-            modes.append(
-                {
-                    "posture": frf.posture,
-                    "f_hz": mode.f_hz,
-                    "f_std_hz": mode.f_std_hz,
-                    "damping_ratio": mode.damping_ratio,
-                    "damping_std": mode.damping_std,
-                    "mpc": mode.mpc,
-                    "mpd_deg": mode.mpd_deg,
-                    "structural": structural,
-                    "joint_share": share,
-                }
+        found = _modes(superset, frf, model)
+        modes += found
+        _add_rows(table, found)
+        averaged_here = frf.posture not in given
+        if settings.about_hits() and not averaged_here:
+            warnings.append(
+                f"posture {frf.posture!r}: its FRFs were averaged elsewhere: windows, estimator "
+                "and hits kept are theirs, not those asked for"
             )
-            table.add_row(
-                frf.posture,
-                f"{mode.f_hz:.3f}",
-                f"{mode.f_std_hz:.3f}",
-                f"{100 * mode.damping_ratio:.2f}",
-                f"{100 * mode.damping_std:.2f}",
-                f"{mode.mpc:.3f}",
-                "-" if share is None else f"{share:.2f}",
-                "structural" if structural else "",
-            )
+        postures[frf.posture] = _posture(session, frf, model, averaged_here=averaged_here)
     value = {
         "modes": modes,
         "synthesis_error": errors,
         "stabilisation": stabilisation,
-        "warnings": list(session.warnings),
+        "postures": postures,
+        "warnings": warnings,
     }
-    return value, table
+    return _plain(value), table
+
+
+def fit_lines(value: dict[str, Any]) -> list[str]:
+    """What a person wants to know beside the table of `fit_session`."""
+    lines = []
+    for posture, made in value["postures"].items():
+        error = 100.0 * value["synthesis_error"][posture]
+        lines.append(f"{posture}: synthesis error {error:.2g} %; {made['window']}")
+        lines += [
+            f"  hit {hit['hit']} left out, {hit['reason']}: {hit['note']}"
+            for hit in made["hits_dropped"]
+        ]
+        lines += [
+            f"  a mode may be missing near {hint['f_hz']:.4g} Hz: "
+            f"{100.0 * hint['misfit_share']:.2g} % of the FRFs there is not explained"
+            for hint in made["missing_mode_hints"]
+        ]
+    return lines
+
+
+def _plain(value: Any) -> Any:
+    """Replace numbers that JSON has no word for by None."""
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:
+    shares = _joint_shares(superset, frf, model)
+    scaling = _scaling(model)
+    return [
+        {
+            "posture": frf.posture,
+            "f_hz": mode.f_hz,
+            "f_std_hz": mode.f_std_hz,
+            "damping_ratio": mode.damping_ratio,
+            "damping_std": mode.damping_std,
+            "dof": mode.dof,
+            "mpc": mode.mpc,
+            "mpd_deg": mode.mpd_deg,
+            # Without an arm, or its angles, nobody can tell what is structural.
+            "structural": None if share is None else share < STRUCTURAL_SHARE,
+            "joint_share": share,
+            "modal_mass_kg": None if scaled is None else scaled.modal_mass_kg,
+            "modal_mass_std_kg": None if scaled is None else scaled.modal_mass_std_kg,
+            "shape": _shape(model, mode),
+        }
+        for mode, share, scaled in zip(model.modes, shares, scaling, strict=True)
+    ]
+
+
+def _joint_shares(
+    superset: Superset, frf: FrequencyResponse, model: ModalModel
+) -> Sequence[float | None]:
+    """Share of each shape that joints explain; None without an arm or its angles."""
+    if frf.joints_rad is None or not superset.n_joints:
+        return [None] * len(model.modes)
+    measured = MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
+    return [joint_share(superset, measured, shape) for shape in measured.shapes.T]
+
+
+def _scaling(model: ModalModel) -> Sequence[MassScaling | None]:
+    """Modal masses where a driving point tells them."""
+    try:
+        return mass_scaling(model)
+    except EstimateError:
+        return [None] * len(model.modes)
+
+
+def _shape(model: ModalModel, mode: Mode) -> list[dict[str, Any]]:
+    """Where the shape was measured at more places: at the responses, or where the hammer went."""
+    if len(model.references) > len(model.responses):
+        return _entries(model.references, mode.participation, mode.participation_std)
+    return _entries(model.responses, mode.shape, mode.shape_std)
+
+
+def _entries(
+    dofs: Sequence[Dof], values: npt.NDArray[np.complex128], std: npt.NDArray[np.complex128]
+) -> list[dict[str, Any]]:
+    return [
+        {
+            "point": dof.point,
+            "label": dof.label,
+            "re": float(value.real),
+            "im": float(value.imag),
+            "re_std": float(wide.real),
+            "im_std": float(wide.imag),
+        }
+        for dof, value, wide in zip(dofs, values, std, strict=True)
+    ]
+
+
+def _add_rows(table: Table, modes: list[dict[str, Any]]) -> None:
+    for mode in modes:
+        share = mode["joint_share"]
+        table.add_row(
+            mode["posture"],
+            f"{mode['f_hz']:.3f}",
+            f"{mode['f_std_hz']:.3f}",
+            f"{100 * mode['damping_ratio']:.3g}",
+            f"{100 * mode['damping_std']:.2g}",
+            f"{mode['mpc']:.3f}",
+            "-" if share is None else f"{share:.2f}",
+            "structural" if mode["structural"] else "",
+        )
+
+
+def _posture(
+    session: Session, frf: FrequencyResponse, model: ModalModel, *, averaged_here: bool
+) -> dict[str, Any]:
+    """How the FRFs were made, how well the model repeats them, what may be missing."""
+    plan = session.header.plan
+    choices = hit_choices(session, frf.posture) if averaged_here else ()
+    return {
+        "form": str(frf.form),
+        "lines": len(frf.freq_hz),
+        "estimator": str(plan.averaging.estimator) if averaged_here else None,
+        "exponential_end": plan.windows.exponential_end if averaged_here else None,
+        "force_s": plan.windows.force_s if averaged_here else None,
+        "window_decay_rad_s": frf.decay_rad_s,
+        "window": _said_of_window(frf),
+        "hits_dropped": [
+            {
+                "hit": hit.hit,
+                "sensor_point": choice.sensor_point,
+                "hit_point": choice.reference.point,
+                "reason": hit.reason,
+                "p_value": hit.p_value,
+                "note": hit.note,
+            }
+            for choice in choices
+            for hit in choice.dropped
+        ],
+        "lack_of_fit": model.lack_of_fit,
+        "frfs": [
+            {
+                "response": f"{response.point} {response.label}",
+                "reference": f"{reference.point} {reference.label}",
+                "synthesis_error": float(model.frf_error[i, j]),
+                "frac": float(model.frac[i, j]),
+            }
+            for i, response in enumerate(model.responses)
+            for j, reference in enumerate(model.references)
+        ],
+        "missing_mode_hints": [
+            {
+                "f_hz": hint.f_hz,
+                "misfit_ratio": hint.ratio,
+                "misfit_share": hint.share,
+                "beside_hz": hint.beside_hz,
+            }
+            for hint in missing_mode_hints(frf, model)
+        ],
+    }
+
+
+def _said_of_window(frf: FrequencyResponse) -> str:
+    if frf.decay_rad_s <= 0.0:
+        return "no exponential window"
+    return (
+        f"the same exponential window e^(-{frf.decay_rad_s:.4g} t) on force and response, which "
+        "adds no damping: poles are fitted on s = decay + j w"
+    )
 
 
 def _stabilisation(model: ModalModel) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,21 @@ from analyzer.screws import MozziAxis, Translation
 from analyzer.statics.deflection import Deflections, JointLine, deflect, joint_lines
 from analyzer.statics.ranking import rank_postures
 from analyzer.workspace.batch import ArmBatch
+from analyzer.workspace.meridian import meridian_plane
 from analyzer.workspace.postures import random_postures
 from analyzer.workspace.spectrum import elastic_joints
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 
-__all__ = ["deflection_json", "deflection_tables", "load_tool", "rank_random_postures"]
+__all__ = [
+    "Elbow",
+    "checked_posture",
+    "deflection_json",
+    "deflection_tables",
+    "load_tool",
+    "posture_of_wrist",
+    "rank_random_postures",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -41,6 +51,25 @@ def load_tool(
     axis = found.mozzi()
     lines = joint_lines(batch, joints_rad, axis) if isinstance(axis, MozziAxis) else ()
     return found, lines
+
+
+class Elbow(StrEnum):
+    """Which of the two ways the arm brings its wrist to a place."""
+
+    UP = "up"
+    DOWN = "down"
+
+
+def posture_of_wrist(arm: Arm, place_m: list[float], elbow: Elbow) -> list[float]:
+    """Joint angles in degrees that bring the wrist to a place of the meridian plane.
+
+    Raises
+    ------
+    ArmError
+        If the arm has no meridian plane, or the wrist does not reach the place.
+    """
+    angles = meridian_plane(arm).joints_at(place_m[0], place_m[1], elbow.value)
+    return [float(angle) for angle in np.rad2deg(angles)]
 
 
 def checked_posture(arm: Arm, posture_deg: list[float]) -> Array:

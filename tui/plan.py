@@ -6,18 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from analyzer.planning.selective import PlannedTest, SelectivePlan
 from protocols.errors import PlanError
 from protocols.plan import plan_from_text
+from tui.plan_tables import Beside
 
-__all__ = ["plan_json", "plan_tables", "plan_text", "write_plan"]
+__all__ = ["plan_json", "plan_text", "write_plan"]
 
 TOLERANCE_DEG = 0.5
 
 
-def plan_json(plan: SelectivePlan) -> dict[str, Any]:
+def plan_json(plan: SelectivePlan, beside: Beside | None = None) -> dict[str, Any]:
     """The tests as plain values."""
     arm, elastic = plan.arm, plan.elastic
     names = [joint.name for joint in arm.joints]
@@ -35,6 +35,17 @@ def plan_json(plan: SelectivePlan) -> dict[str, Any]:
                 elastic.joints, plan.most_selective, plan.least_coupling, strict=True
             )
         ],
+        "beside": None
+        if beside is None
+        else {
+            "plan": beside.name,
+            "joints": [
+                {"joint": names[joint], "posture": posture, "worst_coupling": float(coupling)}
+                for joint, posture, coupling in zip(
+                    elastic.joints, beside.postures, beside.least_coupling, strict=True
+                )
+            ],
+        },
         "hit_point": plan.hit_point,
         "tests": [
             {
@@ -77,40 +88,6 @@ def plan_json(plan: SelectivePlan) -> dict[str, Any]:
             for test, expected in zip(plan.tests, plan.expected_std, strict=True)
         ],
     }
-
-
-def plan_tables(plan: SelectivePlan) -> list[Table]:
-    """The tests as tables for people."""
-    names = [joint.name for joint in plan.arm.joints]
-    tests = Table(title=f"Tests for {plan.arm.name}: the first {plan.n_needed} are needed")
-    for column in ("", "posture deg", "for", "shows", "worst M_ij/M_ii", "hit", "purity %", "Hz"):
-        tests.add_column(column)
-    for number, test in enumerate(plan.tests, start=1):
-        tests.add_row(
-            str(number),
-            " ".join(f"{angle:.0f}" for angle in np.rad2deg(test.joints_rad)),
-            names[test.target],
-            ", ".join(names[joint] for joint in test.serves),
-            f"{test.coupling.max():.4f}",
-            _hit(test),
-            f"{100 * test.hit.purity:.0f}",
-            " ".join(f"{f:.1f}" for f in test.modes.f_hz),
-        )
-    expected = Table(title="Least standard deviation of k to expect after each test, %")
-    expected.add_column("tests", justify="right")
-    for joint in plan.elastic.joints:
-        expected.add_column(names[joint], justify="right")
-    for number, row in enumerate(plan.expected_std, start=1):
-        expected.add_row(str(number), *(f"{100 * std:.3f}" for std in row))
-    gravity = Table(title="Gravity's stiffness, % of the spring's")
-    gravity.add_column("test", justify="right")
-    for joint in plan.elastic.joints:
-        gravity.add_column(names[joint], justify="right")
-    for number, test in enumerate(plan.tests, start=1):
-        gravity.add_row(
-            str(number), *(f"{100 * part:+.2f}" for part in test.gravity.part_of_spring)
-        )
-    return [tests, expected, gravity]
 
 
 def plan_text(plan: SelectivePlan, name: str) -> str:
@@ -172,8 +149,3 @@ def write_plan(text: str, path: Path) -> None:
         raise PlanError(f"{path} exists already; give another name with --out") from None
     except OSError as problem:
         raise PlanError(f"cannot write {path}: {problem.strerror}; check the folder") from problem
-
-
-def _hit(test: PlannedTest) -> str:
-    direction = " ".join(f"{value:+.2f}" for value in test.hit.direction_base)
-    return f"{test.hit.point} along {direction}{'' if test.hit.along_normal else ' (block)'}"

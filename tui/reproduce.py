@@ -9,24 +9,34 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from analyzer.calibration.from_file import calibrate_from_file
 from analyzer.reproduce.file_000 import figures_000
 from analyzer.reproduce.file_001 import figures_001
 from analyzer.reproduce.file_002 import figures_002
 from analyzer.reproduce.records import Figure, Status
-from protocols.arm.files import load_arm
+from protocols.arm.files import ARMS_DIRECTORY, load_arm
+from protocols.inertia_targets import load_inertia_targets
 
 __all__ = ["figure_json", "figure_tables", "reproduce_papers"]
 
+TARGETS = ARMS_DIRECTORY.parent / "targets"
 STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
 
 
 def reproduce_papers(n_postures: int) -> list[Figure]:
     """Compute every figure of the three papers on the shipped arms."""
     calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
+    bare = load_arm(TARGETS / "viper_s650-uncalibrated.toml")
+    targets = load_inertia_targets(TARGETS / "viper_s650-without-table4.toml", bare)
     return [
         *figures_000(load_arm("rv4frl")),
         *figures_001(predicting),
-        *figures_002(calibrated, predicting, n_postures=n_postures),
+        *figures_002(
+            calibrated,
+            predicting,
+            calibrate_from_file(bare, targets),
+            n_postures=n_postures,
+        ),
     ]
 
 
@@ -39,6 +49,7 @@ def figure_json(figure: Figure) -> dict[str, Any]:
         "unit": figure.unit,
         "published": figure.published,
         "ours": figure.ours,
+        "ours_std": figure.ours_std,
         "margin": figure.margin,
         "status": figure.status.value,
         "why": figure.why,
@@ -62,7 +73,8 @@ def figure_tables(figures: list[Figure]) -> list[Table | Text]:
             table.add_row(
                 f"{figure.table}: {figure.item}{unit}",
                 _shown(figure.published),
-                _shown(figure.ours),
+                _shown(figure.ours)
+                + ("" if figure.ours_std is None else f" ± {figure.ours_std:.2g}"),
                 "" if figure.margin is None else f"{figure.margin:.3g}",
                 figure.status.value,
                 style=STYLES.get(figure.status),

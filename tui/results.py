@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from rich.table import Table
 
 from analyzer.identification.records import Identification
@@ -61,6 +63,7 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                 "c_std": axis.c_std,
                 "direction_link": axis.direction_link.tolist(),
                 "point_link_m": axis.point_link_m.tolist(),
+                "doubts": list(axis.doubts),
                 "mozzi_axes_of_modes": [
                     {
                         "posture": mozzi.posture,
@@ -68,9 +71,23 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                         "direction_base": mozzi.direction_base.tolist(),
                         "point_base_m": mozzi.point_base_m.tolist(),
                         "k_eq1_n_m_per_rad": mozzi.k_eq1_n_m_per_rad,
+                        "c_eq2_n_m_s_per_rad": mozzi.c_eq2_n_m_s_per_rad,
+                        "off_deg": mozzi.line.off_deg,
+                        "off_mm": mozzi.line.off_mm,
                         "predicted_bias_deg": mozzi.predicted_bias_deg,
                         "predicted_bias_mm": mozzi.predicted_bias_mm,
                         "predicted_bias_k": mozzi.predicted_bias_k,
+                        "triplets": None
+                        if mozzi.triplets is None or mozzi.triplet_line is None
+                        else {
+                            "n": mozzi.triplets.n_triplets,
+                            "direction_base": mozzi.triplets.direction.tolist(),
+                            "point_base_m": mozzi.triplets.point_m.tolist(),
+                            "scatter_deg": mozzi.triplets.angle_rms_deg,
+                            "scatter_mm": 1e3 * mozzi.triplets.distance_rms_m,
+                            "off_deg": mozzi.triplet_line.off_deg,
+                            "off_mm": mozzi.triplet_line.off_mm,
+                        },
                     }
                     for mozzi in axis.mozzi
                 ],
@@ -85,6 +102,11 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                 "predicted_std_hz": row.predicted_std_hz,
                 "measured_hz": row.measured_hz,
                 "measured_std_hz": row.measured_std_hz,
+                "predicted_damping": row.predicted_damping,
+                "predicted_damping_std": row.predicted_damping_std,
+                "measured_damping": row.measured_damping,
+                "measured_damping_std": row.measured_damping_std,
+                "mac": row.mac,
             }
             for row in result.validation
         ],
@@ -111,19 +133,7 @@ def identification_tables(result: Identification) -> list[Table]:
             f"{joint.c_n_m_s_per_rad:.2f}",
             f"{joint.c_std:.2f}",
         )
-    axes = Table(title="Structural compliance axes (link frame)")
-    for column in ("link", "mode Hz", "k", "± scatter", "± model", "direction", "point mm"):
-        axes.add_column(column, justify="right")
-    for axis in result.axes:
-        axes.add_row(
-            axis.link,
-            f"{axis.f_hz:.2f}",
-            f"{axis.k_n_m_per_rad:.0f}",
-            f"{axis.k_std:.0f}",
-            f"{axis.k_std_model:.0f}",
-            " ".join(f"{x:.3f}" for x in axis.direction_link),
-            " ".join(f"{1e3 * x:.1f}" for x in axis.point_link_m),
-        )
+    axes = _axis_table(result)
     modes = Table(title="Measured modes")
     for column in ("posture", "f Hz", "±", "damping %", "±", "joint share", "", "model Hz", "MAC"):
         modes.add_column(column, justify="right")
@@ -139,10 +149,12 @@ def identification_tables(result: Identification) -> list[Table]:
             "-" if mode.model_f_hz is None else f"{mode.model_f_hz:.3f}",
             "-" if mode.mac is None else f"{mode.mac:.3f}",
         )
-    tables = [joints, axes, modes]
+    tables = [joints, modes] if axes is None else [joints, axes, modes]
     if result.validation:
         checked = Table(title="Validation postures: predicted, then measured")
         for column in ("posture", "mode", "predicted Hz", "±", "measured Hz", "error %"):
+            checked.add_column(column, justify="right")
+        for column in ("predicted ζ %", "±", "measured ζ %", "MAC"):
             checked.add_column(column, justify="right")
         for row in result.validation:
             known = row.measured_hz is not None
@@ -155,6 +167,67 @@ def identification_tables(result: Identification) -> list[Table]:
                 f"{100 * (row.predicted_hz / row.measured_hz - 1):+.2f}"
                 if row.measured_hz
                 else "-",
+                f"{100 * row.predicted_damping:.2f}",
+                f"{100 * row.predicted_damping_std:.2f}",
+                "-" if row.measured_damping is None else f"{100 * row.measured_damping:.2f}",
+                "-" if row.mac is None else f"{row.mac:.3f}",
             )
         tables.append(checked)
     return tables
+
+
+def _axis_table(result: Identification) -> Table | None:
+    """Compliance axes beside the Mozzi axes of their modes, all in the link's frame."""
+    if not result.axes:
+        return None
+    table = Table(
+        title="Structural compliance (link frame): the model's axis, and the modes' Mozzi axes"
+    )
+    for column in ("axis", "f Hz", "k", "± scatter", "± model", "c", "direction", "point mm"):
+        table.add_column(column, justify="left" if column == "axis" else "right")
+    table.add_column("off deg, mm", justify="right")
+    table.add_column("expected bias deg, mm, k", justify="right")
+    for axis in result.axes:
+        table.add_row(
+            f"{axis.link}: released in the model",
+            f"{axis.f_hz:.2f}",
+            f"{axis.k_n_m_per_rad:.0f}",
+            f"{axis.k_std:.0f}",
+            f"{axis.k_std_model:.0f}",
+            f"{axis.c_n_m_s_per_rad:.2f}",
+            _vector(axis.direction_link, 3),
+            _vector(1e3 * axis.near_point_link_m, 1),
+        )
+        for row in axis.mozzi:
+            table.add_row(
+                f"{row.posture}: all points, Eq. (1)",
+                f"{row.f_hz:.2f}",
+                f"{row.k_eq1_n_m_per_rad:.0f}",
+                "",
+                "",
+                f"{row.c_eq2_n_m_s_per_rad:.2f}",
+                _vector(row.line.direction_link, 3),
+                _vector(1e3 * row.line.point_link_m, 1),
+                f"{row.line.off_deg:.1f}, {row.line.off_mm:.0f}",
+                f"{row.predicted_bias_deg:.1f}, {row.predicted_bias_mm:.0f}, "
+                f"{100 * row.predicted_bias_k:+.0f} %",
+            )
+            if row.triplets is not None and row.triplet_line is not None:
+                table.add_row(
+                    f"  {row.triplets.n_triplets} triplets, ± "
+                    f"{row.triplets.angle_rms_deg:.1f} deg, "
+                    f"{1e3 * row.triplets.distance_rms_m:.0f} mm",
+                    *[""] * 5,
+                    _vector(row.triplet_line.direction_link, 3),
+                    _vector(1e3 * row.triplet_line.point_link_m, 1),
+                    f"{row.triplet_line.off_deg:.1f}, {row.triplet_line.off_mm:.0f}",
+                )
+    table.caption = (
+        "A mode in which joints turn too has another Mozzi axis than the compliance: the expected "
+        "bias is what the fitted model gives for the same computation."
+    )
+    return table
+
+
+def _vector(values: npt.NDArray[np.float64], digits: int) -> str:
+    return " ".join(f"{value:.{digits}f}" for value in values)

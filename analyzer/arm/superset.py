@@ -1,9 +1,10 @@
-"""The superset model: every joint, and six more freedoms at the root of every link.
+"""The superset model: every joint, and six more freedoms at the root of every link and of the base.
 
-One pinocchio model per arm holds, for each link, the drive joint followed by a free interface of
-six degrees of freedom, all locked unless somebody asks. Locking is deleting rows and columns, and
-a compliance axis inside a link is one combination of the link's six interface columns, so a
-posture is evaluated once and every hypothesis about the structure is a small matrix product.
+One pinocchio model per arm holds a free interface of the base and, for each link, the drive joint
+followed by a free interface of six degrees of freedom, all locked unless somebody asks. Locking
+is deleting rows and columns, and a compliance axis inside a link is one combination of the link's
+six interface columns, so a posture is evaluated once and every hypothesis about the structure is a
+small matrix product.
 
 An interface sits between a joint and all the mass of its link: what moves about an axis released
 in link i is link i and everything beyond it.
@@ -30,14 +31,16 @@ Array = npt.NDArray[np.float64]
 class PostureDynamics:
     """The superset in one posture, linearised about rest.
 
-    `n` counts the superset's degrees of freedom: per link one joint column, then six interface
-    columns (linear first, in the link's frame).
+    `n` counts the superset's degrees of freedom: six columns of the base (linear first, base
+    frame), then per link one joint column and six interface columns (linear first, in the link's
+    frame).
     """
 
     joints_rad: Array  # (n_joints,)
     mass: Array  # (n, n)
     gravity_stiffness: Array  # (n, n), dg/dq, symmetric
     point_jacobian: Array  # (n_points, 6, n), base frame, linear first, at the test points
+    link_jacobian: Array  # (n_links, 6, n), each in its link's frame, linear first
     point_rotation: Array  # (n_points, 3, 3), columns are the sensor's axes in base
     point_position: Array  # (n_points, 3), base frame
     T_base_link: Array  # (n_links, 4, 4)
@@ -58,7 +61,8 @@ class Superset:
         self.n_joints = len(arm.joints)
         model = pin.Model()
         model.gravity = pin.Motion(np.asarray(arm.gravity_m_s2, dtype=float), np.zeros(3))
-        parent = 0
+        parent = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base root")
+        self._base = parent
         self._links: list[int] = []
         for joint in arm.joints:
             placement = pin.SE3(joint.T_parent_joint[:3, :3], joint.T_parent_joint[:3, 3])
@@ -84,12 +88,17 @@ class Superset:
     @staticmethod
     def joint_column(joint: int) -> int:
         """Return the superset column of joint number `joint` (0-based)."""
-        return 7 * joint
+        return 6 + 7 * joint
+
+    @staticmethod
+    def base_columns() -> slice:
+        """Return the six columns, linear first, of the interface between floor and base."""
+        return slice(0, 6)
 
     @staticmethod
     def interface_columns(link: int) -> slice:
         """Return the six columns, linear first, of the interface at the root of link `link`."""
-        return slice(7 * link + 1, 7 * link + 7)
+        return slice(6 + 7 * link + 1, 6 + 7 * link + 7)
 
     def posture(self, joints_rad: npt.ArrayLike) -> PostureDynamics:
         """Evaluate mass, gravity stiffness and point Jacobians in a posture.
@@ -126,16 +135,49 @@ class Superset:
         poses = [data.oMi[i].homogeneous for i in self._links]
         T_base_link = np.stack(poses) if poses else np.zeros((0, 4, 4))
         jacobian, rotation, position = self._points(data, T_base_link)
+        local = [
+            np.array(pin.getJointJacobian(model, data, i, pin.ReferenceFrame.LOCAL))
+            for i in self._links
+        ]
         return PostureDynamics(
             joints_rad=frozen_array(angles, np.float64),
             mass=frozen_array(mass, np.float64),
             gravity_stiffness=frozen_array((gravity + gravity.T) / 2, np.float64),
             point_jacobian=frozen_array(jacobian, np.float64),
+            link_jacobian=frozen_array(
+                np.stack(local) if local else np.zeros((0, 6, self.n)), np.float64
+            ),
             point_rotation=frozen_array(rotation, np.float64),
             point_position=frozen_array(position, np.float64),
             T_base_link=frozen_array(T_base_link, np.float64),
             gravity_m_s2=frozen_array(self.arm.gravity_m_s2, np.float64),
         )
+
+    def gravity_stiffness_per_mass(self, joints_rad: npt.ArrayLike) -> Array:
+        """Gravity stiffness that a unit mass and a unit first moment of each link bring.
+
+        Returns
+        -------
+        (n_links, 4, n, n) float64
+            dg/dq for a mass of 1 kg at each link's origin, then what 1 kg m of first moment along
+            each axis of the link adds to it. Gravity's stiffness is linear in the four.
+        """
+        q = self._neutral.copy()
+        q[self._joint_q] = np.asarray(joints_rad, dtype=np.float64)
+        model = self._model.copy()
+        for i in range(1, model.njoints):
+            model.inertias[i] = pin.Inertia.Zero()
+        data = model.createData()
+        result = np.zeros((len(self._links), 4, self.n, self.n))
+        at = np.vstack([np.zeros(3), np.eye(3)])
+        for number, link in enumerate(self._links):
+            for i, center in enumerate(at):
+                model.inertias[link] = pin.Inertia(1.0, center, np.zeros((3, 3)))
+                derivative = pin.computeGeneralizedGravityDerivatives(model, data, q)
+                result[number, i] = (derivative + derivative.T) / 2
+            model.inertias[link] = pin.Inertia.Zero()
+        result[:, 1:] -= result[:, :1]
+        return result
 
     def _points(self, data: pin.Data, T_base_link: Array) -> tuple[Array, Array, Array]:
         n_points = len(self.arm.points)
@@ -145,16 +187,17 @@ class Superset:
         # Twist of each link taken at the base origin, then moved to the point: v + w x p.
         link_jacobian = [
             np.array(pin.getJointJacobian(self._model, data, i, pin.ReferenceFrame.WORLD))
-            for i in self._links
+            for i in (self._base, *self._links)
         ]
         for i, (point, link) in enumerate(zip(self.arm.points, self.point_link, strict=True)):
             T = np.eye(4) if link < 0 else T_base_link[link]
             position[i] = T[:3, :3] @ point.position_m + T[:3, 3]
             rotation[i] = T[:3, :3] @ point.R_link_sensor
-            if link >= 0:
-                J = link_jacobian[link]
-                jacobian[i, 3:] = J[3:]
-                jacobian[i, :3] = J[:3] + np.cross(J[3:].T, position[i]).T
+            J = link_jacobian[link + 1]
+            jacobian[i, 3:] = J[3:]
+            x, y, z = position[i]
+            skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+            jacobian[i, :3] = J[:3] - skew @ J[3:]
         return jacobian, rotation, position
 
 

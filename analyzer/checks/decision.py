@@ -34,10 +34,14 @@ ADEQUATE = 1.0  # residual per degree of freedom that noise and local discrepanc
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
-    """A finding, and the discrete fault to undo before looking for a second one."""
+    """A finding, the discrete fault to undo before looking for a second one, and its strength.
+
+    `faint` is a *cannot tell* that stays below the bar: the next posture may dispel it.
+    """
 
     finding: Finding
     undo: Candidate | None
+    faint: bool
 
 
 def decide(
@@ -55,7 +59,12 @@ def decide(
     scale = max(1.0, best.residual / max(dof, 1.0))
 
     def say(
-        outcome: Outcome, text: str, *, confidence: float = 0.0, undo: Candidate | None = None
+        outcome: Outcome,
+        text: str,
+        *,
+        confidence: float = 0.0,
+        undo: Candidate | None = None,
+        faint: bool = False,
     ) -> Decision:
         named = outcome is Outcome.FAULT
         finding = Finding(
@@ -68,10 +77,10 @@ def decide(
             confidence=confidence,
             text=text,
         )
-        return Decision(finding=finding, undo=undo)
+        return Decision(finding=finding, undo=undo, faint=faint)
 
     if dof < 1.0:
-        return say(Outcome.CANNOT_TELL, "no link has enough points")
+        return say(Outcome.CANNOT_TELL, "no link has enough points", faint=True)
 
     def over_bar(c: Candidate) -> float:
         high = bar * (CONTINUOUS_BAR if c.continuous else 1.0)
@@ -86,14 +95,14 @@ def decide(
             f"{100.0 * seen:.0f} % along one axis would show at half of the points"
         )
         confidence = float(np.clip(1.0 - near, 0.0, 1.0))
-        outcome = Outcome.GOOD
+        outcome, faint = Outcome.GOOD, False
         if null.residual / dof > ADEQUATE:
             outcome, confidence = Outcome.CANNOT_TELL, 0.0
             text = "the points do not move as rigid links, and no single fault explains it"
         elif near > PERHAPS:
-            outcome, confidence = Outcome.CANNOT_TELL, 0.0
+            outcome, confidence, faint = Outcome.CANNOT_TELL, 0.0, True
             text = f"perhaps {describe(measured, suspect)}; measure it again"
-        return say(outcome, text, confidence=confidence)
+        return say(outcome, text, confidence=confidence, faint=faint)
     rivals = [
         c for c in found if c.name != best.name and (c.cost - best.cost) / scale < RIVAL_WITHIN
     ]

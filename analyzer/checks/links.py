@@ -165,5 +165,6 @@ def _too_few(posture: str) -> RigidLinkResult:
         candidates=(),
         sight=(),
         residual_per_dof=float("nan"),
+        faint=False,
         scale=1.0,
     )

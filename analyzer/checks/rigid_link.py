@@ -49,13 +49,17 @@ class PointSight:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidLinkResult:
-    """The finding, the rivals beside it (best first), and what could have been seen."""
+    """The finding, the rivals beside it (best first), and what could have been seen.
+
+    `faint` says that a finding that cannot tell stays below the bar of a name.
+    """
 
     finding: Finding
     measured: tuple[str, ...]
     candidates: tuple[Candidate, ...]
     sight: tuple[PointSight, ...]
     residual_per_dof: float
+    faint: bool
     scale: float  # that costs are divided by before they are compared, at least 1
 
 
@@ -125,6 +129,7 @@ def rigid_link(
         candidates=tuple(found),
         sight=sight,
         residual_per_dof=per_dof,
+        faint=decision.faint,
         scale=scale,
     )
 

@@ -53,7 +53,6 @@ def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
     """
     usable = [r for r in results if r.candidates]
     faults = [r.finding for r in usable if r.finding.outcome is Outcome.FAULT]
-    good = [r.finding for r in usable if r.finding.outcome is Outcome.GOOD]
     alike = {(f.fault, f.points, f.everywhere) for f in faults}
     if len(faults) > 1 and len(alike) == 1:
         return _of(faults, f"{faults[0].text} (in {_postures(faults)})")
@@ -65,6 +64,15 @@ def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
     if faults:
         names = _postures(faults)
         return _say(Outcome.CANNOT_TELL, f"different faults in {names}; see each posture")
+    return _without_fault(usable)
+
+
+def _without_fault(results: Sequence[RigidLinkResult]) -> Finding:
+    """Good only if no posture is plainly wrong in a way that got no name."""
+    good = [r.finding for r in results if r.finding.outcome is Outcome.GOOD]
+    wrong = [r.finding for r in results if r.finding.outcome is Outcome.CANNOT_TELL and not r.faint]
+    if wrong:
+        return _say(Outcome.CANNOT_TELL, f"{wrong[0].text} (in {_postures(wrong)})")
     if not good:
         return _say(Outcome.CANNOT_TELL, "no posture could be judged")
     confidence = min(f.confidence for f in good)

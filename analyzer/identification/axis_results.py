@@ -12,7 +12,7 @@ from analyzer.arm.superset import Superset
 from analyzer.identification.frf_fit import FrfFit
 from analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
 from analyzer.identification.prediction import PredictedModes
-from analyzer.identification.records import AxisResult, MozziOfMode
+from analyzer.identification.records import AxisResult, LineReading, MozziOfMode
 from analyzer.identification.structural import (
     STRUCTURAL_SHARE,
     moment_about,
@@ -27,6 +27,7 @@ __all__ = ["axis_results"]
 
 Array = npt.NDArray[np.float64]
 
+UNTOLD = 0.5  # of ln k: a stiffness that could as well be half or twice as large
 PARALLEL_DEG, NEAR_M = 10.0, 0.03  # of a joint's axis: nearer, two springs in series look as one
 
 
@@ -53,6 +54,7 @@ def axis_results(
                 link=superset.arm.joints[axis.link].link.name,
                 direction_link=axis.direction,
                 point_link_m=axis.point_m,
+                near_point_link_m=_near_joint(superset, axis),
                 direction_std_deg=float(np.rad2deg(np.hypot(std[at], std[at + 1]))),
                 point_std_m=float(np.hypot(std[at + 2], std[at + 3])),
                 f_hz=f_hz,
@@ -65,7 +67,7 @@ def axis_results(
                 c_std=float(axis.damping_n_m_s_per_rad * std[at + 5]),
                 c_dof=float(dof[at + 5]),
                 mozzi=mozzi,
-                doubts=_doubts(superset, axis, mozzi),
+                doubts=_doubts(superset, axis, mozzi, float(std[at + 4])),
             )
         )
     return tuple(results)
@@ -111,8 +113,13 @@ def _mozzi(
             expected = mozzi_of_shape(superset, posture, shapes[:, pairs[i]], axis.link)
             if found is None or expected is None:
                 continue
-            k, inertia = _equation_one(
-                superset, posture, axis, to_link(posture.dynamics, axis.link, found), mode.f_hz
+            read = to_link(posture.dynamics, axis.link, found)
+            k, inertia = _equation_one(superset, posture, axis, read, mode.f_hz)
+            triplets = triplets_of_shape(superset, posture, posture.shapes[:, i], axis.link)
+            average = (
+                None
+                if triplets is None
+                else _line_to_link(posture, axis, triplets.direction, triplets.point_m)
             )
             line = to_link(posture.dynamics, axis.link, expected)
             expected_f_hz = float(predicted.modes.f_hz[pairs[i]])
@@ -127,13 +134,36 @@ def _mozzi(
                     pitch_m_per_rad=found.pitch_m_per_rad,
                     inertia_kg_m2=inertia,
                     k_eq1_n_m_per_rad=k,
+                    c_eq2_n_m_s_per_rad=mode.damping_ratio * k / (np.pi * mode.f_hz),
+                    line=_reading(superset, axis, read),
                     predicted_bias_deg=float(np.rad2deg(line_angle_rad(line[0], axis.direction))),
                     predicted_bias_mm=1e3 * off_m,
                     predicted_bias_k=expected_k / axis.stiffness_n_m_per_rad - 1.0,
-                    triplets=triplets_of_shape(superset, posture, posture.shapes[:, i], axis.link),
+                    triplets=triplets,
+                    triplet_line=None if average is None else _reading(superset, axis, average),
                 )
             )
     return tuple(results)
+
+
+def _line_to_link(
+    posture: MeasuredModes, axis: Axis, direction: Array, point_m: Array
+) -> tuple[Array, Array]:
+    T = posture.dynamics.T_base_link[axis.link]
+    return T[:3, :3].T @ direction, T[:3, :3].T @ (point_m - T[:3, 3])
+
+
+def _reading(superset: Superset, axis: Axis, line: tuple[Array, Array]) -> LineReading:
+    direction, point = line
+    if direction @ axis.direction < 0.0:
+        direction = -direction
+    near = _near_joint(superset, axis)
+    return LineReading(
+        direction_link=direction,
+        point_link_m=point + direction * (direction @ (near - point)),
+        off_deg=float(np.rad2deg(line_angle_rad(direction, axis.direction))),
+        off_mm=1e3 * line_distance_m(near, point, direction),
+    )
 
 
 def _near_joint(superset: Superset, axis: Axis) -> Array:
@@ -145,9 +175,16 @@ def _near_joint(superset: Superset, axis: Axis) -> Array:
     return np.asarray(axis.point_m + axis.direction * (axis.direction @ joint_m))
 
 
-def _doubts(superset: Superset, axis: Axis, mozzi: tuple[MozziOfMode, ...]) -> tuple[str, ...]:
+def _doubts(
+    superset: Superset, axis: Axis, mozzi: tuple[MozziOfMode, ...], log_k_std: float
+) -> tuple[str, ...]:
     """What speaks against reading the axis as a compliance of its own."""
     doubts = []
+    if log_k_std > UNTOLD:
+        doubts.append(
+            f"the measurement hardly tells the axis: the standard deviation of its stiffness is "
+            f"{100 * log_k_std:.0f} % of it; no compliance there is established"
+        )
     joints = superset.arm.joints
     # The joint that moves the link turns about its own axis through the link frame's origin.
     near = joints[axis.link]

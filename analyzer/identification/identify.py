@@ -18,8 +18,8 @@ from analyzer.identification.mode_fit import (
     MeasuredModes,
     fit_to_frequencies,
 )
-from analyzer.identification.model_error import model_error_std
-from analyzer.identification.prediction import predict_modes
+from analyzer.identification.model_error import model_error_std, model_moves
+from analyzer.identification.prediction import predict_modes, roving_mass
 from analyzer.identification.records import (
     Identification,
 )
@@ -119,14 +119,15 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
     fit, rivals = _fit(superset, banded, measured, shares, mass_kg, say)
     say("uncertainty")
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
-    model_std = model_error_std(superset, coarse, fit)
+    moves = model_moves(superset, coarse, fit)
+    model_std = model_error_std(moves)
     say("prediction")
     predictions = [
         predict_modes(
             superset,
             superset.posture(_angles(frf)),
             fit,
-            added_mass_kg=_roving_mass(superset, frf, mass_kg),
+            added_mass_kg=roving_mass(superset, frf, mass_kg),
         )
         for frf in frfs
     ]
@@ -135,7 +136,7 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
     by_posture = {frf.posture: p for frf, p in zip(frfs, predictions, strict=True)}
     fit_predictions = [by_posture[frf.posture] for frf in fitted]
     # Where the joints alone explain the motion, a low share is the sensor's mass or noise.
-    beyond_joints = bool(fit.state.structure.axes) or fit.relative_residual.max() >= UNEXPLAINED
+    beyond_joints = bool(fit.state.structure.axes or fit.relative_residual.max() >= UNEXPLAINED)
     return Identification(
         joints=joint_results(superset, fit, model_std, fitted, measured, fit_predictions),
         axes=axis_results(superset, fit, model_std, fitted, measured, shares, fit_predictions),
@@ -147,6 +148,7 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
         ),
         rivals=rivals,
         fit=fit,
+        model_moves=moves,
         modal_models=models + held_out_models,
         frfs=fitted + held_out,
         notes=fit_notes(fit, fitted, shares),
@@ -223,12 +225,3 @@ def _data(
     superset: Superset, frfs: list[FrequencyResponse], mass_kg: float, stride: int
 ) -> tuple[PostureData, ...]:
     return tuple(posture_data(superset, frf, sensor_mass_kg=mass_kg, stride=stride) for frf in frfs)
-
-
-def _roving_mass(superset: Superset, frf: FrequencyResponse, mass_kg: float) -> Array:
-    """The sensor's mass shared among the points it was mounted on, (n_points,)."""
-    mass = np.zeros(len(superset.arm.points))
-    points = {dof.point for dof in frf.responses}
-    for point in points:
-        mass[superset.point_index[point]] = mass_kg / len(points)
-    return mass

@@ -10,7 +10,7 @@ a resonance by as much as its width, where one step no longer tells what a fit w
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,15 +20,31 @@ from analyzer.identification.frf_fit import FrfFit, line_weights
 from analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
 from protocols.arm.records import Arm, InertialLink
 
-__all__ = ["model_error_std"]
+__all__ = ["STEP", "ModelMove", "model_error_std", "model_moves"]
 
 Array = npt.NDArray[np.float64]
 
 STEP = 1e-5  # of a standard deviation; rounding then costs 1e-7 of the answer
 
 
-def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: FrfFit) -> Array:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelMove:
+    """One uncertain quantity off by `STEP` standard deviations, and how the fit answers."""
+
+    arm: Arm
+    angles_rad: Array  # (n_joints,) added to what the encoders say
+    step: Array  # (n_parameters,) of the fit
+
+
+def model_error_std(moves: tuple[ModelMove, ...]) -> Array:
     """Standard deviation (n_parameters,) of the fitted parameters from the model's tolerances."""
+    return np.asarray(np.sqrt(sum((move.step / STEP) ** 2 for move in moves)))
+
+
+def model_moves(
+    superset: Superset, postures: tuple[PostureData, ...], fit: FrfFit
+) -> tuple[ModelMove, ...]:
+    """Move every uncertain quantity of the arm a little and let the fit answer."""
     base, weighted_J = [], []
     H = np.diag(1.0 / fit.parameters.prior_std**2)
     for i, data in enumerate(postures):
@@ -38,7 +54,7 @@ def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: 
         H = H + (weighted @ J.T).real
         base.append(y.ravel())
         weighted_J.append(weighted)
-    variance = np.zeros(len(H))
+    moves = []
     for perturbed, angles in _perturbations(superset.arm):
         other = Superset(perturbed)
         gradient = np.zeros(len(H))
@@ -46,8 +62,9 @@ def model_error_std(superset: Superset, postures: tuple[PostureData, ...], fit: 
             moved = replace(data, dynamics=other.posture(data.dynamics.joints_rad + angles))
             y = predict(other, moved, fit.state, i)
             gradient -= (weighted_J[i] @ (y.ravel() - base[i])).real
-        variance += (np.linalg.solve(H, gradient) / STEP) ** 2
-    return np.sqrt(variance)
+        step = np.asarray(np.linalg.solve(H, gradient), dtype=np.float64)
+        moves.append(ModelMove(arm=perturbed, angles_rad=angles, step=step))
+    return tuple(moves)
 
 
 def _perturbations(arm: Arm) -> Iterator[tuple[Arm, Array]]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.identification.frf_fit import FrfFit
+from analyzer.identification.model_error import ModelMove
 from analyzer.identification.triplets import TripletAxes
 from analyzer.modal import ModalModel
 from protocols.frf_records import FrequencyResponse
@@ -16,6 +17,7 @@ __all__ = [
     "AxisResult",
     "Identification",
     "JointResult",
+    "LineReading",
     "ModeResult",
     "MozziOfMode",
     "ValidationResult",
@@ -44,6 +46,16 @@ class JointResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LineReading:
+    """A line read from a mode, in the link's frame, beside the fitted compliance axis."""
+
+    direction_link: Array  # (3,) unit, the sense of the compliance axis
+    point_link_m: Array  # (3,), nearest to that point
+    off_deg: float
+    off_mm: float  # from the compliance axis, at its near_point_link_m
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MozziOfMode:
     """The Mozzi axis of a structural mode, and k of file 000, Eq. (1), with their bias.
 
@@ -58,10 +70,13 @@ class MozziOfMode:
     pitch_m_per_rad: float
     inertia_kg_m2: float
     k_eq1_n_m_per_rad: float
+    c_eq2_n_m_s_per_rad: float
+    line: LineReading  # from all points
     predicted_bias_deg: float
     predicted_bias_mm: float
     predicted_bias_k: float  # relative
     triplets: TripletAxes | None  # in base; None where fewer than two triplets tell an axis
+    triplet_line: LineReading | None  # their average
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +86,7 @@ class AxisResult:
     link: str
     direction_link: Array  # (3,) unit, link frame
     point_link_m: Array  # (3,), nearest the link frame's origin
+    near_point_link_m: Array  # (3,), where distances from the axis are taken
     direction_std_deg: float
     point_std_m: float
     f_hz: float  # of the fitted mode that strains the axis most
@@ -112,9 +128,12 @@ class ValidationResult:
     predicted_std_hz: float
     predicted_dof: float
     predicted_damping: float
+    predicted_damping_std: float
     measured_hz: float | None  # None where no measured mode has this shape
     measured_std_hz: float | None
     measured_dof: float | None
+    measured_damping: float | None
+    measured_damping_std: float | None
     mac: float | None
 
 
@@ -128,6 +147,7 @@ class Identification:
     validation: tuple[ValidationResult, ...]
     rivals: tuple[tuple[str, float], ...]  # where an axis was tried, and the fit's cost
     fit: FrfFit
+    model_moves: tuple[ModelMove, ...]  # what the arm's tolerances do to the fit
     modal_models: tuple[ModalModel, ...]
     frfs: tuple[FrequencyResponse, ...]
     notes: tuple[str, ...]

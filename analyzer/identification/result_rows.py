@@ -141,9 +141,12 @@ def validation_results(
                 predicted_std_hz=float(predicted.f_std_hz[j]),
                 predicted_dof=float(predicted.f_dof[j]),
                 predicted_damping=float(predicted.modes.damping_ratio[j]),
+                predicted_damping_std=float(predicted.damping_std[j]),
                 measured_hz=None if mode is None else mode.f_hz,
                 measured_std_hz=None if mode is None else mode.f_std_hz,
                 measured_dof=None if mode is None else mode.dof,
+                measured_damping=None if mode is None else mode.damping_ratio,
+                measured_damping_std=None if mode is None else mode.damping_std,
                 mac=pairs[j][1] if j in pairs else None,
             )
         )

@@ -16,6 +16,7 @@ from analyzer.arm.superset import PostureDynamics, Superset
 from analyzer.identification.mode_fit import MeasuredModes
 from analyzer.identification.triplets import TripletAxes, triplet_axes
 from analyzer.screws import MozziAxis, mozzi_axis, rigid_motion
+from protocols.errors import EstimateError
 
 __all__ = [
     "STRUCTURAL_SHARE",
@@ -44,16 +45,22 @@ def joint_share(superset: Superset, measured: MeasuredModes, shape: ComplexArray
 def mozzi_of_shape(
     superset: Superset, measured: MeasuredModes, shape: ComplexArray, link: int
 ) -> MozziAxis | None:
-    """Mozzi axis, in base, of all points on a link and beyond; None for a pure translation."""
+    """Mozzi axis, in base, of all points on a link and beyond.
+
+    None for a pure translation, and where the points are too few or in line to tell a motion.
+    """
     links = np.array(superset.point_link)[measured.index]
     chosen = links >= link
     moving = shape[chosen]
     phase = np.exp(-0.5j * np.angle(np.sum(moving**2)))
-    fit = rigid_motion(
-        measured.dynamics.point_position[measured.index][chosen],
-        measured.directions[chosen],
-        moving * phase,
-    )
+    try:
+        fit = rigid_motion(
+            measured.dynamics.point_position[measured.index][chosen],
+            measured.directions[chosen],
+            moving * phase,
+        )
+    except EstimateError:
+        return None
     axis = mozzi_axis(fit.twist.real)
     return axis if isinstance(axis, MozziAxis) else None
 

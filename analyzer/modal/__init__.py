@@ -1,31 +1,70 @@
 """Frequency responses, modes and their uncertainty."""
 
-from analyzer.modal.correlation import mac, mac_matrix, mcf, mpc, mpd_deg
+from analyzer.modal.chosen_hits import HitChoice, hit_choices
+from analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
+from analyzer.modal.estimators import FrfEstimate, estimate_frf
 from analyzer.modal.fit import fit_modes
-from analyzer.modal.frf import HitSpectra, SensorAxes, hit_frfs, hit_spectra, posture_frf
-from analyzer.modal.indicators import cmif, frf_sum, group_sums
+from analyzer.modal.forms import convert_form
+from analyzer.modal.frf import HitFrfs, SensorAxes, posture_frf, posture_hit_frfs
+from analyzer.modal.indicators import (
+    TrackedCmif,
+    cmif,
+    frf_sum,
+    group_sums,
+    mif,
+    multivariate_mif,
+    tracked_cmif,
+)
+from analyzer.modal.missing import MissingModeHint, missing_mode_hints
 from analyzer.modal.modes import ModalModel, Mode, mode_receptance, synthesise
 from analyzer.modal.plscf import Stabilisation, poles_plscf
+from analyzer.modal.random_error import (
+    RandomError,
+    coherence_random_error,
+    scatter_random_error,
+)
+from analyzer.modal.scaling import MassScaling, mass_scaling, real_modes
+from analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
 
 __all__ = [
+    "FrfEstimate",
+    "HitChoice",
+    "HitFrfs",
     "HitSpectra",
+    "MassScaling",
+    "MissingModeHint",
     "ModalModel",
     "Mode",
+    "RandomError",
     "SensorAxes",
     "Stabilisation",
+    "TrackedCmif",
     "cmif",
+    "coherence_random_error",
+    "convert_form",
+    "estimate_frf",
     "fit_modes",
+    "frac",
     "frf_sum",
     "group_sums",
+    "hit_choices",
     "hit_frfs",
     "hit_spectra",
     "mac",
     "mac_matrix",
+    "mass_scaling",
     "mcf",
+    "mif",
+    "missing_mode_hints",
     "mode_receptance",
     "mpc",
     "mpd_deg",
+    "multivariate_mif",
     "poles_plscf",
     "posture_frf",
+    "posture_hit_frfs",
+    "real_modes",
+    "scatter_random_error",
     "synthesise",
+    "tracked_cmif",
 ]

@@ -17,7 +17,7 @@ from analyzer.modal.plscf import Stabilisation
 __all__ = ["candidate_poles", "merge_duplicates", "physical", "zoom_bands"]
 
 MOST_DAMPING = 0.25
-LEAST_DAMPING = 1e-4
+LEAST_DAMPING = 1e-5
 _RADIUS_OF_BANDWIDTH = 0.3  # of the half bandwidth |Re p|: a pole scatters in proportion to it
 _RADIUS_LEAST = 0.001  # of |pole|, added
 _RADIUS_MOST = 0.01  # of |pole|

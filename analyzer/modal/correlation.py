@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from protocols.errors import EstimateError
 
-__all__ = ["mac", "mac_matrix", "mcf", "mpc", "mpd_deg"]
+__all__ = ["frac", "mac", "mac_matrix", "mcf", "mpc", "mpd_deg"]
 
 _Complex = npt.NDArray[np.complex128]
 
@@ -100,3 +100,18 @@ def to_real_axis(vector: _Complex) -> _Complex:
     angle = 0.5 * np.arctan2(2.0 * S[0, 1], S[0, 0] - S[1, 1])
     turned: _Complex = vector * np.exp(-1j * angle)
     return turned if turned.real[np.argmax(np.abs(vector))] >= 0.0 else -turned
+
+
+def frac(first: _Complex, second: _Complex) -> npt.NDArray[np.float64]:
+    """Frequency response assurance criterion along the last axis, in [0, 1]; 0 for a zero FRF.
+
+    |sum H1 H2*|^2 / (sum |H1|^2 sum |H2|^2): likeness in shape over the lines, blind to a factor.
+
+    References
+    ----------
+    Heylen and Lammens, Proc. Int. Conf. on Identification in Engineering Systems (1996) 48.
+    """
+    cross = np.abs(np.sum(first * np.conj(second), axis=-1)) ** 2
+    size = np.sum(np.abs(first) ** 2, axis=-1) * np.sum(np.abs(second) ** 2, axis=-1)
+    result: npt.NDArray[np.float64] = np.minimum(cross / np.where(size > 0.0, size, 1.0), 1.0)
+    return result

@@ -2,52 +2,64 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.choice import (
-    candidate_poles,
-    merge_duplicates,
-    zoom_bands,
-)
-from analyzer.modal.correlation import mpc, mpd_deg, to_real_axis
-from analyzer.modal.modes import ModalModel, Mode, response_points, synthesise
+from analyzer.modal.assemble import assemble_model
+from analyzer.modal.choice import candidate_poles, merge_duplicates, zoom_bands
+from analyzer.modal.forms import derivative_order
+from analyzer.modal.modes import ModalModel
 from analyzer.modal.noise import independent_line_share
 from analyzer.modal.plscf import Stabilisation, poles_plscf
-from analyzer.modal.regression import modal_data
-from analyzer.modal.selection import Selection, lack_of_fit, select_modes
-from analyzer.modal.uncertainty import PoleCovariance, pole_covariance
+from analyzer.modal.rank_one import refine_rank_one
+from analyzer.modal.regression import ModalData, modal_data
+from analyzer.modal.second_look import left_over_poles, split_poles
+from analyzer.modal.selection import Selection, select_modes
 from analyzer.modal.windows import laplace_lines
-from protocols.arrays import frozen_array
 from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfForm
+from protocols.frf_records import FrequencyResponse
 
 __all__ = ["fit_modes"]
 
-_POWER = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
+_FEWEST_LINES = 8
+_MOST_ROUNDS = 8  # of looking for poles in what the model leaves over
+_LEAST_PROGRESS = 0.99  # of the misfit before the round
+_ZOOM_ORDER_STEP = 3  # orders of a zoomed band: some fifteen suffice, each is an eigenvalue problem
 
 
 def _check(frf: FrequencyResponse) -> None:
     """Refuse FRFs nothing can be fitted to, with the reason."""
     where = f"FRFs of posture {frf.posture!r}"
+    derivative_order(frf.form)
     wanted = (len(frf.responses), len(frf.references), frf.freq_hz.size)
     if frf.values.shape != wanted or frf.variance.shape != wanted:
         raise EstimateError(
             f"{where}: wanted values and variance of shape {wanted}, got {frf.values.shape} and "
             f"{frf.variance.shape}; rebuild the FRFs"
         )
-    if not np.all(np.isfinite(frf.values)):
-        count = int(np.count_nonzero(~np.isfinite(frf.values)))
-        raise EstimateError(f"{where}: {count} values are not finite; leave those FRFs out")
-    if np.any(np.diff(frf.freq_hz) <= 0.0) or np.any(frf.freq_hz <= 0.0):
+    if min(wanted[:2]) == 0:
+        raise EstimateError(f"{where}: there are none; wanted a response and a reference at least")
+    bad = ~np.isfinite(frf.values).all(axis=-1)
+    if np.any(bad):
+        i, j = np.argwhere(bad)[0]
         raise EstimateError(
-            f"{where}: frequencies must increase and be above 0 Hz; sort the lines, drop 0 Hz"
+            f"{where}: {np.count_nonzero(bad)} of {bad.size} FRFs hold values that are not "
+            f"finite, the first at response {frf.responses[i].point} {frf.responses[i].label}, "
+            f"reference {frf.references[j].point}; leave those FRFs out"
+        )
+    if wanted[2] < _FEWEST_LINES:
+        raise EstimateError(
+            f"{where}: a fit needs at least {_FEWEST_LINES} lines, got {wanted[2]}; record longer"
+        )
+    f = frf.freq_hz
+    if not np.all(np.isfinite(f)) or np.any(np.diff(f) <= 0.0) or f[0] <= 0.0:
+        raise EstimateError(
+            f"{where}: frequencies must be finite, increase, and be above 0 Hz; "
+            "sort the lines, drop 0 Hz"
         )
     if np.any(frf.coherence > 1.0 + 1e-6):
         raise EstimateError(
-            f"{where}: coherence reaches {frf.coherence.max():.3g}, it cannot exceed 1; "
+            f"{where}: coherence reaches {np.nanmax(frf.coherence):.3g}, it cannot exceed 1; "
             "rebuild it from the hits"
         )
     if not np.any(frf.values):
@@ -59,9 +71,9 @@ def _band(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> npt.ND
         keep = np.ones(frf.freq_hz.size, dtype=bool)
     else:
         keep = (frf.freq_hz >= band_hz[0]) & (frf.freq_hz <= band_hz[1])
-    if np.count_nonzero(keep) < 8:
+    if np.count_nonzero(keep) < _FEWEST_LINES:
         raise EstimateError(
-            f"posture {frf.posture!r}: a fit needs at least 8 lines, the band holds "
+            f"posture {frf.posture!r}: a fit needs at least {_FEWEST_LINES} lines, the band holds "
             f"{np.count_nonzero(keep)} of {frf.freq_hz.size}; widen it or record longer"
         )
     return keep
@@ -112,6 +124,7 @@ def _candidates(
             decay_rad_s=decay,
             weight=weight[:, lines],
             max_order=min(zoom_order, int(np.count_nonzero(lines)) // 2),
+            order_step=_ZOOM_ORDER_STEP,
         )
         found, share = candidate_poles(table, (low, high))
         poles.append(found)
@@ -119,6 +132,53 @@ def _candidates(
     pole, share = np.concatenate(poles), np.concatenate(shares)
     kept = merge_duplicates(pole, share)
     return whole, pole[kept], share[kept]
+
+
+def _looked_again(
+    data: ModalData,
+    chosen: Selection,
+    freq: npt.NDArray[np.float64],
+    n_ref: int,
+    decay: float,
+    line_share: float,
+) -> Selection:
+    """Choose again with the poles that the misfit holds, until it holds none that are needed."""
+    band = (float(freq[0]), float(freq[-1]))
+    for _ in range(_MOST_ROUNDS):
+        found, seen = left_over_poles(
+            data, chosen.fit, freq, n_ref, decay_rad_s=decay, line_share=line_share
+        )
+        poles = np.concatenate([chosen.fit.poles, found])
+        # Those already chosen come before any that are found beside them.
+        rank = np.concatenate([np.full(chosen.share.size, 2.0), seen])
+        kept = merge_duplicates(poles, rank)
+        if kept.size <= chosen.share.size:
+            break
+        share = np.concatenate([chosen.share, seen])[kept]
+        again = select_modes(data, poles[kept], share, band, line_share=line_share, chosen=chosen)
+        if again.fit.cost.sum() > _LEAST_PROGRESS * chosen.fit.cost.sum():
+            break
+        chosen = again
+    return _split(data, chosen, freq, line_share)
+
+
+def _split(
+    data: ModalData, chosen: Selection, freq: npt.NDArray[np.float64], line_share: float
+) -> Selection:
+    """Choose again with a second pole beside each mode that leaves a misfit, where needed."""
+    band = (float(freq[0]), float(freq[-1]))
+    for pole in split_poles(data, chosen.fit, freq, line_share=line_share):
+        again = select_modes(
+            data,
+            np.append(chosen.fit.poles, pole),
+            np.append(chosen.share, 0.0),
+            band,
+            line_share=line_share,
+            chosen=chosen,
+        )
+        if again.share.size > chosen.share.size:
+            chosen = again
+    return chosen
 
 
 def fit_modes(
@@ -163,101 +223,21 @@ def fit_modes(
     band = (float(freq[0]), float(freq[-1]))
     share = independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq))))
     table, poles, stability = _candidates(values, variance, freq, frf.decay_rad_s, max_order)
+    transposed = values.shape[1] > values.shape[0]
+    if transposed:  # by reciprocity the short side serves as references
+        values, variance = values.transpose(1, 0, 2), variance.transpose(1, 0, 2)
     try:
         data = modal_data(frf.form, laplace_lines(freq, frf.decay_rad_s), values, variance)
         chosen = select_modes(data, poles, stability, band, line_share=share)
-        clusters = response_points(frf).reshape(-1)
-        hits = float(np.median(frf.n_hits))
-        precision = pole_covariance(
-            chosen.fit,
-            clusters,
-            n_freq=freq.size,
-            share=share,
-            hit_dof=max(2.0 * (hits - 1.0), 1.0) * float(clusters.max() + 1),
-        )
+        chosen = _looked_again(data, chosen, freq, values.shape[1], frf.decay_rad_s, share)
+        start = chosen.fit.residues.reshape(*values.shape[:2], -1)
+        fit = refine_rank_one(data, chosen.fit.poles, start)
     except np.linalg.LinAlgError as error:
         raise EstimateError(
             f"posture {frf.posture!r}: the modal fit met a singular matrix ({error}); "
             "check for constant or repeated FRFs, or narrow the band",
             partial=table,
         ) from error
-    return _model(frf, freq, values, table, chosen, precision)
-
-
-def _model(
-    frf: FrequencyResponse,
-    freq: npt.NDArray[np.float64],
-    values: npt.NDArray[np.complex128],
-    table: Stabilisation,
-    chosen: Selection,
-    precision: PoleCovariance,
-) -> ModalModel:
-    fit = chosen.fit
-    n_resp, n_ref, n_freq = values.shape
-    std = np.sqrt(np.maximum(np.diag(precision.covariance), 0.0))
-    modes = tuple(
-        _mode(
-            complex(pole),
-            fit.residues[:, m].reshape(n_resp, n_ref) / pole ** _POWER[frf.form],
-            std[2 * m : 2 * m + 2],
-            float(precision.dof[2 * m : 2 * m + 2].min()),
-            float(chosen.share[m]),
-            float(chosen.significance[m]),
-        )
-        for m, pole in enumerate(fit.poles)
-    )
-    model = ModalModel(
-        posture=frf.posture,
-        form=frf.form,
-        band_hz=(float(freq[0]), float(freq[-1])),
-        modes=modes,
-        residual_terms=frozen_array(fit.residuals.reshape(n_resp, n_ref, -1), np.float64),
-        covariance=frozen_array(precision.covariance, np.float64),
-        robust_covariance=precision.robust,
-        synthesis_error=0.0,
-        frf_error=frozen_array(np.zeros((n_resp, n_ref)), np.float64),
-        lack_of_fit=2.0 * lack_of_fit(fit, n_freq),
-        responses=frf.responses,
-        references=frf.references,
-        joints_rad=frf.joints_rad,
-        stabilisation=table,
-    )
-    misfit = np.abs(synthesise(model, freq, decay_rad_s=frf.decay_rad_s) - values) ** 2
-    size = np.abs(values) ** 2
-    per_frf = np.sqrt(misfit.sum(axis=-1) / np.maximum(size.sum(axis=-1), np.finfo(float).tiny))
-    return replace(
-        model,
-        synthesis_error=float(np.sqrt(misfit.sum() / size.sum())),
-        frf_error=frozen_array(per_frf, np.float64),
-    )
-
-
-def _mode(
-    pole: complex,
-    residues: npt.NDArray[np.complex128],
-    std: npt.NDArray[np.float64],
-    dof: float,
-    stability: float,
-    significance: float,
-) -> Mode:
-    """Split receptance residues (n_resp, n_ref) into shape and participation (rank one)."""
-    U, S, Vh = np.linalg.svd(residues, full_matrices=False)
-    turned = to_real_axis(U[:, 0])
-    shape = turned / np.max(np.abs(turned))
-    participation = S[0] * Vh[0] * (np.vdot(shape, U[:, 0]) / np.vdot(shape, shape))
-    # Complexity is told on the side that has the points.
-    points = shape if shape.size >= participation.size else participation
-    return Mode(
-        pole_rad_s=pole,
-        f_hz=abs(pole) / (2.0 * np.pi),
-        f_std_hz=float(std[0]),
-        damping_ratio=-pole.real / abs(pole),
-        damping_std=float(std[1]),
-        shape=frozen_array(shape, np.complex128),
-        participation=frozen_array(participation, np.complex128),
-        mpc=mpc(points),
-        mpd_deg=mpd_deg(points),
-        dof=dof,
-        stability=stability,
-        significance=significance,
+    return assemble_model(
+        frf, band, values, variance, table, chosen, fit, line_share=share, transposed=transposed
     )

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from analyzer.modal.forms import derivative_order
 from analyzer.modal.plscf import Stabilisation
 from analyzer.modal.regression import residual_terms
 from analyzer.modal.windows import laplace_lines
 from protocols.arrays import frozen_array
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from protocols.frf_records import Dof, FrfForm
 
 __all__ = ["ModalModel", "Mode", "mode_receptance", "synthesise"]
 
@@ -31,10 +32,15 @@ class Mode:
     damping_ratio: float
     damping_std: float
     shape: npt.NDArray[np.complex128]  # (n_resp,)
+    shape_std: npt.NDArray[np.complex128]  # (n_resp,) of the real part + j of the imaginary part
     participation: npt.NDArray[np.complex128]  # (n_ref,)
+    participation_std: npt.NDArray[np.complex128]  # (n_ref,) alike, on its own best line
+    residue_std: float  # of the largest residue's magnitude, relative: the size both share
     mpc: float
     mpd_deg: float
-    dof: float  # Student-t degrees of freedom of both standard deviations
+    mcf: float
+    dof: float  # Student-t degrees of freedom of the standard deviations of f and damping
+    shape_dof: float  # those of shape and participation: most of their scatter is the lines'
     stability: float  # share of the model orders at which the pole was seen
     significance: float  # rise of the misfit without the mode, over what noise alone would give
 
@@ -62,6 +68,7 @@ class ModalModel:
     robust_covariance: bool  # from the scatter between points; False: from line variances
     synthesis_error: float  # RMS misfit over RMS of all FRFs in the band
     frf_error: npt.NDArray[np.float64]  # (n_resp, n_ref), the same per FRF
+    frac: npt.NDArray[np.float64]  # (n_resp, n_ref) likeness of each FRF and its synthesis
     lack_of_fit: float  # weighted misfit per degree of freedom; 1 when noise explains it
     responses: tuple[Dof, ...]
     references: tuple[Dof, ...]
@@ -102,21 +109,13 @@ def synthesise(
     """
     s = laplace_lines(freq_hz, decay_rad_s)
     total = model.residual_terms @ residual_terms(model.form, s).T
-    power = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}[model.form]
-    for mode in model.modes:
+    if model.modes:
         # Fitted as (p^d R)/(s - p); the polynomial rest of s^d R/(s - p) is in the residual terms.
-        pole = mode.pole_rad_s
-        residues = mode.residues[..., None] * pole**power
-        total = total + residues / (s - pole) + residues.conj() / (s - pole.conjugate())
+        poles = np.array([mode.pole_rad_s for mode in model.modes])
+        residues = np.stack(
+            [mode.residues for mode in model.modes], axis=-1
+        ) * poles ** derivative_order(model.form)
+        both = np.concatenate([residues, residues.conj()], axis=-1)
+        total += both @ (1.0 / (s - np.concatenate([poles, poles.conj()])[:, None]))
     result: npt.NDArray[np.complex128] = total
     return result
-
-
-def response_points(frf: FrequencyResponse) -> npt.NDArray[np.int64]:
-    """Cluster of each FRF, (n_resp, n_ref): FRFs that share hits share a number, from 0."""
-    names: dict[tuple[str, str], int] = {}
-    table = np.empty((len(frf.responses), len(frf.references)), dtype=np.int64)
-    for i, response in enumerate(frf.responses):
-        for j, reference in enumerate(frf.references):
-            table[i, j] = names.setdefault((response.point, reference.point), len(names))
-    return table

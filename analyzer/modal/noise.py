@@ -19,9 +19,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["hit_scatter_variance", "independent_line_share", "smooth_lines"]
+__all__ = ["SMOOTHED_LINES", "hit_scatter_variance", "independent_line_share", "smooth_lines"]
 
-_HALF_WIDTH = 4  # lines on either side: about nine lines, some four of them independent
+SMOOTHED_LINES = 4  # lines on either side: about nine lines, some four of them independent
 _SINGLE_HIT_RELATIVE = 0.01
 _MODEL_DOF = 12.0
 _CLEAR_SHARE = 0.25
@@ -83,8 +83,8 @@ def hit_scatter_variance(
     (n_resp, n_ref, n_freq) float64
         Variance, positive wherever the floor is.
     """
-    smoothed = smooth_lines(scatter, _HALF_WIDTH)
-    lines = 1.0 + 2.0 * _HALF_WIDTH * independent_share
+    smoothed = smooth_lines(scatter, SMOOTHED_LINES)
+    lines = 1.0 + 2.0 * SMOOTHED_LINES * independent_share
     dof = (2.0 * (n_hits - 1) * lines)[..., None]
     several = n_hits > 1
     if np.any(several):

@@ -122,7 +122,12 @@ def _normal_matrix(
 
     w2 = weight**2
     lag = np.arange(order + 1)[None, :] - np.arange(order + 1)[:, None] + order  # s - r + n
-    shared = bool(np.allclose(w2, w2[:1], rtol=1e-9, atol=0.0))
+    # Weights that differ by a factor only leave one matrix R for all responses: the factor goes
+    # into the FRFs.
+    level = np.sqrt(w2.mean(axis=1, keepdims=True))
+    shared = bool(np.allclose(w2 / level**2, w2[:1] / level[0] ** 2, rtol=1e-9, atol=0.0))
+    if shared:
+        H, w2 = H * level[:, None, :], w2[:1] / level[0] ** 2
     R = _real_lag_sums(w2[:1] if shared else w2, cosines)[:, lag]  # (n_resp or 1, n+1, n+1)
     S = _lag_sums(w2[:, None, :] * H, cosines, sines)[..., lag]  # (n_resp, n_ref, r, s)
     S = S.transpose(0, 2, 3, 1).reshape(n_resp, order + 1, (order + 1) * n_ref)

@@ -6,17 +6,20 @@ simplified Jacobian, in Gram matrices; Levenberg's damping makes every accepted 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
 from analyzer.modal.regression import ModalData, Regression, regress
 
-__all__ = ["refine_poles"]
+__all__ = ["admissible", "refine_poles"]
 
 _MOST_DAMPING = 0.6
 
 
-def _admissible(poles: npt.NDArray[np.complex128]) -> bool:
+def admissible(poles: npt.NDArray[np.complex128]) -> bool:
+    """Whether all poles decay, oscillate, and are damped less than a structure can be."""
     return bool(
         np.all(poles.real < 0.0)
         and np.all(poles.imag > 0.0)
@@ -30,6 +33,7 @@ def refine_poles(
     *,
     max_steps: int = 12,
     tolerance: float = 1e-5,
+    enough: Callable[[float, float], bool] | None = None,
 ) -> Regression:
     """Move the poles to the least weighted sum of squares.
 
@@ -43,6 +47,8 @@ def refine_poles(
         Steps tried, accepted or not.
     tolerance
         Stop when no pole moves by more than this share of its own half bandwidth.
+    enough
+        Told the cost before and after each step taken; True stops there.
 
     Returns
     -------
@@ -62,16 +68,16 @@ def refine_poles(
         normal = A * scale[:, None] * scale[None, :] + damping * np.eye(g.size)
         step = np.linalg.solve(normal, g * scale) * scale
         moved = current.poles + step[0::2] + 1j * step[1::2]
-        if _admissible(moved):
+        if admissible(moved):
             trial = regress(data, moved)
             reached = float(trial.cost.sum())
         else:
             reached = np.inf
         share = np.max(np.abs(moved - current.poles) / np.abs(current.poles.real))
         if reached <= total * (1.0 + 1e-12):
-            current, total = trial, reached
+            before, current, total = total, trial, reached
             damping = max(damping / 10.0, 1e-9)
-            if share < tolerance:
+            if share < tolerance or (enough is not None and enough(before, total)):
                 break
         else:
             if share < tolerance:

@@ -21,13 +21,24 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from analyzer.modal.forms import derivative_order
 from protocols.frf_records import FrfForm
 
-__all__ = ["N_RESIDUAL", "ModalData", "Regression", "modal_data", "regress", "residual_terms"]
+__all__ = [
+    "N_RESIDUAL",
+    "ModalData",
+    "Regression",
+    "gram_system",
+    "misfit",
+    "modal_data",
+    "regress",
+    "residual_terms",
+]
 
 N_RESIDUAL = 3
-_DERIVATIVE = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
 _RIDGE = 1e-13  # relative to the scaled diagonal
+_FEW_FRFS = 6  # whose Gram matrices are quicker made one by one
+_MOST_PRODUCTS = 2**23  # of two regressors held at a time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +50,7 @@ class ModalData:
     values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`
-
+    weighted: npt.NDArray[np.float64]  # (n_frf, 2 n_freq), weight times values, Re then Im
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
 
 
@@ -74,45 +85,95 @@ def modal_data(
     if np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0):
         weight = np.ascontiguousarray(weight[:1])
     energy = row * np.sum(weight * np.abs(flat) ** 2, axis=1)
-    return ModalData(form=form, s=s, values=flat, weight=weight, row_weight=row, energy=energy)
+    return ModalData(
+        form=form,
+        s=s,
+        values=flat,
+        weight=weight,
+        row_weight=row,
+        weighted=np.concatenate([weight * flat.real, weight * flat.imag], axis=1),
+        energy=energy,
+    )
 
 
 def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
     """Residual regressors s^(d-2), s^(d-1), s^d on the lines: (n_freq, 3), unscaled."""
-    d = _DERIVATIVE[form]
+    d = derivative_order(form)
     return np.stack([s ** float(d - 2), s ** float(d - 1), s ** float(d)], axis=1)
 
 
-def _pair(
-    first: npt.NDArray[np.complex128], second: npt.NDArray[np.complex128]
-) -> npt.NDArray[np.complex128]:
-    """Regressors of Re and Im of a coefficient and its conjugate, interleaved."""
-    n_freq, n_modes = first.shape
-    both = np.empty((n_freq, 2 * n_modes), dtype=np.complex128)
-    both[:, 0::2] = first + second
-    both[:, 1::2] = 1j * (first - second)
-    return both
+def _put_pairs(
+    out: npt.NDArray[np.float64],
+    first: npt.NDArray[np.complex128],
+    second: npt.NDArray[np.complex128],
+) -> None:
+    """Regressors of Re and Im of a coefficient and its conjugate into rows (2 n, 2, n_freq)."""
+    np.add(first.real, second.real, out=out[0::2, 0])
+    np.add(first.imag, second.imag, out=out[0::2, 1])
+    np.subtract(second.imag, first.imag, out=out[1::2, 0])
+    np.subtract(first.real, second.real, out=out[1::2, 1])
 
 
 def _gram(
-    Phi: npt.NDArray[np.complex128], data: ModalData
+    rows: npt.NDArray[np.float64], data: ModalData
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Gram matrices (n_frf or 1, q, q) and right sides (n_frf, q), without `row_weight`."""
-    q = Phi.shape[1]
-    real, imag = np.ascontiguousarray(Phi.real), np.ascontiguousarray(Phi.imag)
-    if data.weight.shape[0] == 1:
-        w = data.weight[0][:, None]
-        G = (real.T @ (w * real) + imag.T @ (w * imag))[None]
+    q, n_freq = rows.shape[0], data.s.size
+    flat = rows.reshape(q, 2 * n_freq)
+    if data.weight.shape[0] <= _FEW_FRFS:
+        G = np.stack([flat @ (rows * w).reshape(q, 2 * n_freq).T for w in data.weight])
     else:
         upper = np.triu_indices(q)
-        products = real[:, upper[0]] * real[:, upper[1]] + imag[:, upper[0]] * imag[:, upper[1]]
-        packed = data.weight @ products
+        packed = np.zeros((data.weight.shape[0], upper[0].size))
+        lines = max(_MOST_PRODUCTS // upper[0].size, 1)
+        for first in range(0, n_freq, lines):
+            part = rows[:, :, first : first + lines]
+            products = part[upper[0], 0] * part[upper[1], 0]
+            products += part[upper[0], 1] * part[upper[1], 1]
+            packed += data.weight[:, first : first + lines] @ products.T
         G = np.empty((packed.shape[0], q, q))
         G[:, upper[0], upper[1]] = packed
         G[:, upper[1], upper[0]] = packed
-    weighted = data.weight * data.values
-    b = weighted.real @ real + weighted.imag @ imag
-    return G, b
+    return G, data.weighted @ flat.T
+
+
+def gram_system(
+    data: ModalData, poles: npt.NDArray[np.complex128], *, pole_terms: bool = True
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Sums over the lines of all products of two regressors, and of regressor and FRF.
+
+    Regressors are those of the residues (2 n_modes), of the residual terms (3), and, with
+    `pole_terms`, of the poles' derivatives 1/(s - p)^2 (2 n_modes); each divided by its RMS.
+
+    Returns
+    -------
+    G, b, size
+        (n_frf or 1, q, q) and (n_frf, q) without `row_weight`, and (q,) the RMS divided by.
+    """
+    n = 2 * poles.size
+    q = (2 * n if pole_terms else n) + N_RESIDUAL
+    direct, mirrored = 1.0 / (data.s - poles[:, None]), 1.0 / (data.s - poles.conj()[:, None])
+    rows = np.empty((q, 2, data.s.size))
+    _put_pairs(rows[:n], direct, mirrored)
+    residual = residual_terms(data.form, data.s).T
+    rows[n : n + N_RESIDUAL, 0], rows[n : n + N_RESIDUAL, 1] = residual.real, residual.imag
+    if pole_terms:
+        _put_pairs(rows[n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
+    size = np.sqrt(np.einsum("qak,qak->q", rows, rows) / data.s.size)
+    rows /= size[:, None, None]
+    G, b = _gram(rows, data)
+    return G, b, size
+
+
+def misfit(data: ModalData, fit: Regression) -> npt.NDArray[np.complex128]:
+    """FRFs minus the model: (n_frf, n_freq)."""
+    both = np.concatenate([fit.residues, fit.residues.conj()], axis=1)
+    poles = np.concatenate([fit.poles, fit.poles.conj()])
+    left = data.values - fit.residuals @ residual_terms(data.form, data.s).T
+    if fit.poles.size:
+        left -= both @ (1.0 / (data.s - poles[:, None]))
+    result: npt.NDArray[np.complex128] = left
+    return result
 
 
 def regress(
@@ -134,15 +195,7 @@ def regress(
     Regression
     """
     n_modes, n_frf = poles.size, data.values.shape[0]
-    s = data.s[:, None]
-    direct, mirrored = 1.0 / (s - poles), 1.0 / (s - poles.conj())
-    parts = [_pair(direct, mirrored), residual_terms(data.form, data.s)]
-    if pole_terms:
-        parts.append(_pair(direct**2, mirrored**2))
-    Phi = np.concatenate(parts, axis=1)
-    size = np.sqrt(np.mean(np.abs(Phi) ** 2, axis=0))
-    Phi /= size
-    G, b = _gram(Phi, data)
+    G, b, size = gram_system(data, poles, pole_terms=pole_terms)
     p = 2 * n_modes + N_RESIDUAL
 
     diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)

@@ -25,6 +25,8 @@ _LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0
 _LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequency
 _MOST_DAMPING_STD = 0.5  # of the damping ratio
+_LEAST_GAIN = 0.1  # of the way to where a mode is not needed, a step: else it is needed
+_NEAR = 10.0  # half bandwidths of the wider of two, within which they may stand in for one another
 _DUPLICATE_MAC = 0.9
 _DUPLICATE_DISTANCE = 1.0  # in half bandwidths of the wider of the two
 
@@ -91,7 +93,9 @@ def _weakest(
         bad |= ~physical(fit.poles, band_hz)
         bad |= _visible(fit, data) < _LEAST_VISIBLE
         J = frequency_damping_jacobian(fit.poles)
-        std = np.sqrt(np.maximum(np.diag(J @ white_covariance(fit, n_freq, share) @ J.T), 0.0))
+        misfit = lack_of_fit(fit, n_freq)
+        covariance = white_covariance(fit.information.sum(axis=0), misfit, share)
+        std = np.sqrt(np.maximum(np.diag(J @ covariance @ J.T), 0.0))
         damping = -fit.poles.real / np.abs(fit.poles)
         bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
     if np.any(bad):
@@ -100,23 +104,39 @@ def _weakest(
 
 
 def _not_needed(
-    fit: Regression, data: ModalData, line_share: float
+    fit: Regression, data: ModalData, line_share: float, settled: npt.NDArray[np.bool_]
 ) -> tuple[int, Regression] | None:
     """A doubtful mode the others make up for once they may move, and the fit without it.
 
     Two poles can split one mode between them, each seeming needed while the other stands where
-    it is. The likelihood ratio after a new refinement tells.
+    it is. The likelihood ratio after a new refinement tells. Modes found to be needed are noted
+    in `settled`.
     """
     significance = _significance(fit, data.s.size, line_share)
     n_frf = fit.cost.size
     noise = lack_of_fit(fit, data.s.size) * (2.0 * n_frf + 2.0) / line_share
+    most = float(fit.cost.sum()) + _LEAST_SIGNIFICANCE * noise
+
+    def decided(before: float, after: float) -> bool:
+        return after < most or before - after < _LEAST_GAIN * (after - most)
+
     for index in np.argsort(significance):
         if significance[index] > _DOUBTFUL_SIGNIFICANCE:
             return None
-        without = refine_poles(data, np.delete(fit.poles, index))
-        if np.sum(without.cost - fit.cost) < _LEAST_SIGNIFICANCE * noise:
-            return int(index), without
+        if settled[index]:
+            continue
+        without = refine_poles(data, np.delete(fit.poles, index), enough=decided)
+        if float(without.cost.sum()) < most:
+            return int(index), refine_poles(data, without.poles)
+        settled[index] = True
     return None
+
+
+def _near(poles: npt.NDArray[np.complex128], pole: complex) -> npt.NDArray[np.bool_]:
+    """Poles whose resonances overlap with that of `pole`."""
+    reach = _NEAR * np.maximum(-poles.real, -pole.real)
+    result: npt.NDArray[np.bool_] = np.abs(poles.imag - pole.imag) < reach
+    return result
 
 
 def select_modes(
@@ -126,6 +146,7 @@ def select_modes(
     band_hz: tuple[float, float],
     *,
     line_share: float,
+    chosen: Selection | None = None,
 ) -> Selection:
     """Keep the candidates the data need and refine them to maximum likelihood.
 
@@ -139,6 +160,9 @@ def select_modes(
         Band the frequencies must stay in.
     line_share
         Independent lines per line under the window.
+    chosen
+        An earlier choice, its poles among the candidates: tried again only where there are new
+        ones near.
 
     Returns
     -------
@@ -146,25 +170,33 @@ def select_modes(
         Possibly of no modes.
     """
     share = stability
+    settled = np.zeros(poles.size, dtype=bool)
+    if chosen is not None:
+        settled = np.isin(poles, chosen.fit.poles)
+        for pole in poles[~settled]:
+            settled &= ~_near(poles, pole)
     fit = regress(data, poles, pole_terms=False)
     while poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=False)
         if drop is None:
             break
-        poles, share = np.delete(poles, drop), np.delete(share, drop)
+        poles, share, settled = (np.delete(a, drop) for a in (poles, share, settled))
         fit = regress(data, poles, pole_terms=False)
     fit = refine_poles(data, poles)
     while fit.poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=True)
         if drop is not None:
-            share = np.delete(share, drop)
+            settled &= ~_near(fit.poles, complex(fit.poles[drop]))
+            share, settled = np.delete(share, drop), np.delete(settled, drop)
             fit = refine_poles(data, np.delete(fit.poles, drop))
             continue
-        spare = _not_needed(fit, data, line_share)
+        spare = _not_needed(fit, data, line_share, settled)
         if spare is None:
             break
-        index, fit = spare
-        share = np.delete(share, index)
+        index, reduced = spare
+        settled &= ~_near(fit.poles, complex(fit.poles[index]))
+        share, settled = np.delete(share, index), np.delete(settled, index)
+        fit = reduced
     rank = np.argsort(np.abs(fit.poles), kind="stable")
     if np.any(rank != np.arange(rank.size)):
         fit, share = regress(data, fit.poles[rank]), share[rank]

@@ -10,6 +10,9 @@ A = sum A_g, S_g = A_g^(1/2):
 
     cov = A^-1 [ sum_g t_g t_g^T ] A^-1,  t_g = S_g (I - S_g A^-1 S_g)^(-1/2) S_g^-1 s_g
 
+Participations that several references share are parameters too; the score and the information of
+the poles are then those left after their projection on the participations.
+
 A mode that few points see leaves few degrees of freedom. Each variance is therefore drawn towards
 the white-noise variance (A^-1), scaled by the factor by which the robust variances of all modes
 exceed theirs, with the weight of four degrees of freedom; the correlations stay the robust ones.
@@ -29,7 +32,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.regression import Regression
+from analyzer.modal.rank_one import RankOneFit
 
 __all__ = ["PoleCovariance", "frequency_damping_jacobian", "pole_covariance", "white_covariance"]
 
@@ -43,6 +46,7 @@ class PoleCovariance:
     covariance: npt.NDArray[np.float64]  # (2 n_modes, 2 n_modes), Hz and 1
     dof: npt.NDArray[np.float64]  # (2 n_modes,)
     robust: bool  # from clusters; False: from line variances
+    theta: npt.NDArray[np.float64]  # (n_theta, n_theta) of the poles' parts and participations
 
 
 def frequency_damping_jacobian(
@@ -61,23 +65,21 @@ def frequency_damping_jacobian(
     return J.reshape(2 * n, 2 * n)
 
 
-def white_covariance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
-    """Covariance of (Re p, Im p) for independent errors, scaled by the lack of fit.
+def white_covariance(
+    information: npt.NDArray[np.float64], lack_of_fit: float, share: float
+) -> npt.NDArray[np.float64]:
+    """Covariance of the parameters for independent errors, scaled by the lack of fit.
 
     Parameters
     ----------
-    fit
-        Regression at the refined poles.
-    n_freq
-        Lines of each FRF.
+    information
+        (n, n) of all FRFs, residues projected out.
+    lack_of_fit
+        Weighted misfit per real degree of freedom; a half for noise of the stated variance.
     share
         Independent lines per line under the window.
     """
-    A = fit.information.sum(axis=0)
-    n_frf = fit.cost.size
-    free = max(n_frf * (2 * n_freq - 2 * fit.poles.size - 3) - 2 * fit.poles.size, 1)
-    lack_of_fit = float(fit.cost.sum()) / free
-    return _inverse(A) * lack_of_fit / share
+    return _inverse(information) * lack_of_fit / share
 
 
 def _inverse(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -87,19 +89,26 @@ def _inverse(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def _cluster_parts(
-    fit: Regression, clusters: npt.NDArray[np.int64]
+    fit: RankOneFit, clusters: npt.NDArray[np.int64]
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Information and score of the poles per cluster, participations projected out."""
     n = int(clusters.max()) + 1
     member = (clusters[None, :] == np.arange(n)[:, None]).astype(float)
     A = np.tensordot(member, fit.information, axes=1)
-    return A, member @ fit.score
+    s = member @ fit.score
+    p = 2 * fit.poles.size
+    if A.shape[1] > p:
+        total = A.sum(axis=0)
+        Z = np.hstack([np.eye(p), -total[:p, p:] @ _inverse(total[p:, p:])])
+        A, s = Z @ A @ Z.T, s @ Z.T
+    return A, s
 
 
 def pole_covariance(
-    fit: Regression,
+    fit: RankOneFit,
     clusters: npt.NDArray[np.int64],
     *,
-    n_freq: int,
+    lack_of_fit: float,
     share: float,
     hit_dof: float,
 ) -> PoleCovariance:
@@ -108,13 +117,13 @@ def pole_covariance(
     Parameters
     ----------
     fit
-        Regression at the refined poles.
+        The maximum-likelihood model.
     clusters
-        (n_frf,), which cluster each FRF belongs to, from 0.
-    n_freq
-        Lines of each FRF.
+        (n_resp,), which cluster each response of the fit belongs to, from 0.
+    lack_of_fit
+        Weighted misfit per real degree of freedom.
     share
-        Independent lines per line under the window, for the fall-back.
+        Independent lines per line under the window.
     hit_dof
         Degrees of freedom of the hits' scatter, for the fall-back.
 
@@ -125,9 +134,14 @@ def pole_covariance(
     n_par = 2 * fit.poles.size
     J = frequency_damping_jacobian(fit.poles)
     if n_par == 0:
-        return PoleCovariance(covariance=np.zeros((0, 0)), dof=np.zeros(0), robust=True)
-    white = J @ white_covariance(fit, n_freq, share) @ J.T
-    fallback = PoleCovariance(covariance=white, dof=np.full(n_par, hit_dof), robust=False)
+        return PoleCovariance(
+            covariance=np.zeros((0, 0)), dof=np.zeros(0), robust=True, theta=np.zeros((0, 0))
+        )
+    theta = white_covariance(fit.information.sum(axis=0), lack_of_fit, share)
+    white = J @ theta[:n_par, :n_par] @ J.T
+    fallback = PoleCovariance(
+        covariance=white, dof=np.full(n_par, hit_dof), robust=False, theta=theta
+    )
     A_g, s_g = _cluster_parts(fit, clusters)
     if A_g.shape[0] < 3:
         return fallback
@@ -150,23 +164,40 @@ def pole_covariance(
     map_out = J @ whiten  # contrasts in whitened parameters
     covariance = map_out @ (t.T @ t) @ map_out.T
     dof = _satterthwaite(map_out, leverage, basis, factor)
-    return _drawn_together(covariance, white, dof)
+    drawn, dof = _drawn_together(covariance, white, dof)
+    return PoleCovariance(
+        covariance=drawn, dof=dof, robust=True, theta=_stretched(theta, J, drawn, white)
+    )
 
 
 def _drawn_together(
     robust: npt.NDArray[np.float64], white: npt.NDArray[np.float64], dof: npt.NDArray[np.float64]
-) -> PoleCovariance:
-    """Robust covariance with its variances drawn towards the scaled white ones."""
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Robust covariance with its variances drawn towards the scaled white ones, and its dof."""
     own = np.diag(robust)
     model = np.maximum(np.diag(white), np.finfo(float).tiny)
     excess = float(np.sum(dof * own / model) / np.sum(dof))
     variance = (dof * own + _PRIOR_DOF * excess * model) / (dof + _PRIOR_DOF)
     stretch = np.sqrt(variance / np.maximum(own, np.finfo(float).tiny))
-    return PoleCovariance(
-        covariance=robust * stretch[:, None] * stretch[None, :],
-        dof=dof + _PRIOR_DOF,
-        robust=True,
-    )
+    return robust * stretch[:, None] * stretch[None, :], dof + _PRIOR_DOF
+
+
+def _stretched(
+    theta: npt.NDArray[np.float64],
+    J: npt.NDArray[np.float64],
+    robust: npt.NDArray[np.float64],
+    white: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64]:
+    """White covariance of all parameters, stretched to the robust variances of the poles.
+
+    The participations are stretched by the mean factor of all poles.
+    """
+    n = J.shape[0]
+    ratio = np.sqrt(np.diag(robust) / np.maximum(np.diag(white), np.finfo(float).tiny))
+    D = np.eye(theta.shape[0]) * float(np.sqrt(np.mean(ratio**2)))
+    D[:n, :n] = np.linalg.solve(J, ratio[:, None] * J)
+    result: npt.NDArray[np.float64] = D @ theta @ D.T
+    return result
 
 
 def _outer_scale(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -75,7 +75,17 @@ def force_window(
 
     One before the end, a half-cosine over the last eighth of the length, zero after it. The
     length must hold the whole pulse; what is cut off of it is missing in every FRF.
+
+    Raises
+    ------
+    EstimateError
+        If the length is not above 0.
     """
+    if not length_s > 0.0:
+        raise EstimateError(
+            f"force window: wanted a length above 0 s, got {length_s}; correct windows.force_s in "
+            "the plan"
+        )
     after_s = (np.arange(n_samples) - trigger) / rate_hz
     taper_s = _TAPER * length_s
     position = np.clip((after_s - (length_s - taper_s)) / taper_s, 0.0, 1.0)

@@ -99,6 +99,15 @@ def arm_figure(
             line={"width": 6, "color": "#c00"},
             name=f"axis in {axis.link}",
         )
+        for row in axis.mozzi:
+            if row.posture == frf.posture:
+                half = row.direction_base * AXIS_LENGTH_M
+                figure.add_scatter3d(
+                    **_xyz(np.array([row.point_base_m - half, row.point_base_m + half])),
+                    mode="lines",
+                    line={"width": 3, "color": "#c60", "dash": "dash"},
+                    name=f"Mozzi axis, {row.f_hz:.2f} Hz",
+                )
     shapes = [_shape(superset, frf, mode.shape) for mode in model.modes]
     # The wireframe joins the points from the base outwards.
     order = np.argsort(superset.point_link, kind="stable")

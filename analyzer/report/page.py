@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +13,31 @@ import jinja2
 
 from analyzer.arm.superset import Superset
 from analyzer.identification.records import Identification
+from analyzer.modal import hit_choices, missing_mode_hints
 from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
 from protocols.session.records import Session
 
-__all__ = ["write_report"]
+__all__ = ["ReportSection", "write_report"]
 
 TOP_OVER_HIGHEST_MODE = 1.5
 
 
-def write_report(session: Session, identification: Identification, path: Path) -> None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportSection:
+    """Plots that stand in the report beside the session's own."""
+
+    title: str
+    notes: tuple[str, ...]
+    figures: tuple[Any, ...]  # plotly
+
+
+def write_report(
+    session: Session,
+    identification: Identification,
+    path: Path,
+    *,
+    sections: Sequence[ReportSection] = (),
+) -> None:
     """Write one self-contained HTML page; an older one is replaced only when it is complete.
 
     Raises
@@ -32,7 +50,9 @@ def write_report(session: Session, identification: Identification, path: Path) -
         autoescape=True,
         undefined=jinja2.StrictUndefined,
     )
-    html = environment.get_template("report.html").render(**_content(session, identification))
+    html = environment.get_template("report.html").render(
+        **_content(session, identification, sections)
+    )
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
         with part.open("x", encoding="utf-8") as file:
@@ -43,7 +63,9 @@ def write_report(session: Session, identification: Identification, path: Path) -
         raise
 
 
-def _content(session: Session, identification: Identification) -> dict[str, Any]:
+def _content(
+    session: Session, identification: Identification, sections: Sequence[ReportSection]
+) -> dict[str, Any]:
     superset = Superset(session.header.arm)
     highest = max((m.f_hz for m in identification.modes), default=100.0)
     top_hz = TOP_OVER_HIGHEST_MODE * highest
@@ -60,10 +82,31 @@ def _content(session: Session, identification: Identification) -> dict[str, Any]
     rejected = Counter(
         reason for hit in session.hits for reason in hit.verdict.reasons if not hit.verdict.accepted
     )
+    given = {frf.posture for frf in session.frfs}
     return {
         "session": session,
+        "measured": [
+            {
+                "frf": frf,
+                "model": model,
+                "choices": () if frf.posture in given else hit_choices(session, frf.posture),
+                "hints": missing_mode_hints(frf, model),
+            }
+            for frf, model in zip(identification.frfs, identification.modal_models, strict=True)
+        ],
         "result": identification,
         "figures": figures,
+        "sections": [
+            {
+                "title": section.title,
+                "notes": section.notes,
+                "figures": [
+                    figure.to_html(full_html=False, include_plotlyjs=not figures)
+                    for figure in section.figures
+                ],
+            }
+            for section in sections
+        ],
         "n_accepted": len(session.accepted()),
         "n_rejected": len(session.hits) - len(session.accepted()),
         "rejected": dict(rejected),

@@ -54,6 +54,17 @@ def figures_001(arm: Arm) -> list[Figure]:
         ),
         Figure(
             paper=PAPER,
+            table="Eq. (9)",
+            item="projection of the velocity on the axis",
+            unit="",
+            published="(w . v_Q) w/|w|",
+            ours=None,
+            margin=None,
+            status=Status.ERRATUM,
+            why="has to be (w . v_Q) w/|w|²: as printed it is a velocity times a rate",
+        ),
+        Figure(
+            paper=PAPER,
             table="Eqs. (12), (14)",
             item="free parameter along the axis",
             unit="",
@@ -261,6 +272,17 @@ def _section_4(arm: Arm) -> list[Figure]:
             "an eccentric force along x: the axis is tilted against the x-y plane, with a slide",
             tilt > 1.0 and abs(axis.pitch_m_per_rad) > 1e-4,
             f"tilt {tilt:.1f}°, slide {1e3 * axis.pitch_m_per_rad:.1f} mm/rad",
+        )
+    )
+    milling = deflect(batch, elastic, posture, [0, 20, -100, 0, 0, 0], tool_m=SIDE_TOOL_M)
+    turned = np.abs(milling.joint_rotation_rad[0])
+    figures.append(
+        said(
+            "a milling force with a small part along y: joints 2 and 3 give most, joint 1 too",
+            turned[1:].max() > turned[0] > 0.05 * turned[1:].max(),
+            "joints 1, 2, 3 turn "
+            + ", ".join(f"{1e3 * value:.2f}" for value in turned)
+            + " mrad under 20 N along y and 100 N down",
         )
     )
     rng = np.random.default_rng(0)

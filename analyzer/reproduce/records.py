@@ -32,6 +32,7 @@ class Figure:
     margin: float | None  # of |ours - published|
     status: Status
     why: str  # of the margin, of the difference, or the number behind a statement
+    ours_std: float | None = None  # one standard deviation of a prediction, where it has one
 
 
 def compared(
@@ -45,6 +46,7 @@ def compared(
     margin: float,
     status: Status,
     why: str,
+    ours_std: float | None = None,
 ) -> Figure:
     """Return a figure whose status is `differs` where it is further off than its margin."""
     agrees = abs(ours - published) <= margin
@@ -58,13 +60,17 @@ def compared(
         margin=margin,
         status=status if agrees else Status.DIFFERS,
         why=why,
+        ours_std=ours_std,
     )
 
 
 def statement(
-    paper: str, table: str, item: str, *, holds: bool, status: Status, number: str
+    paper: str, table: str, item: str, *, holds: bool, status: Status, number: str, if_not: str = ""
 ) -> Figure:
-    """Return a statement of the text as a computed yes or no with its number."""
+    """Return a statement of the text as a computed yes or no with its number.
+
+    `if_not` is the reason, given only with a no.
+    """
     return Figure(
         paper=paper,
         table=table,
@@ -74,7 +80,7 @@ def statement(
         ours=bool(holds),
         margin=None,
         status=status if holds else Status.DIFFERS,
-        why=number,
+        why=number if holds or not if_not else f"{number}; {if_not}",
     )
 
 

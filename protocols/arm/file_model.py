@@ -10,7 +10,15 @@ from pydantic import Field, field_validator, model_validator
 
 from protocols.toml_reader import FileModel, Name, Vector3, not_wanted
 
-__all__ = ["FORMAT", "ArmFile", "CanSection", "JointTable", "LinkTable", "PointTable"]
+__all__ = [
+    "FORMAT",
+    "ArmFile",
+    "CanSection",
+    "JointTable",
+    "LinkTable",
+    "MassesTable",
+    "PointTable",
+]
 
 FORMAT = "armodal-arm-1"
 
@@ -23,6 +31,7 @@ SmallAngleDeg = Annotated[float, Field(gt=0.0, le=30.0)]
 Position = Annotated[
     list[Annotated[float, Field(ge=-100.0, le=100.0)]], Field(min_length=3, max_length=3)
 ]
+SixNumbers = Annotated[list[float], Field(min_length=6, max_length=6)]
 # A name beside the arm file or a shipped one: never a path.
 FileName = Annotated[
     str, Field(max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*(\.[A-Za-z0-9_-]+)*$")
@@ -47,13 +56,45 @@ class DhTable(FileModel):
 
 
 class LinkTable(FileModel):
-    """The inertials of a link; with a URDF they replace the URDF's."""
+    """The inertials of a link; with a URDF they replace the URDF's.
+
+    Either mass, centre and inertia, or a volume that `masses` turns into a mass. With a volume
+    the spread of the mass is a full box, the inertia over the mass, or the URDF's own.
+    """
 
     name: Name
-    mass_kg: Positive
-    center_m: Position
+    mass_kg: Positive | None = None
+    volume_m3: Positive | None = None
+    center_m: Position | None = None
     # ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, in link axes
-    inertia_kg_m2: Annotated[list[float], Field(min_length=6, max_length=6)]
+    inertia_kg_m2: SixNumbers | None = None
+    inertia_over_mass_m2: SixNumbers | None = None  # of uniform density, whatever it is
+    box_m: (
+        Annotated[list[Annotated[float, Field(gt=0.0, le=10.0)]], Field(min_length=3, max_length=3)]
+        | None
+    ) = None
+
+    @model_validator(mode="after")
+    def _check_way(self) -> LinkTable:
+        spreads = (self.box_m is not None) + (self.inertia_over_mass_m2 is not None)
+        if self.volume_m3 is None:
+            for key in ("mass_kg", "center_m", "inertia_kg_m2"):
+                if getattr(self, key) is None:
+                    raise not_wanted(
+                        f"{key}, since a link without volume_m3 gives mass_kg, center_m and "
+                        "inertia_kg_m2"
+                    )
+            if spreads:
+                raise not_wanted("box_m and inertia_over_mass_m2 only with volume_m3")
+            return self
+        if self.mass_kg is not None or self.inertia_kg_m2 is not None:
+            raise not_wanted("volume_m3 or mass_kg with inertia_kg_m2, not both")
+        if spreads != (self.center_m is not None):
+            raise not_wanted(
+                "center_m with either box_m or inertia_over_mass_m2, or none of the three where a "
+                "URDF gives them"
+            )
+        return self
 
 
 class JointTable(FileModel):
@@ -79,6 +120,26 @@ class JointTable(FileModel):
             raise not_wanted(
                 "stiffness_n_m_per_rad and damping_n_m_s_per_rad together, or neither for a "
                 "rigid joint"
+            )
+        return self
+
+
+class MassesTable(FileModel):
+    """How links that give a volume get their mass: one density for all."""
+
+    total_kg: Positive | None = None
+    base_volume_m3: Annotated[float, Field(ge=0.0, lt=1e3)] | None = None
+    density_kg_m3: Positive | None = None
+    source: Annotated[str, Field(min_length=1, max_length=400)]
+
+    @model_validator(mode="after")
+    def _check_way(self) -> MassesTable:
+        if (self.total_kg is None) == (self.density_kg_m3 is None):
+            raise not_wanted("either total_kg or density_kg_m3")
+        if (self.total_kg is None) != (self.base_volume_m3 is None):
+            raise not_wanted(
+                "base_volume_m3 with total_kg, and only with it: the volume of what does not move, "
+                "0.0 where the total leaves it out"
             )
         return self
 
@@ -195,6 +256,7 @@ class ArmFile(FileModel):
     ] = Field(default=[0.0, 0.0, -9.80665])
     # No joints: a plain structure, all of whose points are on its base.
     joints: Annotated[list[JointTable], Field(max_length=32)]
+    masses: MassesTable | None = None
     points: Annotated[list[PointTable], Field(min_length=1, max_length=1000)]
     groups: Annotated[
         dict[Name, Annotated[list[str], Field(min_length=1)]], Field(max_length=100)

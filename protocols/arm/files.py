@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from protocols.arm.can_section import can_mapping
 from protocols.arm.dh import dh_transform
-from protocols.arm.file_model import ArmFile, JointTable, LinkTable, PointTable
-from protocols.arm.inertial import physical_link
+from protocols.arm.file_model import ArmFile, JointTable, MassesTable, PointTable
+from protocols.arm.masses import filled_masses, replaced_links, table_link
 from protocols.arm.records import Arm, Estimate, InertialLink, Joint, Point, Tolerances
 from protocols.arm.urdf import Chain, UrdfJoint, read_urdf
 from protocols.arrays import frozen_array
@@ -92,7 +92,7 @@ def arm_from_texts(
     chain = None
     if urdf_text is not None:
         try:
-            chain = read_urdf(urdf_text)
+            chain = read_urdf(urdf_text, replaced=replaced_links(file))
         except ArmError as problem:
             raise ArmError(f"{origin}: urdf {file.urdf}: {problem}") from problem
     joints = _joints(file, chain, origin)
@@ -111,7 +111,7 @@ def arm_from_texts(
     t = file.tolerances
     return Arm(
         name=file.name,
-        source=file.source,
+        source=file.source if file.masses is None else f"{file.source} {_told(file.masses)}",
         joints=joints,
         gravity_m_s2=frozen_array(file.gravity_m_s2, np.float64),
         points=points,
@@ -153,6 +153,7 @@ def _beside(arm_path: Path, name: str, shipped: Path, key: str, limit_bytes: int
 
 
 def _joints(file: ArmFile, chain: Chain | None, origin: str) -> tuple[Joint, ...]:
+    masses = filled_masses(file, origin)
     names = [table.name for table in file.joints]
     if chain is not None:
         wanted = [joint.name for joint in chain.joints]
@@ -160,23 +161,29 @@ def _joints(file: ArmFile, chain: Chain | None, origin: str) -> tuple[Joint, ...
             text = f"the URDF's joints from the base outwards, {', '.join(wanted)}"
             refuse(ArmError, origin, "joints", wanted=text, got=names)
         return tuple(
-            _urdf_joint(table, joint, f"joints[{i}]", origin)
+            _urdf_joint(table, joint, masses[i], f"joints[{i}]", origin)
             for i, (table, joint) in enumerate(zip(file.joints, chain.joints, strict=True))
         )
     if len(set(names)) != len(names):
         refuse(ArmError, origin, "joints", wanted="joint names that differ", got=names)
-    return tuple(_dh_joint(t, f"joints[{i}]", origin) for i, t in enumerate(file.joints))
+    return tuple(
+        _dh_joint(table, masses[i], f"joints[{i}]", origin) for i, table in enumerate(file.joints)
+    )
 
 
-def _urdf_joint(table: JointTable, joint: UrdfJoint, path: str, origin: str) -> Joint:
+def _urdf_joint(
+    table: JointTable, joint: UrdfJoint, mass_kg: float | None, path: str, origin: str
+) -> Joint:
     if table.dh is not None:
         refuse(ArmError, origin, f"{path}.dh", wanted="it left to the URDF", got="a table")
     link = joint.link
     if table.link is not None:
-        if table.link.name != joint.link.name:
-            wanted = f"the URDF's link, {joint.link.name}"
+        if table.link.name != joint.link_name:
+            wanted = f"the URDF's link, {joint.link_name}"
             refuse(ArmError, origin, f"{path}.link.name", wanted=wanted, got=table.link.name)
-        link = _table_link(table.link, f"{path}.link", origin)
+        link = table_link(table.link, mass_kg, link, f"{path}.link", origin)
+    if link is None:
+        refuse(ArmError, origin, f"{path}.link", wanted="the inertials of this link", got=None)
     low, high = joint.range_rad
     if table.range_deg is not None:
         narrowed = math.radians(table.range_deg[0]), math.radians(table.range_deg[1])
@@ -191,7 +198,7 @@ def _urdf_joint(table: JointTable, joint: UrdfJoint, path: str, origin: str) -> 
     return _joint(table, joint.T_parent_joint, joint.axis, (low, high), link)
 
 
-def _dh_joint(table: JointTable, path: str, origin: str) -> Joint:
+def _dh_joint(table: JointTable, mass_kg: float | None, path: str, origin: str) -> Joint:
     dh, link, limits = table.dh, table.link, table.range_deg
     if dh is None or link is None or limits is None:
         missing = next(k for k in ("dh", "link", "range_deg") if getattr(table, k) is None)
@@ -205,16 +212,14 @@ def _dh_joint(table: JointTable, path: str, origin: str) -> Joint:
     )
     range_rad = math.radians(limits[0]), math.radians(limits[1])
     axis = frozen_array([0.0, 0.0, 1.0], np.float64)
-    return _joint(table, T, axis, range_rad, _table_link(link, f"{path}.link", origin))
+    body = table_link(link, mass_kg, None, f"{path}.link", origin)
+    return _joint(table, T, axis, range_rad, body)
 
 
-def _table_link(link: LinkTable, path: str, origin: str) -> InertialLink:
-    xx, yy, zz, xy, xz, yz = link.inertia_kg_m2
-    inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-    try:
-        return physical_link(link.name, link.mass_kg, link.center_m, inertia)
-    except ArmError as problem:
-        raise ArmError(f"{origin}: {path}: {problem}") from problem
+def _told(masses: MassesTable) -> str:
+    if masses.total_kg is None:
+        return f"Masses: volume times {masses.density_kg_m3:g} kg/m³ ({masses.source})."
+    return f"Masses: {masses.total_kg:g} kg shared by volume ({masses.source})."
 
 
 def _joint(

@@ -28,6 +28,7 @@ def text_with_inertials(text: str, links: Sequence[InertialLink], *, name: str, 
     document = tomlkit.parse(text)
     document["name"] = name
     document["source"] = source
+    document.pop("masses", None)  # every link gets its own mass
     joints = document["joints"]
     for joint, link in zip(joints, links, strict=True):
         inertia = link.inertia_kg_m2

@@ -7,6 +7,7 @@ link that carries them; the frame of the first link is the base.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import NoReturn
 from xml.etree import ElementTree as ET
@@ -34,7 +35,8 @@ class UrdfJoint:
     T_parent_joint: npt.NDArray[np.float64]  # (4, 4)
     axis: npt.NDArray[np.float64]  # (3,) unit
     range_rad: tuple[float, float]
-    link: InertialLink
+    link_name: str
+    link: InertialLink | None  # None where its inertials are given elsewhere
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,8 +57,13 @@ class _Body:
     moving: tuple[tuple[ET.Element, npt.NDArray[np.float64]], ...]
 
 
-def read_urdf(text: str) -> Chain:
+def read_urdf(text: str, *, replaced: Collection[str] = ()) -> Chain:
     """Read the chain of a URDF text.
+
+    Parameters
+    ----------
+    replaced
+        Moving links whose inertials are given elsewhere: theirs are not looked at.
 
     Raises
     ------
@@ -95,7 +102,7 @@ def read_urdf(text: str) -> Chain:
             break
         element, T_body_origin = body.moving[0]
         body = _body(_end(element, "child", links), links, children)
-        chain.append(_joint(element, T_body_origin, body))
+        chain.append(_joint(element, T_body_origin, body, replaced))
     if seen != len(links):
         raise ArmError(f"wanted every link on the chain, got {len(links) - seen} in a loop")
     if not chain:
@@ -179,18 +186,29 @@ def _body(
         for joint in children[name]:
             T_body_joint = T_body_link @ _origin(joint, f"joint {joint.get('name')}")
             kind = joint.get("type")
+            if joint.find("mimic") is not None:
+                raise ArmError(
+                    f"joint {joint.get('name')}: wanted a joint that moves by itself, got one that "
+                    "mimics another; make it fixed, or write the arm without what it drives"
+                )
             if kind == "fixed":
                 waiting.append((_end(joint, "child", links), T_body_joint))
             elif kind in {"revolute", "continuous"}:
                 moving.append((joint, T_body_joint))
             else:
                 raise ArmError(
-                    f"joint {joint.get('name')}: wanted type revolute or fixed, got {kind!r}"
+                    f"joint {joint.get('name')}: wanted type revolute, continuous or fixed, got "
+                    f"{kind!r}; make it fixed where it is held, or leave out what it carries"
                 )
     return _Body(names=tuple(names), inertials=tuple(inertials), moving=tuple(moving))
 
 
-def _joint(element: ET.Element, T_parent_joint: npt.NDArray[np.float64], body: _Body) -> UrdfJoint:
+def _joint(
+    element: ET.Element,
+    T_parent_joint: npt.NDArray[np.float64],
+    body: _Body,
+    replaced: Collection[str],
+) -> UrdfJoint:
     name = element.get("name", "")
     axis_element = element.find("axis")
     text = "1 0 0" if axis_element is None else axis_element.get("xyz", "1 0 0")
@@ -203,7 +221,8 @@ def _joint(element: ET.Element, T_parent_joint: npt.NDArray[np.float64], body: _
         T_parent_joint=frozen_array(T_parent_joint, np.float64),
         axis=frozen_array(axis / length, np.float64),
         range_rad=_range(element, name),
-        link=_link(body),
+        link_name=body.names[0],
+        link=None if body.names[0] in replaced else _link(body),
     )
 
 
@@ -241,7 +260,10 @@ def _link(body: _Body) -> InertialLink:
         link = physical_link(element.get("name", ""), mass, T[:3, 3], inertia)
         parts.append((link.mass_kg, link.center_m, link.inertia_kg_m2))
     if not parts:
-        raise ArmError(f"link {name}: wanted an inertial, got none; a moving link has mass")
+        raise ArmError(
+            f"link {name}: wanted an inertial, got none; a moving link has mass: "
+            "add one to the URDF, or a link table to the arm file"
+        )
     return merge_bodies(name, parts)
 
 

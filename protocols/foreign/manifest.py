@@ -16,7 +16,7 @@ from protocols.errors import ForeignFileError
 from protocols.foreign.measured import Hints, parse_dof
 from protocols.foreign.units import SI
 from protocols.frf_records import FrfForm
-from protocols.plan_model import WindowsTable
+from protocols.plan_model import AveragingTable, WindowsTable
 from protocols.toml_reader import (
     FileModel,
     Name,
@@ -97,6 +97,7 @@ class ManifestFile(FileModel):
     links: Annotated[dict[str, Name], Field(max_length=10_000)] = Field(default={})
     sensor_mass_kg: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     windows: WindowsTable = WindowsTable()
+    averaging: AveragingTable = AveragingTable()
     postures: Annotated[list[PostureTable], Field(min_length=1, max_length=100)]
 
 

@@ -124,6 +124,9 @@ def plan_text(file: ManifestFile, facts: PlanFacts) -> str:
     ]
     if file.windows.force_s is not None:
         lines.append(f"force_s = {file.windows.force_s!r}")
+    lines += ["", "[averaging]", f"estimator = {_quoted(file.averaging.estimator)}"]
+    if file.averaging.keep_hits is not None:
+        lines.append(f"keep_hits = {file.averaging.keep_hits}")
     lines += ["", "[sensor]", f"mass_kg = {file.sensor_mass_kg or 0.0!r}"]
     for posture, points in zip(file.postures, facts.points, strict=True):
         lines += ["", *_posture(posture, points)]

@@ -1,12 +1,12 @@
 """The session file: HDF5 derived from the journal, laid out for generic viewers.
 
-The layout is specified in `docs/session-file.md`. A file appears whole or not at all: it is
-written beside its place, read back, compared, and only then renamed.
+The layout is specified in `docs/session-file.md`. A file appears whole or not at all: it is made
+in memory, written beside its place, read back, compared, and only then renamed.
 """
 
 from __future__ import annotations
 
-import fcntl
+import glob
 import os
 from collections.abc import Sequence
 from contextlib import suppress
@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from protocols.errors import ArmodalError, JournalError, SessionError
+from protocols.file_layer import DISK, FileLayer, write_all
 from protocols.frf_records import FrequencyResponse
 from protocols.session.compare import first_difference
 from protocols.session.hdf5_frf import check_frf, frf_name, read_frf_groups, write_frf_groups
@@ -44,6 +45,8 @@ __all__ = [
 DEFINITION = "armodal-session"
 FORMAT_VERSION = 1
 _ENTRY = "session"
+_WRITTEN_AT_ONCE = 2**20  # bytes
+_NO_PID = 2**31
 
 
 def write_session(
@@ -52,8 +55,11 @@ def write_session(
     *,
     frfs: Sequence[FrequencyResponse] = (),
     provenance: Provenance | None = None,
+    files: FileLayer = DISK,
 ) -> None:
     """Write a session file, replacing one that is there only when the new one is proven.
+
+    Only its user may read it. What a writer that was killed left beside it is removed.
 
     Parameters
     ----------
@@ -67,6 +73,8 @@ def write_session(
     provenance
         What the session was derived from; without it, the software of the session itself and
         no journal.
+    files
+        What the file is written through.
 
     Raises
     ------
@@ -80,11 +88,11 @@ def write_session(
         provenance = Provenance(journal_sha256=None, software=session.header.software)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        _write(temporary, session, frfs, provenance)
-        _sync(temporary)
+        _remove_leftovers(target, files)
+        _write(files, temporary, _image(session, frfs, provenance))
         _verify(temporary, session, frfs, provenance)
-        temporary.replace(target)
-        _sync(target.parent)
+        files.replace(temporary, target)
+        files.sync_folder(target.parent)
     except SessionError:
         raise
     except JournalError as error:
@@ -96,7 +104,7 @@ def write_session(
         ) from error
     finally:
         with suppress(OSError):  # gone by its renaming, or never made
-            temporary.unlink()
+            files.remove(temporary)
 
 
 def read_session(path: str | Path) -> Session:
@@ -142,10 +150,9 @@ def _check(session: Session, frfs: Sequence[FrequencyResponse], target: Path) ->
         raise SessionError(f"{target} is not written: {error}") from error
 
 
-def _write(
-    path: Path, session: Session, frfs: Sequence[FrequencyResponse], provenance: Provenance
-) -> None:
-    with h5py.File(path, "w") as file:
+def _image(session: Session, frfs: Sequence[FrequencyResponse], provenance: Provenance) -> bytes:
+    """Return the bytes of the session file; the HDF5 library itself touches no disk."""
+    with h5py.File(f"{_ENTRY}.h5", "w", driver="core", backing_store=False) as file:
         file.attrs["NX_class"] = "NXroot"
         file.attrs["default"] = _ENTRY
         file.attrs["creator"] = provenance.software
@@ -163,6 +170,39 @@ def _write(
             entry.attrs["default"] = frf_name(0)
         elif session.hits:
             entry.attrs["default"] = "first_hit"
+        file.flush()
+        return bytes(file.id.get_file_image())
+
+
+def _write(files: FileLayer, path: Path, image: bytes) -> None:
+    """Write a file, and make it durable."""
+    fd = files.create(path)
+    try:
+        write_all(files, fd, image, at_once=_WRITTEN_AT_ONCE)
+        files.sync(fd)
+    finally:
+        files.close(fd)
+
+
+def _remove_leftovers(target: Path, files: FileLayer) -> None:
+    """Remove what writers of this file that were killed left half written."""
+    for part in target.parent.glob(f".{glob.escape(target.name)}.*.part"):
+        pid = part.name.removesuffix(".part").rpartition(".")[2]
+        if pid.isascii() and pid.isdecimal() and not _runs(int(pid)):
+            files.remove(part)
+
+
+def _runs(pid: int) -> bool:
+    """Whether there is another process with this number."""
+    if pid == os.getpid() or not 0 < pid < _NO_PID:
+        return False
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True  # it is there, and somebody else's
+    return True
 
 
 def _verify(
@@ -212,16 +252,3 @@ def _read_entry(entry: Tree) -> Session:
         except SessionError as error:
             entry.refuse("frf_count", "FRFs that belong to the session", str(error))
     return session
-
-
-def _sync(path: Path) -> None:
-    """Make a file, or the names in a folder, durable."""
-    full_sync = getattr(fcntl, "F_FULLFSYNC", None)
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        if full_sync is not None and path.is_file():  # macOS: fsync stops at the drive's cache
-            fcntl.fcntl(descriptor, full_sync)
-        else:
-            os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

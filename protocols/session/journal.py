@@ -128,7 +128,7 @@ def decode_journal(data: bytes) -> Journal:
     if not found.records:
         raise JournalError(
             f"the journal holds no complete record: {found.damage or 'it ends after its magic'}; "
-            "nothing can be recovered from it"
+            "nothing was recorded in it; remove it, and begin the session anew"
         )
     header = _header(found.records[0])
     hits: list[Hit] = []

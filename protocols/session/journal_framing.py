@@ -117,7 +117,7 @@ def check_magic(data: bytes | memoryview) -> None:
     if not start or MAGIC.startswith(start):
         raise JournalError(
             f"the journal ends after {len(start)} bytes, before anything was recorded: "
-            "nothing can be recovered from it"
+            "remove it, and begin the session anew"
         )
     raise JournalError(
         f"not an armodal journal: it begins with {start.hex(' ')}, wanted {MAGIC.hex(' ')}; "

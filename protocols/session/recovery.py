@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from protocols.errors import EstimateError
+from protocols.file_layer import DISK, FileLayer
 from protocols.frf_records import FrequencyResponse
 from protocols.session.hdf5 import Provenance, write_session
 from protocols.session.journal import decode_journal, read_journal_bytes, session_of
@@ -44,6 +45,7 @@ def rebuild(
     *,
     software: str,
     estimate_frfs: FrfEstimator | None = None,
+    files: FileLayer = DISK,
 ) -> Recovery:
     """Write the session file that a journal tells of.
 
@@ -56,6 +58,8 @@ def rebuild(
     estimate_frfs
         Makes FRF matrices of the session. If it raises EstimateError (too few hits, say), the
         file is written without FRFs.
+    files
+        What the session file is written through.
 
     Raises
     ------
@@ -73,7 +77,7 @@ def rebuild(
         except EstimateError as error:
             frf_problem = str(error)
     provenance = Provenance(journal_sha256=hashlib.sha256(data).hexdigest(), software=software)
-    write_session(session, session_path, frfs=frfs, provenance=provenance)
+    write_session(session, session_path, frfs=frfs, provenance=provenance, files=files)
     accepted = len(session.accepted())
     return Recovery(
         session=session,

@@ -53,7 +53,7 @@ def test_append_returns_only_after_the_record_is_durable(header, path, monkeypat
     synced: list[int] = []
     sync = os.fdatasync
     monkeypatch.setattr(
-        "daq.journal_writer.os.fdatasync",
+        "protocols.file_layer.os.fdatasync",
         lambda fd: (synced.append(os.fstat(fd).st_size), sync(fd))[1],
     )
     writer.append(mark("one"))
@@ -72,7 +72,7 @@ def test_an_existing_file_is_never_begun_again(header, path):
 def test_a_second_writer_is_locked_out(header, path, resume):
     writer = JournalWriter.create(path, header)
     try:
-        with pytest.raises(JournalError, match="another session" if resume else "exists already"):
+        with pytest.raises(JournalError, match="in use by another session"):
             JournalWriter.resume(path) if resume else JournalWriter.create(path, header)
     finally:
         writer.close()
@@ -116,7 +116,7 @@ def test_a_full_disk_is_said_and_the_record_does_not_count(header, path, monkeyp
     def full(fd: int, data: memoryview) -> int:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("daq.journal_writer.os.write", full)
+    monkeypatch.setattr("protocols.file_layer.os.write", full)
     with pytest.raises(JournalError, match="No space left"):
         writer.append(mark("one"))
     monkeypatch.undo()
@@ -136,7 +136,7 @@ def test_a_record_torn_by_a_full_disk_is_cut_off_and_nothing_follows_it(header, 
             raise OSError(28, "No space left on device")
         return write(fd, data[:5])
 
-    monkeypatch.setattr("daq.journal_writer.os.write", fills_up)
+    monkeypatch.setattr("protocols.file_layer.os.write", fills_up)
     with pytest.raises(JournalError, match="No space left"):
         writer.append(mark("two"))
     monkeypatch.undo()

@@ -20,7 +20,7 @@ from hil_sim.faults import FaultSet
 from hil_sim.lab import launch
 from hil_sim.pty_port import PtyPort
 
-collect_ignore = ["synthetic_laboratory.py", "host_side.py"]
+collect_ignore = ["synthetic_laboratory.py", "host_side.py", "plain_plants.py"]
 
 
 class Time:

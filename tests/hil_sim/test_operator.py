@@ -239,3 +239,38 @@ def test_the_socket_is_gone_after_closing(bench, tmp_path):
     made.close()
     with socket.socket(socket.AF_UNIX) as client, pytest.raises(FileNotFoundError):
         client.connect(str(made.socket.path))
+
+
+def test_a_socket_left_by_a_killed_laboratory_is_taken_over(tmp_path, bench):
+    path = tmp_path / "operator.sock"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as dead:
+        dead.bind(str(path))
+    taken = OperatorSocket(path, lambda request: iter(()), clock=bench.clock)
+    try:
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    finally:
+        taken.close()
+
+
+def test_a_living_laboratory_keeps_its_socket(tmp_path, bench):
+    path = tmp_path / "operator.sock"
+    living = OperatorSocket(path, lambda request: iter(()), clock=bench.clock)
+    try:
+        with pytest.raises(PlantError, match="another laboratory listens"):
+            OperatorSocket(path, lambda request: iter(()), clock=bench.clock)
+    finally:
+        living.close()
+
+
+def test_a_file_where_the_socket_should_be_is_left_alone(tmp_path, bench):
+    path = tmp_path / "operator.sock"
+    path.write_text("precious")
+    with pytest.raises(PlantError, match="cannot listen"):
+        OperatorSocket(path, lambda request: iter(()), clock=bench.clock)
+    assert path.read_text() == "precious"
+
+
+def test_the_ledger_is_readable_by_its_user_only(tmp_path):
+    path = tmp_path / "ledger.jsonl"
+    LedgerWriter(path, known_arm().plant, seed=1, time_scale=1.0).close()
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600

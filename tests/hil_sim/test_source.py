@@ -15,8 +15,9 @@ from hil_sim.newton_euler import (
     with_point_mass,
 )
 from hil_sim.plant import build_plant, load_plant
+from hil_sim.ringing import force_history, modal_response
 from hil_sim.small_motion import Mounting, force_torque, linearise
-from hil_sim.source import SensorSource, force_history, modal_response
+from hil_sim.source import SensorSource
 
 RATE = Fraction(51_200, 31)
 POSTURE = np.deg2rad([-25.0, 90.0, 0.0, 0.0, 90.0, 0.0])

@@ -58,7 +58,7 @@ def test_validation_postures_are_others_with_six_points_one_on_each_moving_link(
 def test_every_shipped_plan_loads_with_unit_directions() -> None:
     assert "rv4frl-roving-hammer" in shipped_plans()
     for name in shipped_plans():
-        for posture in load_plan(name, ARM).postures:
+        for posture in load_plan(name, load_arm(name.split("-")[0])).postures:
             if posture.hit_direction is not None:
                 # Normalised in float64.
                 assert np.linalg.norm(posture.hit_direction) == pytest.approx(1.0, abs=1e-15)

@@ -1,63 +1,7 @@
-"""A simulated plant for any arm, and an arm file for any URDF."""
+"""An arm file for any URDF."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-
-from hil_sim.plant import build_plant, load_plant
-from hil_sim.plant_file import LinkTruth, PointTruth
-
-
-def plant_of_arm(arm, stiffness, damping, *, peak_n=(16.0, 24.0)):
-    """The plant of an arm, its links' frames turned to lie as base does at q = 0.
-
-    `stiffness` and `damping` hold a value or None for every joint. Hits are gentle, since a light
-    wrist drives the accelerometer out of its range.
-    """
-    pattern = load_plant("rv4frl").truth
-    T, before = np.eye(4), np.zeros(3)
-    links, rotation = [], {"base": np.eye(3)}
-    for joint, k, c in zip(arm.joints, stiffness, damping, strict=True):
-        T = T @ joint.T_parent_joint
-        R, link = T[:3, :3], joint.link
-        rotation[link.name] = R
-        inertia = R @ link.inertia_kg_m2 @ R.T
-        axis = R @ joint.axis
-        links.append(
-            LinkTruth(
-                name=link.name,
-                joint=joint.name,
-                origin_m=tuple(T[:3, 3] - before),
-                axis=tuple(axis / np.linalg.norm(axis)),
-                range_deg=tuple(np.rad2deg(joint.range_rad)),
-                mass_kg=link.mass_kg,
-                center_m=tuple(R @ link.center_m),
-                inertia_kg_m2=tuple(inertia[np.triu_indices(3)]),
-                stiffness_n_m_per_rad=k,
-                damping_n_m_s_per_rad=c,
-            )
-        )
-        before = T[:3, 3].copy()
-    points = [
-        PointTruth(
-            id=point.id,
-            link=point.link,
-            position_m=tuple(rotation[point.link] @ point.position_m),
-            normal=tuple((rotation[point.link] @ point.R_link_sensor)[:, 2]),
-            x_axis=tuple((rotation[point.link] @ point.R_link_sensor)[:, 0]),
-        )
-        for point in arm.points
-    ]
-    return build_plant(
-        pattern.model_copy(
-            update={
-                "name": arm.name,
-                "links": tuple(links),
-                "points": tuple(points),
-                "hidden_axis": None,
-                "hand": pattern.hand.model_copy(update={"peak_n": peak_n}),
-            }
-        )
-    )
 
 
 def arm_text_of_urdf(name, urdf_name, chain, *, n_elastic=3, seed=0):

@@ -12,7 +12,7 @@ from hil_sim.source import SensorSource
 from protocols.arm.files import load_arm
 from protocols.board.messages import encode_dictionary
 from protocols.plan import load_plan
-from protocols.plan_records import Mode
+from protocols.plan_records import Mode, Plan
 from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 SETTLE = 200  # samples before the block, so that filters and noise are running
@@ -23,7 +23,7 @@ def simulate_session(
 ):
     """Every planned point measured with good hits; encoders as good as a millidegree."""
     arm = arm or load_arm("rv4frl")
-    plan = load_plan(plan, arm)
+    plan = plan if isinstance(plan, Plan) else load_plan(plan, arm)
     plant = plant or load_plant("rv4frl")
     streams = np.random.default_rng(seed).spawn(3)
     source = SensorSource(plant, plan.sampling.rate_hz, streams[0])

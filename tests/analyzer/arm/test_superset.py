@@ -149,11 +149,35 @@ def test_point_jacobians_are_the_motion_of_the_points(arm, superset):
         np.testing.assert_allclose(moved, dynamics.point_jacobian[:, :3, column], atol=1e-9)
 
 
-def test_points_of_the_base_never_move(superset):
+def test_points_of_the_base_move_with_the_base_alone(superset):
     dynamics = superset.posture(postures(1)[0])
     fixed = [i for i, link in enumerate(superset.point_link) if link < 0]
     assert fixed
-    assert not dynamics.point_jacobian[fixed].any()
+    base = superset.base_columns()
+    assert not dynamics.point_jacobian[fixed][..., base.stop :].any()
+    position = dynamics.point_position[fixed[0]]
+    turned = dynamics.point_jacobian[fixed[0], :3, base][:, 3:]
+    np.testing.assert_allclose(turned.T, np.cross(np.eye(3), position), atol=1e-15)
+
+
+def test_mass_matrix_is_the_sum_of_the_links_kinetic_energies(arm, superset):
+    dynamics = superset.posture(postures(1)[0])
+    M = np.zeros((superset.n, superset.n))
+    for joint, J in zip(arm.joints, dynamics.link_jacobian, strict=True):
+        link = joint.link
+        at_center = J[:3] + np.cross(J[3:].T, link.center_m).T
+        M += link.mass_kg * at_center.T @ at_center + J[3:].T @ link.inertia_kg_m2 @ J[3:]
+    np.testing.assert_allclose(dynamics.mass, M, atol=1e-12)
+
+
+def test_gravity_stiffness_is_the_sum_over_masses_and_first_moments(arm, superset):
+    q = postures(1)[0]
+    per_mass = superset.gravity_stiffness_per_mass(q)
+    moments = np.array(
+        [[1.0, *joint.link.center_m] * np.array(joint.link.mass_kg) for joint in arm.joints]
+    )
+    K = np.einsum("la,laij->ij", moments, per_mass)
+    np.testing.assert_allclose(K, superset.posture(q).gravity_stiffness, atol=1e-9)
 
 
 def test_a_released_axis_moves_points_as_a_rotation_about_its_line(arm, superset):

@@ -155,3 +155,7 @@ def test_the_sensor_is_judged_over_all_postures(measured):
     assert sensor_verdict([swapped, flipped]).outcome is Outcome.CANNOT_TELL
     assert "only" in sensor_verdict([flipped, good]).text
     assert sensor_verdict([]).outcome is Outcome.CANNOT_TELL
+    unnamed = replace(good.finding, outcome=Outcome.CANNOT_TELL, text="something is wrong")
+    assert sensor_verdict([good, replace(good, finding=unnamed)]).outcome is Outcome.CANNOT_TELL
+    faint = replace(good, finding=unnamed, faint=True)
+    assert sensor_verdict([good, faint]).outcome is Outcome.GOOD

@@ -131,3 +131,51 @@ def test_modes_that_joints_explain_have_no_mozzi_axis(superset, structure):
         [predicted],
     )
     assert axis.mozzi == ()
+
+
+def test_an_axis_with_two_points_behind_it_is_doubted_and_not_refused(superset):
+    """Points 1 and 2 alone lie on a line: they tell no Mozzi axis, the model still has its own."""
+    structure = true_structure([replace(true_axis(), link=4)])
+    fit = made_fit(superset, structure)
+    measured = made_modes(superset, POSTURES[0], structure, points=("1", "2"))
+    none = np.zeros(len(superset.arm.points))
+    predicted = predict_modes(superset, measured.dynamics, fit, added_mass_kg=none)
+    (axis,) = axis_results(
+        superset,
+        fit,
+        np.zeros(len(fit.parameters.names)),
+        (SimpleNamespace(posture="test 1"),),
+        [measured],
+        [[0.5] * len(measured.modes)],
+        [predicted],
+    )
+    assert axis.mozzi == ()
+    assert any("not in line" in doubt for doubt in axis.doubts)
+
+
+def test_a_stiffness_that_nothing_tells_is_doubted(superset):
+    structure = true_structure([true_axis()])
+    names = made_fit(superset, structure).parameters.names
+    covariance = np.zeros((len(names), len(names)))
+    covariance[names.index("ln k axis 1"), names.index("ln k axis 1")] = 2.0
+    measured = made_modes(superset, POSTURES[0], structure)
+    for fit, said in (
+        (made_fit(superset, structure), False),
+        (made_fit(superset, structure, covariance), True),
+    ):
+        predicted = predict_modes(
+            superset,
+            measured.dynamics,
+            fit,
+            added_mass_kg=np.zeros(len(superset.arm.points)),
+        )
+        (axis,) = axis_results(
+            superset,
+            fit,
+            np.zeros(len(names)),
+            (SimpleNamespace(posture="test 1"),),
+            [measured],
+            [[0.5] * len(measured.modes)],
+            [predicted],
+        )
+        assert any("hardly tells the axis" in doubt for doubt in axis.doubts) == said

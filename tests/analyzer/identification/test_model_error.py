@@ -9,7 +9,7 @@ from small_fit import measured, state_of, true_structure, unmeasured
 
 from analyzer.arm import Superset
 from analyzer.identification.frf_fit import fit_frfs
-from analyzer.identification.model_error import model_error_std
+from analyzer.identification.model_error import model_error_std, model_moves
 from analyzer.identification.parameters import step_state
 from protocols.arm.records import Tolerances
 
@@ -57,14 +57,14 @@ def test_stiffness_takes_each_links_share_of_the_inertia(arm, test):
     whole = mass_matrix(arm, q)[test, test]
     shares = [1 - mass_matrix(without_link(arm, j), q)[test, test] / whole for j in range(6)]
     expected = 0.05 * np.sqrt(np.sum(np.square(shares)))
-    std = model_error_std(superset, data, fit)
+    std = model_error_std(model_moves(superset, data, fit))
     # c leaves its slope by 25 times the relative move of I, here 5e-7; gains are all but free.
     np.testing.assert_allclose(std[:2], expected, rtol=5e-5)
 
 
 def test_no_tolerance_is_no_model_error(arm):
     superset, data, fit = fitted(weightless(arm), true_structure(joints=(1,)), 1)
-    np.testing.assert_array_equal(model_error_std(superset, data, fit), np.zeros(7))
+    np.testing.assert_array_equal(model_error_std(model_moves(superset, data, fit)), np.zeros(7))
 
 
 def test_errors_of_several_kinds_add_as_variances(arm):
@@ -73,9 +73,9 @@ def test_errors_of_several_kinds_add_as_variances(arm):
     squares = []
     for kind, size in kinds.items():
         superset, data, fit = fitted(weightless(arm, **{kind: size}), structure, 1)
-        squares.append(model_error_std(superset, data, fit) ** 2)
+        squares.append(model_error_std(model_moves(superset, data, fit)) ** 2)
     superset, data, fit = fitted(weightless(arm, **kinds), structure, 1)
-    together = model_error_std(superset, data, fit)
+    together = model_error_std(model_moves(superset, data, fit))
     np.testing.assert_allclose(together**2, np.sum(squares, axis=0), rtol=1e-6, atol=1e-20)
 
 
@@ -102,6 +102,6 @@ def test_a_refit_with_a_heavier_link_moves_by_what_is_stated(arm):
                 / np.r_[structure.all_stiffness(), structure.all_damping()]
             )
         )
-    stated = model_error_std(superset, data, fit)[:6]
+    stated = model_error_std(model_moves(superset, data, fit))[:6]
     # One step of a mildly nonlinear fit.
     np.testing.assert_allclose(np.sqrt(np.sum(np.square(moves), axis=0)), stated, rtol=0.1)

@@ -11,12 +11,12 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 
-from any_arm import plant_of_arm
 from offline_lab import simulate_session
 
 from analyzer.identification.identify import identify
 from analyzer.planning.selective import plan_tests
 from analyzer.workspace.spectrum import elastic_joints
+from hil_sim.study.plant_of_arm import plant_of_arm
 from protocols.arm.files import load_arm
 from tui.plan import plan_text, write_plan
 

@@ -2,6 +2,9 @@
 
 The response of one mode to a half-sine is known exactly, so the records hold no integration
 error; both channels carry the same AC coupling where asked for, added in closed form too.
+
+Sampled as they are, such records alias: a half-sine has no highest frequency. `band_limited`
+records went through the same anti-alias filter in both channels, as those of a board do.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ import numpy as np
 from protocols.arm.records import Arm, Tolerances
 from protocols.board.records import BoardDictionary, Channel, IepeState
 from protocols.plan_records import (
+    Averaging,
     Mode,
     Plan,
     PlannedPosture,
@@ -78,6 +82,28 @@ def force_record(t, width, corner_hz=0.0):
     wc = 2.0 * np.pi * corner_hz
     droop = wc * half_sine_response(t, width, -wc).real if corner_hz > 0.0 else 0.0
     return half_sine(t, width) - droop
+
+
+def band_limited(n, rate, start_s, width, poles, residues, corner_hz=0.0):
+    """Force and accelerations (1 + n_axes, n) of a unit half-sine begun at `start_s`.
+
+    Built on shifted lines s = a + jw, where the pulse and the model have closed forms, through a
+    filter that falls to zero at half the rate; what wraps around the record is e^-12 of it.
+    """
+    a = 12.0 * rate / n
+    freq = np.fft.rfftfreq(n, 1.0 / rate)
+    s = a + 2j * np.pi * freq
+    u = np.pi / width
+    force = u * (1.0 + np.exp(-s * width)) / (s**2 + u**2) * np.exp(-s * start_s)
+    position = np.clip((freq / rate - 0.4) / 0.1, 0.0, 1.0)
+    force *= 0.5 + 0.5 * np.cos(np.pi * position)
+    force *= s / (s + 2.0 * np.pi * corner_hz)
+    H = sum(
+        R[:, None] / (s - p) + R.conj()[:, None] / (s - np.conj(p))
+        for p, R in zip(poles, residues, strict=True)
+    )
+    spectra = np.vstack([force, s**2 * H * force])
+    return np.fft.irfft(spectra, n) * rate * np.exp(a * np.arange(n) / rate)
 
 
 def dictionary(corner_hz=0.0, names=("hammer", "acc_x", "acc_y", "acc_z")):
@@ -148,6 +174,8 @@ def session(
     rng=None,
     aim=0.0,
     joints=(0.1, 0.2),
+    averaging=None,
+    anti_alias=False,
 ):
     """Session of a roving test; residues (n_modes, n_points, 3) of receptance, one reference."""
     rng = rng or np.random.default_rng(0)
@@ -164,9 +192,16 @@ def session(
             peak = rng.uniform(50.0, 150.0)
             # A hand that aims differently reaches every mode a little differently.
             reach = 1.0 + aim * rng.standard_normal((len(poles), 1))
-            force = peak * force_record(t, width, corner_hz)
-            response = peak * acceleration(t, width, poles, reach * residues[:, index], corner_hz)
-            record = np.vstack([force, response])
+            reached = reach * residues[:, index]
+            if anti_alias:
+                start_s = -t[0]
+                record = peak * band_limited(
+                    samples, rate, start_s, width, poles, reached, corner_hz
+                )
+            else:
+                force = force_record(t, width, corner_hz)
+                response = acceleration(t, width, poles, reached, corner_hz)
+                record = peak * np.vstack([force, response])
             record += noise * rng.standard_normal(record.shape)
             scale = np.array([FORCE_SCALE] + [ACCELERATION_SCALE] * 3)
             counts = np.round(record / scale[:, None]).astype(np.int32).T
@@ -213,6 +248,7 @@ def session(
         ),
         text="",
         sha256="",
+        averaging=averaging or Averaging(),
     )
     header = SessionHeader(
         session_id="0",

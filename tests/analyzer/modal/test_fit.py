@@ -9,7 +9,7 @@ from scipy.stats import t as student
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from simulated import EIGHT_HZ, eight_modes, modal_frf, poles_of, record
+from simulated import EIGHT_HZ, eight_modes, modal_frf, noisy_record, poles_of, record
 
 from analyzer.modal import fit_modes, mac, synthesise
 from protocols.errors import EstimateError
@@ -18,11 +18,7 @@ from protocols.frf_records import FrfForm
 
 def noisy(rng, poles, residues, freq, *, form=FrfForm.ACCELERANCE, level=0.01, axes=3):
     clean = modal_frf(poles, residues, freq, form)
-    sigma = level * np.sqrt(np.mean(np.abs(clean) ** 2, axis=-1, keepdims=True))
-    noise = rng.standard_normal((2, *clean.shape)) / np.sqrt(2.0)
-    variance = np.broadcast_to(sigma**2, clean.shape)
-    values = clean + sigma * (noise[0] + 1j * noise[1])
-    return record(values, freq, variance=variance, form=form, axes=axes)
+    return noisy_record(rng, clean, freq, form=form, level=level, axes=axes)
 
 
 def real_residues(rng, poles, n_resp, n_ref):
@@ -35,8 +31,9 @@ def real_residues(rng, poles, n_resp, n_ref):
 @pytest.mark.parametrize("form", list(FrfForm))
 @pytest.mark.parametrize("seed", range(4))
 def test_eight_modes_are_found_and_none_beside_them(form, seed):
-    frf, poles = eight_modes(np.random.default_rng(seed), form=form)
-    model = fit_modes(frf)
+    made = eight_modes(np.random.default_rng(seed), form=form)
+    poles = made.poles
+    model = fit_modes(made.frf)
     assert len(model.modes) == 8
     # The figures issue C names; the bound of the estimate is far below them.
     np.testing.assert_allclose(model.f_hz, EIGHT_HZ, rtol=2e-3)

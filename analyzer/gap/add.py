@@ -1,0 +1,122 @@
+"""Named effects into an arm file, and an arm file's effects into a hypothesis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.library import all_instances
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.records import EffectFound, GapResult
+from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
+from protocols.errors import ArmError
+
+__all__ = ["added_effects", "file_key", "instances_of_file", "joint_estimates"]
+
+
+def file_key(name: str, place: str) -> str:
+    """Return a parameter's key in an arm file: its name without the place, in one word."""
+    words = name
+    for part in sorted(place.replace(" and ", " ").split(), key=len, reverse=True):
+        words = words.replace(part, "")
+    return "_".join(words.split()).lower().replace("-", "_")
+
+
+def added_effects(
+    result: GapResult, *, session_sha256: str, created: str
+) -> tuple[AddedEffect, ...]:
+    """What a result named, as entries of an arm file.
+
+    Parameters
+    ----------
+    created
+        ISO 8601 time with its zone.
+    """
+    return tuple(_added(effect, session_sha256, created) for effect in result.effects)
+
+
+def _added(effect: EffectFound, session_sha256: str, created: str) -> AddedEffect:
+    description: dict[str, str | float | tuple[float, ...]] = {}
+    for key, value in effect.description.items():
+        if isinstance(value, str):
+            description[key] = value
+        elif isinstance(value, (list, tuple)):
+            description[key] = tuple(float(v) for v in value)
+        elif isinstance(value, float):
+            description[key] = value
+    return AddedEffect(
+        name=effect.name,
+        place=effect.place or "whole arm",
+        parameters=tuple(
+            EffectParameter(
+                name=file_key(name, effect.place), value=p.value, std=p.std, low=p.low, high=p.high
+            )
+            for name, p in effect.parameters.items()
+        ),
+        description=description,
+        evidence=EffectEvidence(
+            gain_nats=effect.gain,
+            held_out_gain_nats=effect.held_out_gain,
+            confidence=effect.confidence,
+            session_sha256=session_sha256,
+            created=created,
+        ),
+    )
+
+
+def joint_estimates(result: GapResult, source: str) -> dict[str, Estimate]:
+    """Return the refitted stiffness of every joint, its whole range as the uncertainty."""
+    found = {}
+    for row in result.joint_stiffness_ranges:
+        # The range is a union of 95 % intervals over what stands: two deviations each way.
+        std = max(row.k_std, (row.high - row.low) / 4.0)
+        found[row.joint] = Estimate(value=row.k_n_m_per_rad, std=std, source=source)
+    return found
+
+
+def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[str, float]]:
+    """Return the effects an arm file holds, and the values to begin with.
+
+    Raises
+    ------
+    ArmError
+        If an effect is not in the library, or not at that place of the arm.
+    """
+    instances: list[Instance] = []
+    values: dict[str, float] = {}
+    for effect in ordinary.arm.effects:
+        instance = _instance(ordinary, effect)
+        known = {p.name: p.value for p in effect.parameters}
+        for name in instance.owned:
+            key = file_key(name, instance.place)
+            moves = key.startswith(("axis_tilt", "axis_shift"))  # an axis begins where it was found
+            if key in known and not moves:
+                values[name] = known[key]
+        instances.append(instance)
+    return tuple(instances), values
+
+
+def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
+    if effect.name == link_axis.WORDS.name:
+        links = [joint.link.name for joint in ordinary.arm.joints]
+        direction, point = (_vector(effect.description, k) for k in ("direction", "point_m"))
+        if effect.place in links and direction is not None and point is not None:
+            unit = direction / np.linalg.norm(direction)
+            return link_axis.at_axis(ordinary, links.index(effect.place), unit, point)
+    for instance in all_instances(ordinary):
+        if instance.effect.name == effect.name and effect.place in (instance.place, "whole arm"):
+            return instance
+    raise ArmError(
+        f"arm '{ordinary.arm.name}': the effect '{effect.name}' at '{effect.place}' is not one the "
+        "library has there; correct the arm file's [[effects]]"
+    )
+
+
+def _vector(
+    description: Mapping[str, str | float | tuple[float, ...]], key: str
+) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
+    value = description.get(key)
+    return np.array(value) if isinstance(value, tuple) and len(value) == 3 else None

@@ -1,0 +1,194 @@
+"""Equations of motion of a hypothesis in one posture, put together coordinate by coordinate.
+
+A coordinate is a motion of the superset. One on a *spring* has its stiffness on the diagonal of K;
+one with a *compliance* gamma has its equation multiplied by gamma,
+
+    gamma (s^2 M + s C + K) x + (1 + tau s) x = gamma b ,
+
+so that gamma = 0 locks it exactly and the response is smooth there: rigid is a value, not another
+model. Frames: superset, linear first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.geometry import PostureGeometry
+from analyzer.gap.lines import PostureLines
+
+__all__ = ["Assembly", "System", "skew", "spatial_inertia"]
+
+Array = npt.NDArray[np.float64]
+
+
+def skew(v: Array) -> Array:
+    """Return the matrix of v x."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Array:
+    """(6, 6) inertia of a body about the origin of its frame, linear first.
+
+    Featherstone, Rigid Body Dynamics Algorithms (2008), Eq. (2.63), halves exchanged.
+    """
+    cross = skew(center_m)
+    result = np.zeros((6, 6))
+    result[:3, :3] = mass_kg * np.eye(3)
+    result[:3, 3:] = -mass_kg * cross
+    result[3:, :3] = mass_kg * cross
+    result[3:, 3:] = inertia_kg_m2 - mass_kg * cross @ cross
+    return result
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class System:
+    """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
+
+    mass: Array  # (n, n) without the accelerometer
+    damping: Array  # (n, n)
+    stiffness: Array  # (n, n)
+    loss: Array  # (n, n): K + i loss
+    compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
+    compliance_loss_s: Array  # (n,)
+    link_motion: Array  # (n_links, 6, n)
+    moved: Array  # (m, 3, n) the sensor's motion in base
+    seen: Array  # (m, 3, n) the sensor's motion along its axes
+    tilted: Array  # (m, 3, n) what gravity adds on them
+    mix: Array  # (m, 3, 3) from true axes to recorded channels
+    hit: Array  # (n_hits, 3, n) motion of the hit points in base
+    force: Array  # (n_hits, 3)
+    log_scale: float  # of all responses
+    delay_s: float  # of the responses behind the force
+
+
+@dataclass
+class Assembly:
+    """A posture being put together; effects add to it.
+
+    `compliance_of` and `loss_of` map a parameter to its coordinate: their derivatives are known.
+    """
+
+    geometry: PostureGeometry
+    lines: PostureLines
+    columns: list[Array] = field(default_factory=list)
+    names: dict[str, int] = field(default_factory=dict)
+    compliance: list[float] = field(default_factory=list)
+    compliance_loss_s: list[float] = field(default_factory=list)
+    compliance_of: dict[str, int] = field(default_factory=dict)  # by parameter
+    loss_of: dict[str, list[int]] = field(default_factory=dict)
+    # Joints whose spring stretches by the difference to another coordinate.
+    stretched_by: dict[str, int] = field(default_factory=dict)
+    terms: list[tuple[str, int, int, float]] = field(default_factory=list)
+    link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
+    link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
+    base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
+    mix: Array | None = None
+    force: Array | None = None
+    sensor_mass_kg: float | None = None
+    log_scale: float = 0.0
+    delay_s: float = 0.0
+
+    def add_spring(self, name: str, column: Array, stiffness: float, damping: float) -> int:
+        """Add a coordinate on a spring."""
+        at = self._add(name, column, np.nan, 0.0)
+        self.terms += [("stiffness", at, at, stiffness), ("damping", at, at, damping)]
+        return at
+
+    def add_compliance(
+        self,
+        column: Array,
+        compliance: float,
+        loss_s: float,
+        parameter: str,
+        loss_parameter: str | None = None,
+    ) -> int:
+        """Add a coordinate, named as its parameter, that gives way by the parameter's value."""
+        at = self._add(parameter, column, compliance, loss_s)
+        self.compliance_of[parameter] = at
+        if loss_parameter is not None:
+            self.loss_of.setdefault(loss_parameter, []).append(at)
+        return at
+
+    def add_term(self, kind: str, i: int, j: int, value: float) -> None:
+        """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways."""
+        self.terms.append((kind, i, j, value))
+        if i != j:
+            self.terms.append((kind, j, i, value))
+
+    def unit(self, column: int) -> Array:
+        """Return the superset motion of one of its columns."""
+        result = np.zeros(self.geometry.link_jacobian.shape[-1])
+        result[column] = 1.0
+        return result
+
+    def add_body(self, link: int, mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> None:
+        """Bolt a body to a link (its frame)."""
+        self.link_inertia[link] = self.link_inertia[link] + spatial_inertia(
+            mass_kg, center_m, inertia_kg_m2
+        )
+        self.link_moments[link] = self.link_moments[link] + mass_kg * np.append(1.0, center_m)
+
+    def add_small_body(
+        self, link: int, mass_kg: float, center_m: Array, more_kg_m: Array, inertia_kg_m2: Array
+    ) -> None:
+        """Bolt on a body at `center_m` whose first moment is `more_kg_m` more: linear in both."""
+        at, by = spatial_inertia(1.0, center_m, np.zeros((3, 3))), skew(more_kg_m)
+        inertia = mass_kg * at
+        inertia[:3, 3:] -= by
+        inertia[3:, :3] += by
+        inertia[3:, 3:] += inertia_kg_m2 - skew(center_m) @ by - by @ skew(center_m)
+        self.link_inertia[link] = self.link_inertia[link] + inertia
+        self.link_moments[link] = self.link_moments[link] + np.append(
+            mass_kg, mass_kg * center_m + more_kg_m
+        )
+
+    def _add(self, name: str, column: Array, compliance: float, loss_s: float) -> int:
+        self.names[name] = len(self.columns)
+        self.columns.append(column)
+        self.compliance.append(compliance)
+        self.compliance_loss_s.append(loss_s)
+        return len(self.columns) - 1
+
+    def system(self) -> System:
+        """Put the matrices together."""
+        geometry, lines = self.geometry, self.lines
+        T = np.stack(self.columns, axis=1)
+        n = T.shape[1]
+        link_motion = geometry.link_jacobian @ T
+        inertia = np.stack(self.link_inertia)
+        flat = link_motion.reshape(-1, n)
+        matrices = {
+            "mass": flat.T @ (inertia @ link_motion).reshape(-1, n),
+            "damping": np.zeros((n, n)),
+            "stiffness": T.T
+            @ np.tensordot(np.stack(self.link_moments), geometry.gravity_per_mass, axes=2)
+            @ T,
+            "loss": np.zeros((n, n)),
+        }
+        base = T[:6]
+        matrices["mass"] += base.T @ self.base_inertia @ base
+        for kind, i, j, value in self.terms:
+            matrices[kind][i, j] += value
+        J = geometry.point_jacobian[lines.sensor_point] @ T
+        R = geometry.point_rotation[lines.sensor_point]
+        # a - g seen in axes turned by theta changes by theta x g.
+        gx, gy, gz = geometry.gravity_m_s2
+        weighed = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]]) @ J[:, 3:]
+        m = len(lines.sensor_point)
+        return System(
+            **matrices,
+            compliance=np.array(self.compliance),
+            compliance_loss_s=np.array(self.compliance_loss_s),
+            link_motion=link_motion,
+            moved=J[:, :3],
+            seen=R.swapaxes(1, 2) @ J[:, :3],
+            tilted=R.swapaxes(1, 2) @ weighed,
+            mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
+            hit=geometry.point_jacobian[lines.hit_point][:, :3] @ T,
+            force=lines.hit_direction if self.force is None else self.force,
+            log_scale=self.log_scale,
+            delay_s=self.delay_s,
+        )

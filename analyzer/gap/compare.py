@@ -1,0 +1,150 @@
+"""A model beside one posture's measurement: FRFs, modes, and a map of where they disagree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+
+from analyzer.gap.assembly import System
+from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.records import Disagreement, ModeMatch, PostureGap
+from analyzer.modal.correlation import mac
+from analyzer.modal.modes import ModalModel
+
+__all__ = ["disagreement_map", "match_modes", "posture_gap"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_BANDS = 3
+_LEAST_MAC = 0.6
+_NEAR = 0.25  # of the frequency: modes further apart are not one
+
+
+def posture_gap(
+    stage: Stage,
+    fit: Fit,
+    posture: int,
+    *,
+    held_out: bool,
+    measured: ModalModel | None = None,
+) -> PostureGap:
+    """Difference of FRFs, best mounting errors taken off, and modes paired by shape.
+
+    `fit` is the model; on a held-out posture it must not have seen it.
+    """
+    lines, weighing = stage.lines[posture], stage.weighings[posture]
+    response = stage.models[posture].response(fit.hypothesis, lines, fit.values)
+    left = weighing.cleaned(response.values) / weighing.scale
+    size = float(np.sqrt(np.mean(np.abs(lines.values) ** 2)))
+    allowed = float(np.sqrt(np.mean(2.0 / weighing.scale**2)))
+    modes = () if measured is None else match_modes(measured, response.system)
+    return PostureGap(
+        posture=lines.name,
+        held_out=held_out,
+        frf_error=float(np.sqrt(np.mean(np.abs(left) ** 2))) / size,
+        floor=allowed / size,
+        modes=modes,
+    )
+
+
+def match_modes(measured: ModalModel, system: System) -> tuple[ModeMatch, ...]:
+    """Measured modes beside the model's, each model mode used once, best MAC first.
+
+    Close modes are compared as a subspace: a measured shape is set beside its projection on the
+    model's shapes within the band around it.
+    """
+    poles, shapes = _model_modes(system)
+    rows = system.seen.reshape(-1, system.mass.shape[0])
+    seen = rows @ shapes
+    pairs = []
+    for i, mode in enumerate(measured.modes):
+        f = abs(mode.pole_rad_s) / (2.0 * np.pi)
+        shape = np.asarray(mode.shape).reshape(-1)
+        if shape.size != seen.shape[0]:
+            return ()
+        near = np.flatnonzero(np.abs(np.abs(poles) / (2.0 * np.pi) - f) < _NEAR * f)
+        if near.size == 0:
+            continue
+        basis = seen[:, near]
+        projected = basis @ np.linalg.lstsq(basis, shape, rcond=None)[0]
+        share = mac(shape, projected)
+        each = [mac(shape, seen[:, j]) for j in near]
+        best = int(near[int(np.argmax(each))])
+        if share >= _LEAST_MAC:
+            pairs.append((share, i, best))
+    used: set[int] = set()
+    found = []
+    for share, i, j in sorted(pairs, reverse=True):
+        if j in used:
+            continue
+        used.add(j)
+        p, q = measured.modes[i].pole_rad_s, poles[j]
+        found.append(
+            ModeMatch(
+                measured_hz=float(abs(p) / (2.0 * np.pi)),
+                model_hz=float(abs(q) / (2.0 * np.pi)),
+                measured_damping_ratio=float(-p.real / abs(p)),
+                model_damping_ratio=float(-q.real / abs(q)),
+                mac=float(share),
+            )
+        )
+    return tuple(sorted(found, key=lambda m: m.measured_hz))
+
+
+def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
+    """Poles (k,) of positive frequency and shapes (n, k) of the coordinates."""
+    n = system.mass.shape[0]
+    soft = np.isfinite(system.compliance)
+    free = np.flatnonzero(~soft | (system.compliance > 1e-9))
+    K = system.stiffness[np.ix_(free, free)].astype(np.complex128)
+    K += 1j * system.loss[np.ix_(free, free)]
+    C = system.damping[np.ix_(free, free)].astype(np.complex128)
+    for at, i in enumerate(free):
+        if soft[i]:
+            K[at, at] += 1.0 / system.compliance[i]
+            C[at, at] += system.compliance_loss_s[i] / system.compliance[i]
+    M = system.mass[np.ix_(free, free)]
+    m = len(free)
+    state = np.block([[np.zeros((m, m)), np.eye(m)], [-np.linalg.solve(M, np.hstack([K, C]))]])
+    values, vectors = scipy.linalg.eig(state)
+    keep = np.flatnonzero(values.imag > 0.0)
+    keep = keep[np.argsort(np.abs(values[keep]))]
+    shapes = np.zeros((n, keep.size), dtype=np.complex128)
+    shapes[free] = vectors[:m, keep]
+    return values[keep], shapes
+
+
+def disagreement_map(
+    stage: Stage, fit: Fit, points: Sequence[str], *, own_fit: Mapping[int, Fit] | None = None
+) -> tuple[Disagreement, ...]:
+    """Residual over what scatter and allowance explain, by posture, point, axis and band."""
+    found = []
+    for p, lines in enumerate(stage.lines):
+        used = (own_fit or {}).get(p, fit)
+        y = stage.models[p].response(used.hypothesis, lines, used.values).values
+        left = np.abs(stage.weighings[p].cleaned(y)) ** 2 / 2.0
+        f = lines.s_rad_s.imag / (2.0 * np.pi)
+        edges = np.geomspace(f[0] * 0.999, f[-1] * 1.001, _BANDS + 1)
+        for low, high in pairwise(edges):
+            inside = (f >= low) & (f < high)
+            if not inside.any():
+                continue
+            ratio = np.sqrt(np.mean(left[..., inside], axis=-1))
+            for m, point in enumerate(lines.sensor_point):
+                found += [
+                    Disagreement(
+                        posture=lines.name,
+                        point=points[point],
+                        axis=axis,
+                        band_hz=(float(low), float(high)),
+                        ratio=float(ratio[m, a]),
+                    )
+                    for a, axis in enumerate("xyz")
+                ]
+    return tuple(found)

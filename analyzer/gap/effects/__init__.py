@@ -1,0 +1,1 @@
+"""The library of effects, one file each; `docs/effects.md` lists them."""

@@ -1,0 +1,73 @@
+"""A base that rocks and shifts on its floor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from analyzer.gap.assembly import Assembly, spatial_inertia
+from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="base",
+    title="Base rocks or shifts on its floor",
+    changes="releases the six motions of the base on springs; adds the base's own mass",
+    signature="points on the base move with the arm, more in postures that reach far",
+    confused_with=("bearing", "link_axis"),
+    told_by="a sensor on the base plate and one on the floor beside it",
+    remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
+)
+_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
+_MATERIAL = 0.035  # of rocking, of the arm's compliance
+_SHIFT_MATERIAL = 6e-4  # m/N of shifting, likewise
+_METRE = 0.3  # of lever between a shift's compliance and a rocking's
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """The one base."""
+    names = [f"base {way}" for way in _WAYS]
+    loss = "base loss"
+    mass, height, pivot = "base mass", "base height", "base pivot"
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        pivot_m = np.array([0.0, 0.0, values[pivot]])
+        for i, name in enumerate(names):
+            column = np.zeros(ordinary.superset.n)
+            column[i] = 1.0
+            if i >= 3:  # rocking about a line through the pivot
+                column[:3] = np.cross(pivot_m, column[3:6])
+            assembly.add_compliance(column, values[name], values[loss], name, loss)
+        center = np.array([0.0, 0.0, values[height]])
+        own = values[mass] * np.diag([0.015, 0.015, 0.02])
+        assembly.base_inertia = assembly.base_inertia + spatial_inertia(values[mass], center, own)
+
+    rock = compliance_parameter("", ordinary)
+    parameters = [
+        Parameter(name=name, mean=0.0, low=0.0, std=rock.std * (1.0 if i >= 3 else _METRE**2))
+        for i, name in enumerate(names)
+    ]
+    total = sum(joint.link.mass_kg for joint in ordinary.arm.joints)
+    return (
+        Instance(
+            effect=WORDS,
+            place="base",
+            parameters=(
+                *parameters,
+                loss_parameter(loss),
+                Parameter(name=mass, mean=0.25 * total, std=0.2 * total, low=0.0),
+                Parameter(name=height, mean=0.08, std=0.05),
+                Parameter(name=pivot, mean=0.0, std=0.05),
+            ),
+            builder=build,
+            size=names[3],
+            sizes=(names[3], names[4]),
+            side_sizes=tuple((name, _SHIFT_MATERIAL * ordinary.compliance) for name in names[:3]),
+            material=_MATERIAL * ordinary.compliance,
+        ),
+    )

@@ -1,0 +1,64 @@
+"""An accelerometer channel whose sensitivity is wrong, everywhere or at one point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "at_point", "instances"]
+
+WORDS = EffectWords(
+    name="channel_gain",
+    title="Channel gain is wrong",
+    changes="one channel of the accelerometer, by a factor",
+    signature="one channel too large or too small at all frequencies and in all postures",
+    confused_with=("flipped_axis",),
+    told_by="the ratio calibration with a known mass, each axis in turn",
+    remedy="check the channel's sensitivity in the set-up and on the certificate",
+)
+_MATERIAL = 0.05
+_WIDE = 0.4
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each axis of the roving sensor."""
+    del ordinary
+    return tuple(
+        Instance(
+            effect=WORDS,
+            place=f"axis {axis}",
+            relaxes={f"ln gain {axis}": Parameter(name=f"ln gain {axis}", mean=0.0, std=_WIDE)},
+            size=f"ln gain {axis}",
+            material=_MATERIAL,
+        )
+        for axis in "xyz"
+    )
+
+
+def at_point(ordinary: Ordinary, axis: str, point: str) -> Instance:
+    """A gain of one channel at one point alone: its mounting, its cable there."""
+    name = f"ln gain {axis} at {point}"
+    index = ordinary.superset.point_index[point]
+    row = "xyz".index(axis)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        if assembly.mix is None:
+            return
+        mix = np.array(assembly.mix)
+        mix[assembly.lines.sensor_point == index, row] *= np.exp(values[name])
+        assembly.mix = mix
+
+    return Instance(
+        effect=WORDS,
+        place=f"axis {axis} at point {point}",
+        parameters=(Parameter(name=name, mean=0.0, std=_WIDE),),
+        builder=build,
+        size=name,
+        material=_MATERIAL,
+    )

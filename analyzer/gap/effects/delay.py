@@ -1,0 +1,31 @@
+"""A delay between hammer and accelerometer."""
+
+from __future__ import annotations
+
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="delay",
+    title="Delay between hammer and accelerometer",
+    changes="all FRFs by e^(-s delay)",
+    signature="a phase that grows with frequency alike in all FRFs",
+    confused_with=("hysteretic",),
+    told_by="hammer and accelerometer face to face: the phase of a free mass is zero",
+    remedy="check filters and converter settings of both channels",
+)
+_MATERIAL_S = 1.0e-4
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """The one delay."""
+    del ordinary
+    wide = Parameter(name="delay", mean=0.0, std=1e-3)
+    return (
+        Instance(
+            effect=WORDS, place="", relaxes={"delay": wide}, size="delay", material=_MATERIAL_S
+        ),
+    )

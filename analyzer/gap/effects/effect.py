@@ -1,0 +1,90 @@
+"""What an effect is: words for people, parameters, and what it does to the equations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from analyzer.gap.space import Parameter, Space
+
+if TYPE_CHECKING:
+    from analyzer.gap.assembly import Assembly
+
+__all__ = ["EffectWords", "Instance"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectWords:
+    """What a lab head reads about an effect."""
+
+    name: str  # the key in files and JSON
+    title: str  # in the field's words
+    changes: str  # degrees of freedom released, terms of M, C, K, input, sensors
+    signature: str
+    confused_with: tuple[str, ...] = ()  # names of effects
+    equivalent: tuple[str, ...] = ()  # cannot be told apart by these tests: not a wrong name
+    told_by: str = ""  # which further test tells
+    remedy: str = ""  # what to do in the lab now
+
+
+class Builder(Protocol):
+    """Adds an instance's terms to a posture's equations."""
+
+    def __call__(self, assembly: Assembly, values: Mapping[str, float]) -> None: ...
+
+
+class Describer(Protocol):
+    """Says where and how an instance stands, in the arm file's words."""
+
+    def __call__(self, values: Mapping[str, float]) -> dict[str, object]: ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instance:
+    """An effect at a place: at one joint, in one link, in one channel."""
+
+    effect: EffectWords
+    place: str
+    parameters: tuple[Parameter, ...] = ()
+    relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
+    builder: Builder | None = None
+    describe: Describer | None = None
+    size: str = ""  # the parameter that says how large
+    sizes: tuple[str, ...] = ()  # or the largest of several
+    material: float = 0.0  # below this size it is not worth a name
+    size_offset: float = 0.0  # of the size: what the null has anyway
+    side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
+
+    @property
+    def title(self) -> str:
+        """Return effect and place in words."""
+        return f"{self.effect.title} ({self.place})" if self.place else self.effect.title
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Return name and place."""
+        return self.effect.name, self.place
+
+    def relaxed(self, space: Space) -> tuple[Parameter, ...]:
+        """Return the priors it widens, of those the space has."""
+        return tuple(p for name, p in self.relaxes.items() if name in space.index)
+
+    @property
+    def owned(self) -> tuple[str, ...]:
+        """Return the names of all parameters it brings or frees."""
+        return (*(p.name for p in self.parameters), *self.relaxes)
+
+    def is_material(self, values: Mapping[str, float]) -> bool:
+        """Return whether it is large enough to be worth a name."""
+        names = self.sizes or ((self.size,) if self.size else ())
+        if not names:
+            return True
+        largest = max(abs(values[name] - self.size_offset) for name in names)
+        beside = any(abs(values[name]) >= least for name, least in self.side_sizes)
+        return largest >= self.material or beside
+
+    def add(self, assembly: Assembly, values: Mapping[str, float]) -> None:
+        """Add its terms."""
+        if self.builder is not None:
+            self.builder(assembly, values)

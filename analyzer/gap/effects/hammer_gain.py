@@ -1,0 +1,35 @@
+"""The hammer's sensitivity is wrong."""
+
+from __future__ import annotations
+
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="hammer_gain",
+    title="Hammer gain is wrong",
+    changes="all FRFs by one factor",
+    signature="every FRF too large or too small alike; masses and stiffnesses off by the factor",
+    confused_with=("payload", "channel_gain"),
+    told_by="the ratio calibration with a known mass; a known mass added to the arm",
+    remedy="calibrate hammer and accelerometer together on a known mass",
+)
+_MATERIAL = 0.03
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """The one hammer."""
+    del ordinary
+    wide = Parameter(name="ln hammer", mean=0.0, std=0.4)
+    return (
+        Instance(
+            effect=WORDS,
+            place="",
+            relaxes={"ln hammer": wide},
+            size="ln hammer",
+            material=_MATERIAL,
+        ),
+    )

@@ -1,0 +1,91 @@
+"""A compliance axis inside a link, in any direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary, across
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "at_axis", "instances"]
+
+Array = npt.NDArray[np.float64]
+
+WORDS = EffectWords(
+    name="link_axis",
+    title="Compliance axis inside a link",
+    changes="releases one rotation about a line of the link, between its joint and its mass",
+    signature="a mode whose motion turns about one line that moves with the link",
+    confused_with=("bearing", "released_joint", "base", "link_bending"),
+    equivalent=("link_bending",),
+    told_by="triplets of points on both sides of the line; postures that move the masses beyond",
+    remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
+)
+_MATERIAL = 0.05  # of the arm's compliance
+_TILT_STD, _SHIFT_STD_M = 1.0, 0.15
+
+
+def at_axis(
+    ordinary: Ordinary, link: int, direction: Array, point_m: Array, *, label: str = ""
+) -> Instance:
+    """An axis near a line of a link's frame.
+
+    Parameters
+    ----------
+    direction, point_m
+        (3,) unit direction and a point of the line the fit begins with.
+    """
+    name = ordinary.arm.joints[link].link.name
+    tag = f"{name}{label}"
+    sides = across(direction)
+    gamma, loss = f"axis compliance {tag}", f"axis loss {tag}"
+    moves = [f"axis {what} {tag}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
+    columns = ordinary.superset.interface_columns(link)
+    nearest = point_m - direction * (direction @ point_m)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
+        column = np.zeros(ordinary.superset.n)
+        column[columns] = np.concatenate([np.cross(p, u), u])
+        assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
+
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
+        return {"link": name, "direction": u.tolist(), "point_m": p.tolist()}
+
+    stds = (_TILT_STD, _TILT_STD, _SHIFT_STD_M, _SHIFT_STD_M)
+    return Instance(
+        effect=WORDS,
+        place=name,
+        parameters=(
+            compliance_parameter(gamma, ordinary),
+            loss_parameter(loss),
+            *(Parameter(name=m, mean=0.0, std=s) for m, s in zip(moves, stds, strict=True)),
+        ),
+        builder=build,
+        describe=describe,
+        size=gamma,
+        material=_MATERIAL * ordinary.compliance,
+    )
+
+
+def axis_of(
+    direction: Array, point_m: Array, sides: Array, moves: list[float]
+) -> tuple[Array, Array]:
+    """Return unit direction and nearest point of a line turned and shifted across itself."""
+    u = direction + sides @ np.array(moves[:2])
+    u = u / np.linalg.norm(u)
+    p = point_m + sides @ np.array(moves[2:])
+    return u, p - u * (u @ p)
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """None by itself: a scan of every interface proposes lines (`analyzer.gap.scan`)."""
+    del ordinary
+    return ()

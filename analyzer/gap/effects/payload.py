@@ -1,0 +1,76 @@
+"""Something bolted to a link that nobody told the model of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+Array = npt.NDArray[np.float64]
+
+WORDS = EffectWords(
+    name="payload",
+    title="Unknown body on a link",
+    changes="mass, first moments and inertia of a rigid body on a link",
+    signature="frequencies fall together with the share that the link has in each mode",
+    confused_with=("rotor", "hammer_gain"),
+    told_by="a known mass added at the same place",
+    remedy="weigh what the link carries: tool, valves, cables; put it into the arm file",
+)
+_MATERIAL_KG = 0.2
+_MOMENT_STD_KG_M = 0.1
+_LEAST_KG, _FURTHEST_M = 0.02, 0.15
+_RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's own tolerance
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each link from the third on: what hangs on the others changes little."""
+    last = len(ordinary.arm.joints) - 1
+    links = [i for i in range(2, last + 1) if i != last - 1]
+    return tuple(_on(ordinary, link) for link in links)
+
+
+def _on(ordinary: Ordinary, link: int) -> Instance:
+    """Mass and first moment about the link's centre: but for a small part the equations are linear.
+
+    A place for its own would be lost at a small mass.
+    """
+    joint = ordinary.arm.joints[link]
+    name, center = joint.link.name, joint.link.center_m
+    total = sum(j.link.mass_kg for j in ordinary.arm.joints)
+    mass = f"payload {name}"
+    moments = [f"payload moment {axis} {name}" for axis in "xyz"]
+
+    def lever(values: Mapping[str, float]) -> Array:
+        first = np.array([values[m] for m in moments])
+        return np.clip(first / max(values[mass], _LEAST_KG), -_FURTHEST_M, _FURTHEST_M)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        first = np.array([values[m] for m in moments])
+        d = lever(values)
+        own = _RADIUS_M**2 * np.eye(3) + d @ d * np.eye(3) - np.outer(d, d)
+        assembly.add_small_body(link, values[mass], center, first, values[mass] * own)
+
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        return {"link": name, "point_m": (center + lever(values)).tolist()}
+
+    return Instance(
+        effect=WORDS,
+        place=name,
+        parameters=(
+            Parameter(name=mass, mean=0.0, std=0.05 * total, low=0.0),
+            *(Parameter(name=m, mean=0.0, std=_MOMENT_STD_KG_M) for m in moments),
+        ),
+        builder=build,
+        describe=describe,
+        size=mass,
+        material=_MATERIAL_KG,
+    )

@@ -1,0 +1,54 @@
+"""A joint believed rigid that gives way about its own axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="released_joint",
+    title="Joint believed rigid is elastic",
+    changes="releases the joint's rotation: one more degree of freedom with a spring and a damper",
+    signature="one more mode, turning about the joint's own axis at its place in every posture",
+    confused_with=("link_axis", "bearing", "coupling"),
+    told_by="a posture that turns the joint's axis away from its neighbours', a hit far off it",
+    remedy="give the joint a stiffness in the arm file; check its brake and its transmission",
+)
+_MATERIAL = 0.1  # of the arm's compliance
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each joint without a stiffness."""
+    found = []
+    for i, joint in enumerate(ordinary.arm.joints):
+        if joint.stiffness is not None:
+            continue
+        name, loss = f"compliance of {joint.name}", f"loss of {joint.name}"
+        column = ordinary.superset.joint_column(i)
+
+        def build(
+            assembly: Assembly,
+            values: Mapping[str, float],
+            column: int = column,
+            name: str = name,
+            loss: str = loss,
+        ) -> None:
+            assembly.add_compliance(assembly.unit(column), values[name], values[loss], name, loss)
+
+        found.append(
+            Instance(
+                effect=WORDS,
+                place=joint.name,
+                parameters=(compliance_parameter(name, ordinary), loss_parameter(loss)),
+                builder=build,
+                size=name,
+                material=_MATERIAL * ordinary.compliance,
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,68 @@
+"""Axes of the accelerometer flipped or exchanged, everywhere or at one point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+
+__all__ = ["FLIPPED", "SWAPPED", "instances", "turned_sensor"]
+
+FLIPPED = EffectWords(
+    name="flipped_axis",
+    title="Sensor axis flipped",
+    changes="the sign of a channel",
+    signature="one channel agrees with the model after its sign is changed",
+    confused_with=("swapped_axes", "wrong_point"),
+    told_by="mount the sensor again and tap along each of its axes",
+    remedy="correct the sensor's orientation in the arm file, or its cable, and analyse again",
+)
+SWAPPED = EffectWords(
+    name="swapped_axes",
+    title="Sensor axes exchanged",
+    changes="the order of the channels, signs too",
+    signature="channels agree with the model's other axes",
+    confused_with=("flipped_axis", "wrong_point"),
+    told_by="mount the sensor again and tap along each of its axes",
+    remedy="correct the order of the channels or the mounting, and analyse again",
+)
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """None by itself: a scan in closed form proposes permutations (`analyzer.gap.sensors`)."""
+    del ordinary
+    return ()
+
+
+def turned_sensor(
+    ordinary: Ordinary, matrix: npt.NDArray[np.float64], point: str | None
+) -> Instance:
+    """A signed permutation of the sensor's axes, at one point or (None) everywhere."""
+    at = None if point is None else ordinary.superset.point_index[point]
+    is_flip = bool(np.all(np.diag(matrix) != 0.0))
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        del values
+        if assembly.mix is None:
+            return
+        mix = np.array(assembly.mix)
+        rows = slice(None) if at is None else assembly.lines.sensor_point == at
+        mix[rows] = matrix @ mix[rows]
+        assembly.mix = mix
+
+    where = "the roving sensor" if point is None else f"point {point}"
+    recorded = ", ".join(
+        f"{'xyz'[i]} is {'-' if row.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(row)))]}"
+        for i, row in enumerate(matrix)
+        if row[i] != 1.0
+    )
+    return Instance(
+        effect=FLIPPED if is_flip else SWAPPED,
+        place=f"{where}: {recorded}",
+        builder=build,
+    )

@@ -1,0 +1,77 @@
+"""A soft servo behind the transmission, the rotor a freedom of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.rotor import typical_moment
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="servo",
+    title="Servo and rotor behind the transmission",
+    changes="servo, rotor, transmission, link in a row: one more freedom behind the joint's spring",
+    signature="a joint that is softer below the rotor's frequency than above; a good fit hides it",
+    confused_with=("rotor",),
+    told_by="brakes on against servo; a posture in which the joint carries little inertia",
+    remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
+)
+_MATERIAL = 0.05  # servo compliance over the joint's
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each elastic joint."""
+    found = []
+    for i in ordinary.elastic:
+        joint = ordinary.arm.joints[i].name
+        soft, inertia, loss = (
+            f"servo compliance {joint}",
+            f"servo rotor {joint}",
+            f"servo loss {joint}",
+        )
+        believed = ordinary.arm.joints[i].stiffness
+        gamma = 1.0 / believed.value if believed is not None else 1e-5
+
+        def build(
+            assembly: Assembly,
+            values: Mapping[str, float],
+            joint: str = joint,
+            soft: str = soft,
+            inertia: str = inertia,
+            loss: str = loss,
+        ) -> None:
+            link = assembly.names[joint]
+            none = np.zeros(ordinary.superset.n)
+            own = assembly.add_compliance(none, values[soft], values[loss], soft, loss)
+            k = float(np.exp(values[f"ln k {joint}"]))
+            c = float(np.exp(values[f"ln c {joint}"]))
+            # The joint's spring stretches by the difference of link and rotor.
+            for kind, value in (("stiffness", k), ("damping", c), ("loss", k * values["loss"])):
+                assembly.add_term(kind, own, own, value)
+                assembly.add_term(kind, own, link, -value)
+            assembly.add_term("mass", own, own, values[inertia])
+            assembly.stretched_by[joint] = own
+
+        moment = typical_moment(ordinary, i)
+        found.append(
+            Instance(
+                effect=WORDS,
+                place=joint,
+                parameters=(
+                    Parameter(name=soft, mean=0.0, std=gamma, low=0.0),
+                    Parameter(name=loss, mean=3e-4, std=3e-4, low=0.0),
+                    Parameter(name=inertia, mean=0.5 * moment, std=0.5 * moment, low=0.0),
+                ),
+                builder=build,
+                size=soft,
+                material=_MATERIAL * gamma,
+            )
+        )
+    return tuple(found)

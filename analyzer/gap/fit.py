@@ -1,0 +1,208 @@
+"""Fit of one hypothesis by Levenberg-Marquardt, its priors and bounds included.
+
+Vectors count prior standard deviations, so the prior's curvature is the identity. At a bound a
+parameter whose slope points outward rests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.space import Space
+from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, total
+
+__all__ = ["Fit", "Stage", "fit_hypothesis"]
+
+Array = npt.NDArray[np.float64]
+
+_EDGE = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """A hypothesis at its best point."""
+
+    hypothesis: Hypothesis
+    space: Space
+    u: Array  # (n,)
+    cost: float  # chi^2 / 2 + prior
+    misfit: tuple[float, ...]  # chi^2 / 2 of each posture used
+    curvature: Array  # (n, n) of the data at u
+    slope: Array  # (n,) of the cost; not zero at bounds
+    free: npt.NDArray[np.bool_]  # (n,) not at a bound
+    converged: bool
+    n_iterations: int
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Return the physical value of every parameter."""
+        return self.space.values(self.u)
+
+    @property
+    def log_det(self) -> float:
+        """Return ln det(data curvature + prior) / 2 over the free parameters."""
+        f = self.free
+        A = self.curvature[np.ix_(f, f)] + np.eye(int(f.sum()))
+        return 0.5 * float(np.linalg.slogdet(A)[1])
+
+    @property
+    def evidence(self) -> float:
+        """Return minus the log evidence up to a constant: cost + ln det / 2 (Laplace)."""
+        return self.cost + self.log_det
+
+    def covariance(self, inflation: float = 1.0) -> Array:
+        """Return (n, n) covariance in units of the priors; `inflation` of the data's variance."""
+        f = self.free
+        result = np.zeros_like(self.curvature)
+        A = self.curvature[np.ix_(f, f)] / inflation + np.eye(int(f.sum()))
+        result[np.ix_(f, f)] = np.linalg.inv(A)
+        return result
+
+
+class Stage:
+    """The data of one annealing stage, ready to be fitted by any hypothesis."""
+
+    def __init__(
+        self,
+        superset: Superset,
+        lines: Sequence[PostureLines],
+        discrepancy: Discrepancy,
+        *,
+        models: Sequence[PosedModel] | None = None,
+    ) -> None:
+        self.lines = tuple(lines)
+        self.models = tuple(models or (PosedModel(superset, p.joints_rad) for p in lines))
+        self.weighings = tuple(
+            Weighing(p, superset.arm.tolerances, discrepancy) for p in self.lines
+        )
+
+    def misfit(
+        self, hypothesis: Hypothesis, values: Mapping[str, float], postures: Sequence[int]
+    ) -> list[float]:
+        """chi^2 / 2 of each posture."""
+        return [
+            self.weighings[p].cost(
+                self.models[p].response(hypothesis, self.lines[p], values).values
+            )
+            for p in postures
+        ]
+
+    def quadratics(
+        self,
+        hypothesis: Hypothesis,
+        space: Space,
+        values: Mapping[str, float],
+        postures: Sequence[int],
+    ) -> list[Quadratic]:
+        """Misfit, gradient and curvature of each posture."""
+        return [
+            self.weighings[p].quadratic(
+                *self.models[p].derivatives(hypothesis, self.lines[p], space, values)
+            )
+            for p in postures
+        ]
+
+
+def fit_hypothesis(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    *,
+    start: Mapping[str, float] | None = None,
+    postures: Sequence[int] | None = None,
+    max_iterations: int = 12,
+    tolerance: float = 0.05,
+    give_up_above: float = np.inf,
+) -> Fit:
+    """Fit a hypothesis to the data of one stage.
+
+    Parameters
+    ----------
+    start
+        Values to begin with, by name; priors' means for the others.
+    postures
+        Indices of the postures used; all when omitted.
+    tolerance
+        Stop when a step gains less than this in cost.
+    give_up_above
+        Stop when after three steps the cost is still above this.
+    """
+    used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
+    space = hypothesis.space()
+    u = space.start(start)
+    damping = 1e-3
+    parts = stage.quadratics(hypothesis, space, space.values(u), used)
+    now = total(parts)
+    cost = now.cost + 0.5 * float(u @ u)
+    converged = False
+    iteration = 0
+    for iteration in range(1, max_iterations + 1):
+        slope = now.gradient + u
+        gained = 0.0
+        for _ in range(6):
+            trial = _step(space, u, slope, now.curvature, damping)
+            values = space.values(trial)
+            try:
+                trial_cost = sum(stage.misfit(hypothesis, values, used)) + 0.5 * float(
+                    trial @ trial
+                )
+            except np.linalg.LinAlgError:
+                trial_cost = np.inf
+            if np.isfinite(trial_cost) and trial_cost < cost:
+                gained = cost - trial_cost
+                u, cost = trial, trial_cost
+                damping = max(damping / 10.0, 1e-8)
+                break
+            damping *= 10.0
+        parts = stage.quadratics(hypothesis, space, space.values(u), used) if gained else parts
+        now = total(parts)
+        if gained < tolerance:
+            converged = True
+            break
+        if iteration >= 3 and cost > give_up_above:
+            break
+    slope = now.gradient + u
+    return Fit(
+        hypothesis=hypothesis,
+        space=space,
+        u=u,
+        cost=cost,
+        misfit=tuple(p.cost for p in parts),
+        curvature=now.curvature,
+        slope=slope,
+        free=~_resting(space, u, slope),
+        converged=converged,
+        n_iterations=iteration,
+    )
+
+
+def _resting(space: Space, u: Array, slope: Array) -> npt.NDArray[np.bool_]:
+    low = (u <= space.low + _EDGE) & (slope > 0.0)
+    high = (u >= space.high - _EDGE) & (slope < 0.0)
+    return np.asarray(low | high)
+
+
+def _step(space: Space, u: Array, slope: Array, curvature: Array, damping: float) -> Array:
+    """A damped step within the bounds: what it would push beyond one rests there."""
+    free = ~_resting(space, u, slope)
+    trial = u.copy()
+    for _ in range(4):
+        A = curvature[np.ix_(free, free)]
+        A = A + np.eye(len(A)) + damping * np.diag(np.diag(A))
+        step = np.zeros_like(u)
+        step[free] = -np.linalg.solve(A, slope[free])
+        trial = np.clip(u + step, space.low, space.high)
+        beyond = free & ((u + step < space.low - _EDGE) | (u + step > space.high + _EDGE))
+        if not beyond.any():
+            break
+        # Those go to their bound; the others find their best beside them.
+        free = free & ~beyond
+        moved = np.where(beyond, trial - u, 0.0)
+        slope = slope + curvature @ moved + moved
+    return trial

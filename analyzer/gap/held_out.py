@@ -1,0 +1,70 @@
+"""How well a hypothesis, fitted to some postures, foretells others.
+
+The training postures leave a Gaussian of the parameters, their curvature A about the best point.
+The log density of a held-out posture integrates over it (Laplace): with that posture's cost C,
+slope g and curvature H at the training's best point,
+
+    -ln p = C - g'(A + H)^-1 g / 2 + ln det(A + H) / 2 - ln det A / 2 .
+
+What is known only in that posture, its aim and its mountings, is integrated out likewise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+
+__all__ = ["HeldOut", "held_out"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldOut:
+    """A hypothesis on postures it was not fitted to."""
+
+    training: Fit
+    postures: tuple[int, ...]
+    surprise: tuple[float, ...]  # -ln p of each held-out posture
+
+
+def held_out(stage: Stage, fit: Fit, test: Sequence[int], *, max_iterations: int = 6) -> HeldOut:
+    """Fit to all postures but `test`, and see how surprising those are.
+
+    Parameters
+    ----------
+    fit
+        A fit to all postures: where the fit to some begins.
+    test
+        Indices of the held-out postures.
+    """
+    training_postures = [p for p in range(len(stage.lines)) if p not in test]
+    training = fit_hypothesis(
+        stage,
+        fit.hypothesis,
+        start=_without(fit, stage, test),
+        postures=training_postures,
+        max_iterations=max_iterations,
+    )
+    parts = stage.quadratics(training.hypothesis, training.space, training.values, test)
+    f = training.free
+    A = training.curvature[np.ix_(f, f)] + np.eye(int(f.sum()))
+    log_det = float(np.linalg.slogdet(A)[1])
+    surprise = []
+    for part in parts:
+        both = A + part.curvature[np.ix_(f, f)]
+        g = part.gradient[f]
+        surprise.append(
+            part.cost
+            - 0.5 * float(g @ np.linalg.solve(both, g))
+            + 0.5 * (float(np.linalg.slogdet(both)[1]) - log_det)
+        )
+    return HeldOut(training=training, postures=tuple(test), surprise=tuple(surprise))
+
+
+def _without(fit: Fit, stage: Stage, test: Sequence[int]) -> dict[str, float]:
+    """Values to start from: nothing that only the held-out postures can have told."""
+    own = {f"aim {side} {stage.lines[p].name}" for p in test for side in "ab"}
+    return {name: value for name, value in fit.values.items() if name not in own}

@@ -1,0 +1,257 @@
+"""A hypothesis: the ordinary model, and the effects that are said to be there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.assembly import Assembly, System
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.geometry import GeometryNear, PostureGeometry
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.ordinary import Ordinary, across
+from analyzer.gap.response import Change, Response, respond
+from analyzer.gap.space import Space
+
+__all__ = ["Hypothesis", "PosedModel"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_INERTIA_STEP = 1e-6
+_RELATIVE_STEP = 1e-3  # of a parameter's prior deviation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hypothesis:
+    """Instances of effects on top of the ordinary model; none is the null."""
+
+    ordinary: Ordinary
+    instances: tuple[Instance, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Return what is said to be there, in words."""
+        return " + ".join(instance.title for instance in self.instances) or "nothing missing"
+
+    def space(self) -> Space:
+        """Return all parameters."""
+        space = Space(self.ordinary.parameters())
+        for instance in self.instances:
+            space = space.with_changes(
+                {p.name: p for p in instance.relaxed(space)}, instance.parameters
+            )
+        return space
+
+
+class PosedModel:
+    """Predictions in one posture, with the geometry of the last angles at hand."""
+
+    def __init__(self, superset: Superset, joints_rad: Array) -> None:
+        self._near = GeometryNear(superset, joints_rad)
+
+    def response(
+        self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
+    ) -> Response:
+        """Predict a posture's FRFs."""
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        return respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
+
+    def derivatives(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        space: Space,
+        values: Mapping[str, float],
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Predict a posture's FRFs and their derivatives by a prior deviation of each parameter.
+
+        Returns
+        -------
+        y : (m, 3, L) complex128
+        dy : (n_parameters, m, 3, L) complex128
+            Rows of parameters that do not act here are zero.
+        """
+        y, dy, _, _ = self._derivatives(hypothesis, lines, space, values)
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        space: Space,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Derivatives, and those by the compliance matrix of some locked coordinates.
+
+        Returns
+        -------
+        y : (m, 3, L), dy : (n_parameters, m, 3, L)
+        columns : (n_pairs, m, 3, L)
+            By an element a, b of the compliance matrix of the coordinates `names`, both
+            triangles' mean.
+        """
+        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
+        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
+        columns = [
+            0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs
+        ]
+        return y, dy, np.stack(columns)
+
+    def _derivatives(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        space: Space,
+        values: Mapping[str, float],
+    ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
+        offset = hypothesis.ordinary.encoder(values)
+        geometry = self._near.at(offset)
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        system = assembly.system()
+        found = respond(system, lines, sensor_mass_kg=_sensor_mass(assembly))
+        y = found.values
+        dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
+        posed = _Posed(hypothesis.ordinary, assembly, system, found, values)
+        for name, derivative in chain(
+            posed.by_joints(),
+            posed.by_compliances(),
+            posed.by_inertias(),
+            posed.by_measurement(),
+            self._by_angles(posed, offset),
+            _by_effects(hypothesis, geometry, posed),
+        ):
+            if name in space.index:
+                dy[space.index[name]] = derivative * space.std[space.index[name]]
+        return y, dy, assembly, found
+
+    def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
+        for i, joint in enumerate(posed.ordinary.arm.joints):
+            beside, step = self._near.beside(offset, i)
+            moved = replace(posed.assembly, geometry=beside).system()
+            change = Change.between(posed.system, moved, step)
+            yield f"encoder {joint.name}", posed.found.by_change(change)
+
+
+@dataclass(frozen=True, slots=True)
+class _Posed:
+    """A solved posture, and its derivatives by the parameters every hypothesis has."""
+
+    ordinary: Ordinary
+    assembly: Assembly
+    system: System
+    found: Response
+    values: Mapping[str, float]
+
+    def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Stiffness with its hysteretic part, damping, and the common loss."""
+        s = self.found.lines.s_rad_s
+        loss = self.values["loss"]
+        by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        for i in self.ordinary.elastic:
+            name = self.ordinary.arm.joints[i].name
+            row = np.zeros(self.system.mass.shape[0])
+            row[self.assembly.names[name]] = 1.0
+            if name in self.assembly.stretched_by:
+                row[self.assembly.stretched_by[name]] = -1.0
+            k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
+            by_stiffness = k * self.found.by_stretch(row, 1.0)
+            yield f"ln k {name}", (1.0 + 1j * loss) * by_stiffness
+            yield f"ln c {name}", c * self.found.by_stretch(row, s)
+            by_loss = by_loss + 1j * by_stiffness
+        yield "loss", by_loss
+
+    def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Compliances and their losses."""
+        s, system = self.found.lines.s_rad_s, self.system
+        compliances = self.assembly.compliance_of
+        rows = self.found.by_compliances(list(compliances.values()))
+        yield from zip(compliances, rows, strict=True)
+        row_of = {at: rows[i] for i, at in enumerate(compliances.values())}
+        for name, coordinates in self.assembly.loss_of.items():
+            slower = [
+                -system.compliance[at] * s / (1.0 + system.compliance_loss_s[at] * s)
+                for at in coordinates
+            ]
+            yield (
+                name,
+                np.sum([row_of[at] * w for at, w in zip(coordinates, slower, strict=True)], 0),
+            )
+
+    def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Masses, centres and tensors of the links."""
+        for link in range(len(self.ordinary.arm.joints)):
+            names = self.ordinary.inertia_names(link)
+            changes = _inertia_changes(self.ordinary, link, names, self.values)
+            yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
+
+    def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Gains, delay and aim."""
+        found, lines = self.found, self.found.lines
+        y = found.values
+        for axis, letter in enumerate("xyz"):
+            column = self.system.mix[:, :, axis]  # of the recorded channels
+            yield f"ln gain {letter}", column[..., None] * found.true_axes[:, :, axis].T[:, None]
+        yield "ln hammer", -y
+        yield "delay", -lines.s_rad_s * y
+        if len(lines.hit_point) == 1:
+            sides = across(lines.hit_direction[0])
+            for side, letter in enumerate("ab"):
+                yield f"aim {letter} {lines.name}", found.by_force(0, sides[:, side])
+
+
+def _by_effects(
+    hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
+) -> Iterator[tuple[str, ComplexArray]]:
+    """What effects bring beside compliances, by differences of the equations."""
+    known = {**posed.assembly.compliance_of, **posed.assembly.loss_of}
+    for instance in hypothesis.instances:
+        for parameter in instance.parameters:
+            if parameter.name in known:
+                continue
+            step = _RELATIVE_STEP * parameter.std
+            if posed.values[parameter.name] + step > parameter.high:
+                step = -step
+            changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
+            other = _assembled(hypothesis, geometry, posed.found.lines, changed).system()
+            yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
+
+
+def _assembled(
+    hypothesis: Hypothesis,
+    geometry: PostureGeometry,
+    lines: PostureLines,
+    values: Mapping[str, float],
+) -> Assembly:
+    assembly = hypothesis.ordinary.assemble(geometry, lines, values)
+    for instance in hypothesis.instances:
+        instance.add(assembly, values)
+    return assembly
+
+
+def _sensor_mass(assembly: Assembly) -> float:
+    own = assembly.sensor_mass_kg
+    return assembly.lines.sensor_mass_kg if own is None else own
+
+
+def _inertia_changes(
+    ordinary: Ordinary, link: int, names: tuple[str, ...], values: Mapping[str, float]
+) -> Array:
+    """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
+    z = np.array([values[name] for name in names])
+    start, _ = ordinary.link_inertia(link, z)
+    changes = []
+    for i in range(len(names)):
+        moved = z.copy()
+        moved[i] += _INERTIA_STEP
+        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
+    return np.stack(changes)

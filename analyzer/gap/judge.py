@@ -1,0 +1,88 @@
+"""The verdict: named, ambiguous, nothing detectable, or outside the library.
+
+Three rules, all needed (each alone gave wrong names): a rival is named when the evidence for it is
+clear and no other stands beside it, when it is large enough to matter, and when postures it was
+not fitted to are foretold better with it. And whatever was named, a misfit far above what ordinary
+errors leave says that something is missing which the library does not know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.fit import Fit, Stage
+
+__all__ = ["Judged", "Thresholds", "judge", "misfit_per_line", "scale"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Thresholds:
+    """Calibrated on seeds that no study uses (`docs/gap-study.md`)."""
+
+    clear: float = 25.0  # nats of evidence over the present hypothesis
+    apart: float = 20.0  # nats to the next rival
+    ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
+    outside_misfit: float = 0.90  # above this something is missing
+    held_out: float = 3.0  # nats that held-out postures must gain together
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """Which rivals stand after one step; the first is the best."""
+
+    named: Fit | None
+    standing: tuple[Fit, ...]  # ambiguous with each other where more than one
+    phi: float  # allowance beyond the assumed discrepancy, estimated
+
+
+def misfit_per_line(stage: Stage, fit: Fit) -> float:
+    """chi^2 per real residual, priors included."""
+    return 2.0 * fit.cost / sum(w.n for w in stage.weighings)
+
+
+def scale(stage: Stage, fits: Sequence[Fit], thresholds: Thresholds) -> float:
+    """Factor by which evidence counts less: what the best fit leaves over ordinary misfit."""
+    best = min(misfit_per_line(stage, f) for f in fits)
+    return max(1.0, best / thresholds.ordinary_misfit)
+
+
+def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresholds) -> Judged:
+    """Judge the rivals of one step.
+
+    Parameters
+    ----------
+    rivals
+        Best evidence first, each the present hypothesis and one effect more.
+    """
+    phi = scale(stage, [present, *rivals], thresholds)
+    better = [r for r in rivals if present.evidence - r.evidence > thresholds.clear * phi]
+    if not better:
+        return Judged(named=None, standing=(), phi=phi)
+    material = [r for r in better if _added(r).is_material(r.values)]
+    if not material:
+        return Judged(named=None, standing=(), phi=phi)
+    best = material[0]
+    # Also what is too small to matter must be beaten: else it may be that, and not the best.
+    beside = [
+        r
+        for r in better
+        if r is not best
+        and r.evidence - best.evidence < thresholds.apart * phi
+        and not _same(best, r)
+    ]
+    if beside:
+        return Judged(named=None, standing=(best, *beside), phi=phi)
+    return Judged(named=best, standing=(best,), phi=phi)
+
+
+def _added(fit: Fit) -> Instance:
+    return fit.hypothesis.instances[-1]
+
+
+def _same(one: Fit, other: Fit) -> bool:
+    a, b = _added(one), _added(other)
+    if a.key == b.key:
+        return True
+    return b.effect.name in a.effect.equivalent or a.effect.name in b.effect.equivalent

@@ -1,0 +1,219 @@
+"""FRFs of a session on Laplace lines far enough from the poles that a fit finds its way.
+
+On s = sigma + j w with a large sigma every resonance is broad, so that a model whose frequencies
+are off by their width still sees where to go; with a small sigma the fit is sharp. Hits of our own
+are transformed anew for each sigma (an exponential window alike on force and response, exact);
+FRFs that were averaged elsewhere go through time: h(t) e^(-d t) has the transform H(s + d).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.modal.frf import posture_frf
+from protocols.arrays import frozen_array
+from protocols.errors import EstimateError
+from protocols.frf_records import FrequencyResponse, FrfForm
+from protocols.session.records import Hit, Session
+
+__all__ = ["Annealing", "PostureLines", "own_lines", "shifted_lines"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_LEAD = 24  # samples kept before the trigger, for the offset and the noise
+_NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
+_TAPER = 0.1  # of the band, cosine, at its upper end
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Annealing:
+    """A stage of the fit: distance of the lines from the poles, their spacing, their band."""
+
+    sigma_rad_s: float
+    step_hz: float
+    band_hz: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureLines:
+    """A posture's accelerance on the lines of one stage, one mounting a row.
+
+    A mounting is one sensor point with one hit; its three channels are the sensor's axes.
+    """
+
+    name: str
+    joints_rad: Array  # (n_joints,) as read
+    s_rad_s: ComplexArray  # (n_lines,)
+    sensor_point: npt.NDArray[np.int64]  # (n_mountings,) index into the arm's points
+    hit: npt.NDArray[np.int64]  # (n_mountings,) index into the hits below
+    hit_point: npt.NDArray[np.int64]  # (n_hits,)
+    hit_direction: Array  # (n_hits, 3) base frame
+    values: ComplexArray  # (n_mountings, 3, n_lines) m/(N s^2)
+    variance: Array  # (n_mountings, 3, n_lines): E|error of values|^2
+    sensor_mass_kg: float
+
+
+def own_lines(superset: Superset, session: Session, stage: Annealing) -> tuple[PostureLines, ...]:
+    """Lines of every posture of a session with records of its own hits.
+
+    Raises
+    ------
+    EstimateError
+        If a posture has no joint angles, or a point lacks one of its three axes.
+    """
+    plan = session.header.plan
+    hits = tuple(_from_the_hit(hit) for hit in session.hits if hit.verdict.accepted)
+    duration = max((len(hit.counts) for hit in hits), default=0) / float(plan.sampling.rate_hz)
+    windows = replace(plan.windows, exponential_end=float(np.exp(-stage.sigma_rad_s * duration)))
+    header = replace(session.header, plan=replace(plan, windows=windows))
+    changed = replace(session, header=header, hits=hits)
+    result = []
+    for name in dict.fromkeys(hit.posture for hit in session.hits if hit.verdict.accepted):
+        joints = _joints(session, name)
+        dynamics = superset.posture(joints)
+
+        def axes(point: str, rotation: Array = dynamics.point_rotation) -> Array:
+            return np.asarray(rotation[superset.point_index[point]])
+
+        frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
+        result.append(_thinned(superset, frf, stage, plan.sensor.mass_kg))
+    return tuple(result)
+
+
+def shifted_lines(
+    superset: Superset,
+    frfs: Sequence[FrequencyResponse],
+    stage: Annealing,
+    *,
+    sensor_mass_kg: float,
+) -> tuple[PostureLines, ...]:
+    """Lines of FRFs that were averaged elsewhere, moved through the time domain.
+
+    Variance is moved as white noise in time is: it falls as the window's energy does.
+    """
+    return tuple(_thinned(superset, _moved(frf, stage), stage, sensor_mass_kg) for frf in frfs)
+
+
+def _from_the_hit(hit: Hit) -> Hit:
+    """The hit without most of its lead: a strong window would weigh its noise above the answer."""
+    cut = max(int(hit.trigger_sample - hit.first_sample) - _LEAD, 0)
+    return replace(hit, counts=hit.counts[cut:], first_sample=hit.first_sample + cut)
+
+
+def _padded(band_hz: tuple[float, float]) -> tuple[float, float]:
+    return 0.9 * band_hz[0], 1.1 * band_hz[1]
+
+
+def _joints(session: Session, name: str) -> Array:
+    angles = [
+        reading.joints_rad
+        for hit in session.accepted(name)
+        for reading in (hit.before, hit.after)
+        if reading.joints_rad is not None
+    ]
+    if not angles:
+        raise EstimateError(
+            f"posture '{name}' has no measured joint angles, so no model can be set beside it; "
+            "measure it with the controller's angles on the bus"
+        )
+    return np.asarray(np.mean(angles, axis=0))
+
+
+def _moved(frf: FrequencyResponse, stage: Annealing) -> FrequencyResponse:
+    """The same FRFs on the lines sigma + j w."""
+    step = float(np.median(np.diff(frf.freq_hz)))
+    shift = stage.sigma_rad_s - frf.decay_rad_s
+    first = round(float(frf.freq_hz[0]) / step)
+    n_lines = first + frf.freq_hz.size
+    if not np.allclose(frf.freq_hz, step * np.arange(first, n_lines), atol=1e-3 * step):
+        raise EstimateError(
+            f"posture '{frf.posture}': wanted frequency lines that are whole multiples of their "
+            "spacing, got others; export the FRFs on the analyser's own lines"
+        )
+    if shift < 0.0:
+        raise EstimateError(
+            f"posture '{frf.posture}': its exponential window is stronger than this fit wants; "
+            "measure with a longer record"
+        )
+    s = frf.decay_rad_s + 2j * np.pi * frf.freq_hz
+    power = {FrfForm.RECEPTANCE: 2, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 0}[frf.form]
+    values = frf.values * s**power
+    full = np.zeros((*values.shape[:2], n_lines), dtype=np.complex128)
+    full[..., first:] = values
+    # Below the band an arm on springs answers as s^2.
+    low = frf.decay_rad_s + 2j * np.pi * step * np.arange(first)
+    full[..., :first] = values[..., :1] * (low / s[0]) ** 2
+    n_taper = max(int(_TAPER * n_lines), 1)
+    full[..., -n_taper:] *= 0.5 + 0.5 * np.cos(np.pi * (np.arange(n_taper) + 0.5) / n_taper)
+    n = 2 * n_lines
+    impulse = np.fft.irfft(np.concatenate([full, np.zeros_like(full[..., :1])], axis=-1), n)
+    time = np.arange(n) / (n * step)
+    before = time > (1.0 - _NEGATIVE_TIME) / step
+    time = np.where(before, time - 1.0 / step, time)
+    window = np.exp(-shift * time)
+    moved = np.fft.rfft(impulse * window, axis=-1)[..., first:n_lines]
+    energy = float(np.mean(window**2))
+    return replace(
+        frf,
+        form=FrfForm.ACCELERANCE,
+        values=frozen_array(moved, np.complex128),
+        variance=frozen_array(frf.variance * np.abs(s) ** (2 * power) * energy, np.float64),
+        decay_rad_s=stage.sigma_rad_s,
+    )
+
+
+def _thinned(
+    superset: Superset, frf: FrequencyResponse, stage: Annealing, sensor_mass_kg: float
+) -> PostureLines:
+    """Every posture's rows by mounting, and about every `step_hz` one line."""
+    if frf.joints_rad is None:
+        raise EstimateError(
+            f"posture '{frf.posture}' has no measured joint angles, so no model can be set beside "
+            "it; measure it with the controller's angles on the bus"
+        )
+    step = float(np.median(np.diff(frf.freq_hz)))
+    inside = np.flatnonzero((frf.freq_hz >= stage.band_hz[0]) & (frf.freq_hz <= stage.band_hz[1]))
+    lines = inside[:: max(round(stage.step_hz / step), 1)]
+    if lines.size < 4:
+        raise EstimateError(
+            f"posture '{frf.posture}': wanted lines between {stage.band_hz[0]:.0f} and "
+            f"{stage.band_hz[1]:.0f} Hz, got {lines.size}; measure that band"
+        )
+    points = list(dict.fromkeys(dof.point for dof in frf.responses))
+    rows = {(dof.point, dof.label): i for i, dof in enumerate(frf.responses)}
+    missing = [f"{p}{a}" for p in points for a in "xyz" if (p, a) not in rows]
+    if missing:
+        raise EstimateError(
+            f"posture '{frf.posture}' lacks the responses {', '.join(missing[:4])}; a triaxial "
+            "sensor gives x, y and z at each point"
+        )
+    order = np.array([[rows[p, a] for a in "xyz"] for p in points])
+    n_hits = len(frf.references)
+    values = frf.values[order][..., lines]  # (points, 3, hits, lines)
+    variance = frf.variance[order][..., lines]
+    dynamics = superset.posture(frf.joints_rad)
+    sensor = np.array([superset.point_index[p] for p in points])
+    directions = np.array([[frf.responses[i].direction for i in row] for row in order])
+    turn = np.einsum("mji,mkj->mik", dynamics.point_rotation[sensor], directions)
+    values = np.einsum("mij,mjrl->mirl", turn, values)
+    variance = np.einsum("mij,mjrl->mirl", turn**2, variance)
+    shape = (-1, 3, lines.size)
+    return PostureLines(
+        name=frf.posture,
+        joints_rad=frf.joints_rad,
+        s_rad_s=frf.decay_rad_s + 2j * np.pi * frf.freq_hz[lines],
+        sensor_point=np.repeat(sensor, n_hits),
+        hit=np.tile(np.arange(n_hits), len(points)),
+        hit_point=np.array([superset.point_index[dof.point] for dof in frf.references]),
+        hit_direction=np.array([dof.direction for dof in frf.references]),
+        values=np.moveaxis(values, 2, 1).reshape(shape),
+        variance=np.moveaxis(variance, 2, 1).reshape(shape),
+        sensor_mass_kg=sensor_mass_kg,
+    )

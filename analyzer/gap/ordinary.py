@@ -1,0 +1,181 @@
+"""What every hypothesis holds: the arm as believed, and every ordinary error with its prior.
+
+A model without these is refuted by any real arm, and then any effect that bends it a little looks
+like a discovery. So the null has them all, as wide as the arm file's tolerances say and no wider:
+masses, centres and inertias of links, encoder offsets, the aim of the hits, gains, a small delay,
+a little hysteresis, and a transverse compliance of every joint up to a hard limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.assembly import Assembly, spatial_inertia
+from analyzer.gap.geometry import PostureGeometry
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.space import Parameter
+from protocols.arm.records import Arm, Estimate
+
+__all__ = ["Ordinary", "across"]
+
+Array = npt.NDArray[np.float64]
+
+# Across a joint's axis, as parts of the arm's own compliance: more than the limit is an effect.
+_BEARING_MEAN, _BEARING_STD, _BEARING_LIMIT = 0.006, 0.0045, 0.025
+_BEARING_LOSS_S = 2e-5
+_LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
+_DELAY_STD_S = 20e-6
+_LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
+
+
+def across(axis: Array) -> Array:
+    """Return (3, 2) two unit vectors that complete a unit axis to a frame."""
+    helper = np.eye(3)[np.argmin(np.abs(axis))]
+    first = np.cross(axis, helper)
+    first = first / np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first)], axis=1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ordinary:
+    """The arm as believed, with its ordinary errors."""
+
+    superset: Superset
+    postures: tuple[str, ...]
+
+    @property
+    def arm(self) -> Arm:
+        """Return the arm."""
+        return self.superset.arm
+
+    @property
+    def elastic(self) -> tuple[int, ...]:
+        """Return the joints with a spring, 0-based."""
+        return tuple(i for i, joint in enumerate(self.arm.joints) if joint.stiffness is not None)
+
+    @property
+    def compliance(self) -> float:
+        """Return the arm's own compliance: the joints' geometric mean, the first three's."""
+        k = [self.arm.joints[i].stiffness for i in self.elastic[:3]]
+        return float(np.exp(-np.mean([np.log(e.value) for e in k if e is not None])))
+
+    @property
+    def bearing_limit(self) -> float:
+        """Return the largest transverse compliance of a sound joint, rad/(N m)."""
+        return _BEARING_LIMIT * self.compliance
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return every parameter with its prior."""
+        arm, tolerances = self.arm, self.arm.tolerances
+        found: list[Parameter] = []
+        for i in self.elastic:
+            joint = arm.joints[i]
+            found.append(_log(f"ln k {joint.name}", joint.stiffness, _LEAST_LN_K_STD))
+            found.append(_log(f"ln c {joint.name}", joint.damping, _LEAST_LN_C_STD))
+        found.append(
+            Parameter(name="loss", mean=_LOSS_MEAN, std=_LOSS_STD, low=0.0, high=_LOSS_LIMIT)
+        )
+        for joint in arm.joints:
+            found += [
+                Parameter(
+                    name=f"bearing {side} {joint.name}",
+                    mean=_BEARING_MEAN * self.compliance,
+                    std=_BEARING_STD * self.compliance,
+                    low=0.0,
+                    high=self.bearing_limit,
+                )
+                for side in "ab"
+            ]
+            link = joint.link.name
+            std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
+            found += [
+                Parameter(name=f"{what} {link}", mean=0.0, std=s)
+                for what, s in zip(_INERTIAL, std, strict=True)
+            ]
+            found.append(
+                Parameter(name=f"encoder {joint.name}", mean=0.0, std=tolerances.encoder_offset_rad)
+            )
+        found += [
+            Parameter(name=f"ln gain {a}", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
+        ]
+        found.append(Parameter(name="ln hammer", mean=0.0, std=tolerances.hammer_gain))
+        found.append(Parameter(name="delay", mean=0.0, std=_DELAY_STD_S))
+        for name in self.postures:
+            found += [
+                Parameter(name=f"aim {side} {name}", mean=0.0, std=tolerances.hit_direction_rad)
+                for side in "ab"
+            ]
+        return tuple(found)
+
+    def encoder(self, values: Mapping[str, float]) -> Array:
+        """Return (n_joints,) what the arm's angles are beyond what was read."""
+        return np.array([values[f"encoder {joint.name}"] for joint in self.arm.joints])
+
+    def link_inertia(self, link: int, z: Array) -> tuple[Array, Array]:
+        """Return (6, 6) inertia and (4,) mass and first moments of a link.
+
+        `z` (10,): relative mass, shift of the centre in m, six relative entries of the tensor.
+        """
+        body = self.arm.joints[link].link
+        mass = body.mass_kg * (1.0 + z[0])
+        center = body.center_m + z[1:4]
+        own = body.inertia_kg_m2
+        size = np.sqrt(np.outer(own.diagonal(), own.diagonal()))
+        inertia = (own + size * z[4:][_FULL]) * (1.0 + z[0])
+        return spatial_inertia(mass, center, inertia), mass * np.append(1.0, center)
+
+    def inertia_names(self, link: int) -> tuple[str, ...]:
+        """Return the names of a link's ten inertial parameters."""
+        return tuple(f"{what} {self.arm.joints[link].link.name}" for what in _INERTIAL)
+
+    def assemble(
+        self, geometry: PostureGeometry, lines: PostureLines, values: Mapping[str, float]
+    ) -> Assembly:
+        """Begin a posture's equations."""
+        assembly = Assembly(geometry=geometry, lines=lines)
+        arm, superset = self.arm, self.superset
+        for i, joint in enumerate(arm.joints):
+            z = np.array([values[name] for name in self.inertia_names(i)])
+            inertia, moments = self.link_inertia(i, z)
+            assembly.link_inertia.append(inertia)
+            assembly.link_moments.append(moments)
+            column = assembly.unit(superset.joint_column(i))
+            if joint.stiffness is not None:
+                k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
+                at = assembly.add_spring(joint.name, column, k, c)
+                assembly.add_term("loss", at, at, k * values["loss"])
+        for i, joint in enumerate(arm.joints):
+            turn = across(np.asarray(joint.axis))
+            # A soft bearing has a loss of its own, a sound one hardly shows it.
+            loss = f"bearing loss {joint.name}"
+            loss_s = values.get(loss, _BEARING_LOSS_S)
+            for side, name in enumerate("ab"):
+                column = np.zeros(superset.n)
+                column[superset.interface_columns(i)][3:] = turn[:, side]
+                parameter = f"bearing {name} {joint.name}"
+                assembly.add_compliance(column, values[parameter], loss_s, parameter, loss)
+        gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
+        assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
+        assembly.log_scale = -values["ln hammer"]
+        assembly.delay_s = values["delay"]
+        if len(lines.hit_point) == 1:
+            aim = np.array([values[f"aim {side} {lines.name}"] for side in "ab"])
+            direction = lines.hit_direction[0]
+            assembly.force = (direction + across(direction) @ aim)[None]
+        return assembly
+
+
+_FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
+_INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def _log(name: str, believed: Estimate | None, least: float) -> Parameter:
+    """A positive quantity as its logarithm; the file's own uncertainty, but not below `least`."""
+    value = 1.0 if believed is None or believed.value <= 0.0 else believed.value
+    relative = 1.0 if believed is None else believed.std / value
+    return Parameter(name=name, mean=float(np.log(value)), std=max(relative, least))

@@ -1,0 +1,158 @@
+"""What the gap workflow says: records that travel to the report, the screen and the arm file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+__all__ = [
+    "Disagreement",
+    "EffectFound",
+    "GapResult",
+    "Gate",
+    "Hidden",
+    "Interval",
+    "ModeMatch",
+    "PostureGap",
+    "RivalRow",
+    "StiffnessRange",
+    "Verdict",
+]
+
+
+class Verdict(StrEnum):
+    """One of four."""
+
+    NAMED = "named"
+    AMBIGUOUS = "ambiguous"
+    NOTHING_DETECTABLE = "nothing_detectable"
+    OUTSIDE_LIBRARY = "outside_library"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interval:
+    """A parameter with its standard deviation and 95 % interval, in the unit its name says."""
+
+    value: float
+    std: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectFound:
+    """An effect that was named and added."""
+
+    name: str
+    title: str
+    place: str
+    parameters: Mapping[str, Interval]
+    size: str  # the parameter that says how large it is; empty for axes flipped or exchanged
+    description: Mapping[str, object]  # direction and place of an axis, in the link's frame
+    confidence: float  # that it is this and no other effect of the library
+    gain: float  # of evidence over the model without it, nats
+    held_out_gain: float  # of log density on postures it was not fitted to, nats
+    signature: str
+    confused_with: tuple[str, ...]
+    told_by: str
+    remedy: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RivalRow:
+    """A rival of the last step, best first."""
+
+    name: str
+    title: str
+    place: str
+    gain: float  # of evidence over the model without it
+    behind: float  # of the best
+    standing: bool  # not yet refuted
+    material: bool  # large enough to be worth a name
+    parameters: Mapping[str, Interval]
+    told_by: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hidden:
+    """How large an effect could be and still not be seen (95 %)."""
+
+    name: str
+    place: str
+    parameter: str
+    largest: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StiffnessRange:
+    """A joint's stiffness over all rivals still standing: the union of their 95 % intervals."""
+
+    joint: str
+    k_n_m_per_rad: float  # of the best
+    k_std: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeMatch:
+    """A measured mode beside the model's, paired by shape."""
+
+    measured_hz: float
+    model_hz: float
+    measured_damping_ratio: float
+    model_damping_ratio: float
+    mac: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureGap:
+    """How far a model is from one posture's measurement."""
+
+    posture: str
+    held_out: bool  # not fitted to
+    frf_error: float  # rms of the difference over rms of the FRFs, band as fitted
+    floor: float  # the same of the measured scatter and the allowed discrepancy
+    modes: tuple[ModeMatch, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Disagreement:
+    """A cell of the map: 1 is what scatter and allowance explain."""
+
+    posture: str
+    point: str
+    axis: str
+    band_hz: tuple[float, float]
+    ratio: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gate:
+    """What a check without a model said."""
+
+    check: str
+    outcome: str
+    words: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GapResult:
+    """The verdict and everything it stands on."""
+
+    verdict: Verdict
+    summary: str  # one sentence for the lab head
+    effects: tuple[EffectFound, ...]
+    rivals: tuple[RivalRow, ...]
+    hidden: tuple[Hidden, ...]
+    joint_stiffness_ranges: tuple[StiffnessRange, ...]
+    gap_before: tuple[PostureGap, ...]
+    gap_after: tuple[PostureGap, ...]
+    where: tuple[Disagreement, ...]
+    interface: str  # where along the chain the model departs, in words
+    gates: tuple[Gate, ...]
+    notes: tuple[str, ...]
+    misfit_per_line: (
+        float  # chi^2 per real residual of the last model; about 0.5 where all is in it
+    )

@@ -1,0 +1,217 @@
+"""Rivals for what the present hypothesis does not explain: all looked at, the best fitted sharply.
+
+Where the present hypothesis comes near the measurement, a linear look at all effects on the sharp
+lines tells which deserve a fit. Where it does not, that look misleads, and the search anneals: the
+most promising effects are fitted on broad lines first, the best of those on sharper ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.library import all_instances
+from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.sensors import scan_sensors
+
+__all__ = ["Rivals", "find_rivals"]
+
+_FIRST_STEPS = 2
+_MOST_PROMISING = 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 7, 4, 4
+_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
+_MOST_AXES = 6
+_NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
+_WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is not worth a fit
+# Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
+_HOPELESS = 400.0
+_PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
+_STEPS = 24  # a finalist converges within these
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rivals:
+    """The hypothesis so far and its rivals on the sharp lines, best evidence first."""
+
+    present: Fit
+    rivals: tuple[Fit, ...]
+    looked_at: tuple[Candidate, ...]  # all, by linear gain
+
+
+def find_rivals(
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    *,
+    postures: Sequence[int] | None = None,
+    start: dict[str, float] | None = None,
+    tell: Progress = lambda _: None,
+) -> Rivals:
+    """Fit the present hypothesis and the effects that could improve on it.
+
+    Parameters
+    ----------
+    stages
+        Broad, middle and sharp lines of the same postures.
+    """
+    broad, middle, sharp = stages
+    tell("the arm as believed" if not present.instances else present.name)
+    base = fit_hypothesis(broad, present, start=start, postures=postures, max_iterations=7)
+    at_middle = _further(middle, base, postures, 5)
+    at_sharp = _further(sharp, at_middle, postures, 8)
+    per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
+    if per_line < _NEAR:
+        at_sharp = _further(sharp, at_sharp, postures, _STEPS)
+        looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
+        first = _first_steps(sharp, at_sharp, looked_at, _WORTH_SHARP, postures, start or {})
+        # The best after two steps, and those that promise most: some need more than two.
+        promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
+        best = _leading(first, None)[: _FINALISTS - 1]
+        best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
+    else:
+        looked_at = _looked_at(broad, base, start or {}, from_start=True)
+        coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
+        best = []
+        for f in coarse[:_COARSE]:
+            tell(f.hypothesis.name)
+            best.append(_further(broad, f, postures, 6))
+        best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
+        best = _leading(best, at_middle)
+    finals = []
+    for f in best[: _FINALISTS + 1]:
+        tell(f"sharply: {f.hypothesis.name}")
+        finals.append(_further(sharp, f, postures, 8))
+    finals.sort(key=lambda f: f.evidence)
+    finals = [
+        f if f.converged else _further(sharp, f, postures, _STEPS)
+        for f in finals
+        if f.evidence < finals[0].evidence + _HOPELESS
+    ]
+    return Rivals(
+        present=at_sharp,
+        rivals=tuple(sorted(finals, key=lambda f: f.evidence)),
+        looked_at=tuple(looked_at),
+    )
+
+
+def _first_steps(
+    stage: Stage,
+    base: Fit,
+    looked_at: Sequence[Candidate],
+    worth: float,
+    postures: Sequence[int] | None,
+    start: dict[str, float],
+) -> list[Fit]:
+    """The first steps of each promising candidate, best cost first."""
+    present = base.hypothesis
+    fits = []
+    for candidate in _most_promising(looked_at, worth):
+        begin = base.values
+        if candidate.instance.effect.name in ("flipped_axis", "swapped_axes"):
+            begin = start or {}  # the fit without it went astray
+        richer = replace(present, instances=(*present.instances, candidate.instance))
+        if candidate.begin:
+            starts = [_part_of_the_way(base.values, candidate, part) for part in _PARTS]
+            begin = _better_start(stage, richer, [begin, *starts], postures)
+        fits.append(
+            fit_hypothesis(
+                stage, richer, start=begin, postures=postures, max_iterations=_FIRST_STEPS
+            )
+        )
+    return sorted(fits, key=lambda f: f.cost)
+
+
+def _part_of_the_way(
+    values: dict[str, float], candidate: Candidate, part: float
+) -> dict[str, float]:
+    """Values between the present best and what the linear look promises; places at once."""
+    sizes = (candidate.instance.size, *candidate.instance.sizes)
+    start = dict(candidate.begin)
+    for name, reached in candidate.begin.items():
+        if name in values:
+            start[name] = values[name] + part * (reached - values[name])
+        elif name in sizes:
+            start[name] = part * reached
+    return start
+
+
+def _better_start(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    starts: Sequence[dict[str, float]],
+    postures: Sequence[int] | None,
+) -> dict[str, float]:
+    """The start of least cost."""
+    space = hypothesis.space()
+    used = range(len(stage.lines)) if postures is None else postures
+
+    def cost(start: dict[str, float]) -> float:
+        u = space.start(start)
+        return sum(stage.misfit(hypothesis, space.values(u), used)) + 0.5 * float(u @ u)
+
+    return min(starts, key=cost)
+
+
+def _key(fit: Fit) -> tuple[str, str]:
+    return fit.hypothesis.instances[-1].key
+
+
+def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
+    return fit_hypothesis(
+        stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
+    )
+
+
+def _leading(fits: Sequence[Fit], base: Fit | None) -> list[Fit]:
+    """By evidence; one for each effect and place, and none hopeless beside the best or the base."""
+    if not fits:
+        return []
+    kept: dict[tuple[tuple[str, str], ...], Fit] = {}
+    for fit in sorted(fits, key=lambda f: f.evidence):
+        kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
+    ordered = list(kept.values())
+    worst = ordered[0].evidence + _HOPELESS
+    if base is not None:
+        worst = min(worst, base.evidence - _PROMISE)
+    return [f for f in ordered if f.evidence < worst]
+
+
+def _looked_at(
+    stage: Stage, base: Fit, start: dict[str, float], *, from_start: bool
+) -> list[Candidate]:
+    """Every effect at every place by its linear gain; sensors also beside the first guess."""
+    hypothesis = base.hypothesis
+    taken = {instance.key for instance in hypothesis.instances}
+    found = scan_instances(
+        stage, base, [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
+    )
+    axes_taken = [place for name, place in taken if name == "link_axis"]
+    found += scan_axes(stage, base, exclude=axes_taken)
+    found += scan_sensors(stage, hypothesis, base.values)
+    if from_start:
+        first = hypothesis.space()
+        found += scan_sensors(stage, hypothesis, first.values(first.start(start)))
+    best: dict[tuple[str, str], list[Candidate]] = {}
+    for candidate in sorted(found, key=lambda c: -c.gain):
+        same = best.setdefault(candidate.instance.key, [])
+        if not same or candidate.instance.effect.name == "link_axis":
+            same.append(candidate)
+    every = [c for group in best.values() for c in group if c.instance.key not in taken]
+    return sorted(every, key=lambda c: -c.gain)
+
+
+def _most_promising(candidates: Sequence[Candidate], worth: float) -> list[Candidate]:
+    chosen: list[Candidate] = []
+    axes = 0
+    for candidate in candidates:
+        if candidate.gain < worth or len(chosen) == _LOOKED_AT:
+            break
+        if candidate.instance.effect.name == "link_axis":
+            axes += 1
+            if axes > _MOST_AXES:
+                continue
+        chosen.append(candidate)
+    return chosen

@@ -1,0 +1,261 @@
+"""Which effects could explain what the present hypothesis does not: a linear look at all of them.
+
+About the present best point every effect is a few more columns beside the ordinary ones. The gain
+of an effect is what those columns take off the cost after the ordinary parameters have moved too,
+priors and signs included. A line in a link has direction and place; a rotation about any line of
+an interface is a combination t of its six freedoms, and its column is quadratic in t,
+
+    dy(t) = sum_ab t_a t_b (o w_a)(w_b b) ,
+
+so that 21 columns an interface tell the gain of every line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.compliance import compliance_parameter
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["Candidate", "scan_axes", "scan_instances"]
+
+Array = npt.NDArray[np.float64]
+
+_N_DIRECTIONS = 60
+_LEVERS_M = (0.0, 0.1, 0.25)
+_PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """An instance, and what it promises."""
+
+    instance: Instance
+    gain: float  # of cost, linear
+    size: float = float("nan")  # what a linear look makes of its size parameter
+    size_std: float = float("nan")
+    begin: Mapping[str, float] = field(default_factory=dict)  # values a fit begins with
+
+
+def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
+    """Linear gain of every instance on top of a fit, best first."""
+    new = [i for i in instances if i.parameters and not i.relaxes]
+    wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *(_small(i) for i in new)))
+    space = wide.space()
+    values = {**{p.name: p.first for p in space.parameters}, **fit.values}
+    parts = stage.quadratics(wide, space, values, range(len(stage.lines)))
+    gradient = np.sum([p.gradient for p in parts], axis=0)
+    curvature = np.sum([p.curvature for p in parts], axis=0)
+    ordinary = np.array([p.name in fit.space.index for p in space.parameters])
+    free = np.flatnonzero(ordinary)[fit.free]
+    found = []
+    for instance in instances:
+        if not instance.parameters or instance.relaxes:
+            gain, size, std = _relaxed_gain(fit, instance)
+            found.append(Candidate(instance=instance, gain=gain, size=size, size_std=std))
+            continue
+        names = [p.name for p in instance.parameters]
+        own = np.array([space.index[n] for n in names])
+        sizes = (instance.size, *instance.sizes)
+        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
+        gain, step, stds, follow = _gain(gradient, curvature, free, own, one_sided)
+        at = names.index(instance.size)
+        unit = space.std[own]
+        reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
+        u = np.clip(fit.u[fit.free] + follow, fit.space.low[fit.free], fit.space.high[fit.free])
+        moved = fit.u.copy()
+        moved[fit.free] = u
+        found.append(
+            Candidate(
+                instance=instance,
+                gain=gain,
+                size=float(step[at] * unit[at]),
+                size_std=float(stds[at] * unit[at]),
+                begin={**fit.space.values(moved), **reached},
+            )
+        )
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def scan_axes(
+    stage: Stage, fit: Fit, *, keep: int = 2, exclude: Sequence[str] = ()
+) -> list[Candidate]:
+    """The most promising lines of every link's interface, best first."""
+    ordinary = fit.hypothesis.ordinary
+    found: list[Candidate] = []
+    for link, joint in enumerate(ordinary.arm.joints):
+        if joint.link.name in exclude:
+            continue
+        probe, names = _probe(ordinary, link)
+        wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
+        J, r_dot = _interface_products(stage, fit, wide, names)
+        gains, lines = _best_lines(J, r_dot, ordinary, link)
+        for gain, (direction, point) in list(zip(gains, lines, strict=True))[:keep]:
+            instance = link_axis.at_axis(ordinary, link, direction, point)
+            found.append(Candidate(instance=instance, gain=gain))
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def _small(instance: Instance) -> Instance:
+    """The instance with its size at zero, so that it changes nothing yet."""
+    if not instance.size or instance.size_offset:
+        return instance
+    parameters = tuple(
+        replace(p, start=0.0) if p.name in (instance.size, *instance.sizes) else p
+        for p in instance.parameters
+    )
+    return replace(instance, parameters=parameters)
+
+
+def _gain(
+    gradient: Array,
+    curvature: Array,
+    free: npt.NDArray[np.int64],
+    own: npt.NDArray[np.int64],
+    one_sided: npt.NDArray[np.bool_],
+) -> tuple[float, Array, Array, Array]:
+    """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
+
+    Returns the gain, the step (n_own,), its standard deviation, each alone, and how the free ones
+    follow (n_free,).
+    """
+    A = curvature[np.ix_(free, free)] + np.eye(len(free))
+    B = curvature[np.ix_(free, own)]
+    along = np.linalg.solve(A, B)
+    S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
+    slope = gradient[own]
+    std = 1.0 / np.sqrt(S.diagonal())
+    active = ~(one_sided & (slope >= 0.0))
+    whole = np.zeros(len(own))
+    for _ in range(3):
+        if not active.any():
+            break
+        step = -np.linalg.solve(S[np.ix_(active, active)], slope[active])
+        wrong = one_sided[active] & (step < 0.0)
+        if not wrong.any():
+            whole[active] = step
+            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole
+        active[np.flatnonzero(active)[wrong]] = False
+    return 0.0, whole, std, np.zeros(len(free))
+
+
+def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
+    """Cost gained when priors become wide; size and its standard deviation then."""
+    A = fit.curvature + np.eye(len(fit.u))
+    gain, size, size_std = 0.0, float("nan"), float("nan")
+    for name, prior in instance.relaxes.items():
+        i = fit.space.index[name]
+        narrow = fit.space.std[i]
+        keep = (narrow / prior.std) ** 2
+        u = fit.u[i] + (fit.space.mean[i] - prior.mean) / narrow
+        free = fit.free.copy()
+        free[i] = True
+        where = np.flatnonzero(free)
+        B = A[np.ix_(free, free)].copy()
+        at = int(np.flatnonzero(where == i)[0])
+        B[at, at] -= 1.0 - keep
+        unit = np.zeros(len(where))
+        unit[at] = 1.0
+        variance = float(np.linalg.solve(B, unit)[at])
+        gain += 0.5 * (1.0 - keep) * u * u + 0.5 * ((1.0 - keep) * u) ** 2 * variance
+        step = (1.0 - keep) * u * variance
+        if not fit.free[i]:  # it rests at its limit: what the data would push it beyond
+            slope = float(fit.slope[i])
+            gain += 0.5 * slope * slope * variance
+            step -= slope * variance
+        if name == instance.size:
+            size = float(fit.space.mean[i] + narrow * (fit.u[i] + step))
+            size_std = float(narrow * np.sqrt(variance))
+    return gain, size, size_std
+
+
+def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
+    """All six freedoms of an interface, locked."""
+    columns = ordinary.superset.interface_columns(link)
+    names = [f"probe {a} {link}" for a in range(6)]
+
+    def build(assembly: Assembly, values: object) -> None:
+        del values
+        for a, name in enumerate(names):
+            assembly.add_compliance(assembly.unit(columns.start + a), 0.0, 0.0, name)
+
+    words = EffectWords(name="probe", title="probe", changes="", signature="")
+    parameters = tuple(
+        Parameter(name=name, mean=0.0, std=compliance_parameter("", ordinary).std) for name in names
+    )
+    return Instance(effect=words, place="", parameters=parameters, builder=build), names
+
+
+def _interface_products(
+    stage: Stage, fit: Fit, wide: Hypothesis, names: Sequence[str]
+) -> tuple[Array, Array]:
+    """Projected Gram matrix (21, 21) and slope (21,) of the interface's columns."""
+    ordinary = fit.hypothesis.ordinary
+    std = compliance_parameter("", ordinary).std
+    n = len(fit.space)
+    gradient = np.zeros(n + len(_PAIRS))
+    curvature = np.zeros((n + len(_PAIRS),) * 2)
+    values = {**fit.values, **dict.fromkeys(names, 0.0)}
+    for p, lines in enumerate(stage.lines):
+        y, dy, pairs = stage.models[p].interface_columns(
+            wide, lines, fit.space, values, names, _PAIRS
+        )
+        part = stage.weighings[p].quadratic(y, np.concatenate([dy, pairs * std]))
+        gradient += part.gradient
+        curvature += part.curvature
+    free = np.flatnonzero(fit.free)
+    own = np.arange(n, n + len(_PAIRS))
+    A = curvature[np.ix_(free, free)] + np.eye(len(free))
+    B = curvature[np.ix_(free, own)]
+    return curvature[np.ix_(own, own)] - B.T @ np.linalg.solve(A, B), gradient[own]
+
+
+def _best_lines(
+    gram: Array, slope: Array, ordinary: Ordinary, link: int
+) -> tuple[list[float], list[tuple[Array, Array]]]:
+    """Lines by falling gain, each well apart from the better ones."""
+    directions = _hemisphere(_N_DIRECTIONS)
+    center = ordinary.arm.joints[link].link.center_m
+    twists, lines = [], []
+    for u in directions:
+        a = np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
+        a /= np.linalg.norm(a)
+        b = np.cross(u, a)
+        for around in (np.zeros(3), center):
+            for lever in _LEVERS_M:
+                for turn in (a, b, -a, -b) if lever else (a,):
+                    point = around + lever * turn
+                    point = point - u * (u @ point)
+                    twists.append(np.concatenate([np.cross(point, u), u]))
+                    lines.append((u, point))
+    t = np.array(twists)
+    q = np.stack([t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS], axis=1)
+    g = q @ slope
+    h = np.einsum("ki,ij,kj->k", q, gram, q) + 1.0
+    gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)
+    chosen: list[int] = []
+    for i in np.argsort(-gain):
+        if all(abs(lines[i][0] @ lines[j][0]) < 0.7 for j in chosen):
+            chosen.append(int(i))
+        if len(chosen) == 3:
+            break
+    return [float(gain[i]) for i in chosen], [lines[i] for i in chosen]
+
+
+def _hemisphere(n: int) -> Array:
+    """About evenly spread directions, one of each opposite pair: (n, 3)."""
+    i = np.arange(n) + 0.5
+    z = 1.0 - i / n
+    turn = np.pi * (1.0 + np.sqrt(5.0)) * i
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)

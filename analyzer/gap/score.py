@@ -1,0 +1,153 @@
+"""How a study's verdicts compare with the truth: counts, rates with their intervals, errors.
+
+A name is wrong when it is neither true nor declared equivalent beforehand in its effect's words.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from analyzer.gap import effects
+from analyzer.gap.effects.effect import EffectWords
+from analyzer.gap.records import EffectFound, GapResult, Verdict
+
+__all__ = ["Marked", "Rate", "equivalents", "mark", "rate", "size_found", "size_of_truth"]
+
+OUTCOMES = ("right", "ambiguous with the truth", "unsure", "missed", "outside", "wrong name")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rate:
+    """k of n with its 95 % Clopper-Pearson interval."""
+
+    k: int
+    n: int
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Marked:
+    """One case, marked."""
+
+    outcome: str  # one of OUTCOMES
+    named: tuple[str, ...]
+    true: tuple[str, ...]
+    n_true_named: int
+    standing: tuple[str, ...]
+    place_right: bool | None  # of a single effect named right
+
+
+def rate(k: int, n: int) -> Rate:
+    """A rate with its exact interval (Clopper and Pearson, Biometrika 26 (1934) 404)."""
+    low = 0.0 if k == 0 else float(stats.beta.ppf(0.025, k, n - k + 1))
+    high = 1.0 if k == n else float(stats.beta.ppf(0.975, k + 1, n - k))
+    return Rate(k=k, n=n, low=low, high=high)
+
+
+def equivalents() -> dict[str, frozenset[str]]:
+    """Return what every name of the library is declared equivalent to, itself included."""
+    found: dict[str, set[str]] = {}
+    for module in pkgutil.iter_modules(effects.__path__):
+        code = importlib.import_module(f"{effects.__name__}.{module.name}")
+        for words in vars(code).values():
+            if isinstance(words, EffectWords):
+                found.setdefault(words.name, {words.name}).update(words.equivalent)
+    for name, others in list(found.items()):
+        for other in others:
+            found.setdefault(other, {other}).add(name)
+    return {name: frozenset(others) for name, others in found.items()}
+
+
+def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
+    """Mark a verdict.
+
+    Parameters
+    ----------
+    truth
+        `verdict` and `effects`, a list of `{name, place, parameters}`.
+    """
+    same = equivalents()
+    true = [effect["name"] for effect in truth["effects"]]
+    named = [effect.name for effect in result.effects]
+    counted = named if result.verdict is Verdict.NAMED else []
+    standing = tuple(r.name for r in result.rivals if r.standing)
+    hits = [t for t in true if any(n in same.get(t, {t}) for n in counted)]
+    wrong = [n for n in counted if not any(n in same.get(t, {t}) for t in true)]
+    is_outside = truth["verdict"] == "outside_library"
+    if wrong:
+        outcome = "wrong name"
+    elif result.verdict is Verdict.OUTSIDE_LIBRARY:
+        outcome = "right" if is_outside else "outside"
+    elif result.verdict is Verdict.AMBIGUOUS:
+        inside = any(s in same.get(t, {t}) for t in true for s in standing)
+        outcome = "ambiguous with the truth" if inside else "unsure"
+    elif not counted:
+        outcome = "missed" if true else "right"
+    else:
+        outcome = "right" if len(hits) == len(true) else "missed"
+    place = None
+    if outcome == "right" and len(true) == 1 and counted:
+        first = next(e for e in result.effects if e.name in same.get(true[0], {true[0]}))
+        place = _same_place(truth["effects"][0]["place"], first.place)
+    return Marked(
+        outcome=outcome,
+        named=tuple(counted),
+        true=tuple(true),
+        n_true_named=len(hits),
+        standing=standing,
+        place_right=place,
+    )
+
+
+def _same_place(true: Any, ours: str) -> bool:
+    """Whether our words hold the place; effects of the whole lab have none."""
+    whole = {"all", "hammer", "accelerometer", "base"}
+    places = true if isinstance(true, list) else [true]
+    return all(p in ours or p in whole for p in places) or not ours
+
+
+def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> float | None:
+    """The true value of what an effect's size parameter measures; None where they differ in kind.
+
+    Parameters
+    ----------
+    stiffness
+        Believed stiffness of each joint: a coupling is counted in their geometric mean.
+    """
+    p, place = effect["parameters"], effect["place"]
+
+    def coupling() -> float:
+        mean = float(np.sqrt(np.prod([stiffness[j] for j in place])))
+        return float(p["cross_stiffness_n_m_per_rad"]) / mean
+
+    sizes: dict[str, Callable[[], float]] = {
+        "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
+        "bearing": lambda: p["compliance_rad_per_n_m"],
+        "link_axis": lambda: p["compliance_rad_per_n_m"],
+        "base": lambda: 1.0 / p["rock_x_n_m_per_rad"],
+        "coupling": coupling,
+        "servo": lambda: 1.0 / p["servo_stiffness_n_m_per_rad"],
+        "channel_gain": lambda: np.log(p["factor"]),
+        "hammer_gain": lambda: np.log(p["factor"]),
+        "encoder_offset": lambda: -np.deg2rad(p["offset_deg"]),
+        "delay": lambda: p["delay_s"] * (-1.0 if place == "hammer" else 1.0),
+        "payload": lambda: p["mass_kg"],
+        "rotor": lambda: p["inertia_kg_m2"],
+        "hysteretic": lambda: p["loss_factor"],
+    }
+    found = sizes.get(effect["name"])
+    return None if found is None else float(found())
+
+
+def size_found(effect: EffectFound) -> tuple[float, float, float]:
+    """Value and 95 % interval of the parameter that says how large an effect is."""
+    interval = effect.parameters[effect.size]
+    return interval.value, interval.low, interval.high

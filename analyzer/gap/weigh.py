@@ -1,0 +1,173 @@
+"""How far a prediction may be from a measurement: noise, discrepancy, and each mounting's errors.
+
+The errors of a mounting are a matrix on its three axes, I + E. They are integrated out in closed
+form, per channel with columns N (prediction along each axis, times its prior):
+
+    chi^2 = r'r - r'N (N'N + I)^-1 N'r ,
+
+and likewise for every product of residual and derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.lines import PostureLines
+from protocols.arm.records import Tolerances
+
+__all__ = ["Discrepancy", "Quadratic", "Weighing"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Discrepancy:
+    """What a right model may still be off, as a standard deviation of the complex FRF.
+
+    sqrt((local |y|)^2 + (overall rms)^2) sqrt(1 + (f / corner)^2), rms over the channel's band.
+    """
+
+    local: float = 0.010
+    overall: float = 0.005
+    corner_hz: float = 50.0
+
+    def variance(self, lines: PostureLines) -> Array:
+        """(m, 3, L) of a posture's channels."""
+        f = lines.s_rad_s.imag / (2.0 * np.pi)
+        power = np.abs(lines.values) ** 2
+        # A channel across all motion still lies on a sensor that moves: half from the mounting.
+        own = np.mean(power, axis=-1, keepdims=True)
+        mounting = np.mean(own, axis=1, keepdims=True)
+        rms2 = (own + mounting) / 2.0
+        growth = 1.0 + (f / self.corner_hz) ** 2
+        return np.asarray((self.local**2 * power + self.overall**2 * rms2) * growth)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quadratic:
+    """A posture's misfit about a point: chi^2 / 2, its gradient and Gauss-Newton matrix."""
+
+    cost: float
+    gradient: Array  # (n,)
+    curvature: Array  # (n, n)
+
+
+class Weighing:
+    """Weights of one posture's lines."""
+
+    def __init__(
+        self, lines: PostureLines, tolerances: Tolerances, discrepancy: Discrepancy
+    ) -> None:
+        self.lines = lines
+        # A complex residual of variance v has two real parts of v / 2 each.
+        self.scale = np.sqrt(2.0 / (lines.variance + discrepancy.variance(lines)))
+        tilt = tolerances.sensor_tilt_rad
+        gain = max(0.4 * tolerances.sensor_gain, 1e-3)
+        # Rows: recorded channel; columns: true axis.
+        self._prior = np.where(np.eye(3, dtype=bool), gain, tilt)
+        self.prior = np.broadcast_to(self._prior, (len(lines.sensor_point), 3, 3))
+
+    @property
+    def n(self) -> int:
+        """Number of real residuals."""
+        return 2 * self.lines.values.size
+
+    def cost(self, y: ComplexArray) -> float:
+        """chi^2 / 2 of a prediction, mountings integrated out."""
+        r, N = self._residual(y), self._nuisance(y)
+        Nr = np.einsum("milk,mil->mik", N, r)
+        return 0.5 * float(np.sum(r * r) - np.sum(Nr * _solved(N, Nr[..., None])[..., 0]))
+
+    def cost_by_mounting(self, y: ComplexArray) -> Array:
+        """(m, 3) chi^2 / 2 of every channel."""
+        r, N = self._residual(y), self._nuisance(y)
+        Nr = np.einsum("milk,mil->mik", N, r)
+        return np.asarray(
+            0.5 * (np.sum(r * r, axis=-1) - np.sum(Nr * _solved(N, Nr[..., None])[..., 0], axis=-1))
+        )
+
+    def cost_by_axis(self, y: ComplexArray) -> Array:
+        """(m, 3, 3, 2) chi^2 / 2 of each recorded channel if it were each true axis, +1 or -1."""
+        m = y.shape[0]
+        result = np.empty((m, 3, 3, 2))
+        for axis in range(3):
+            # The channel's own gain belongs to that axis now, its tilts to the others.
+            prior = np.broadcast_to(np.roll(self._prior[0], axis), (m, 3, 3))
+            N = _stacked(self.scale[:, :, None] * y[:, None] * prior[..., None]).swapaxes(-1, -2)
+            for side, sign in enumerate((1.0, -1.0)):
+                r = _stacked((self.lines.values - sign * y[:, axis, None]) * self.scale)
+                Nr = np.einsum("milk,mil->mik", N, r)
+                solved = _solved(N, Nr[..., None])[..., 0]
+                result[:, :, axis, side] = 0.5 * (
+                    np.sum(r * r, axis=-1) - np.sum(Nr * solved, axis=-1)
+                )
+        return result
+
+    def gain_slopes(self, y: ComplexArray) -> tuple[Array, Array]:
+        """(m, 3) slope and curvature of chi^2 / 2 by each channel's log gain."""
+        r, N = self._residual(y), self._nuisance(y)
+        d = _stacked(y * self.scale)
+        right = np.stack(
+            [np.einsum("milk,mil->mik", N, r), np.einsum("milk,mil->mik", N, d)], axis=-1
+        )
+        solved = _solved(N, right)
+        slope = -np.sum(d * r, axis=-1) + np.sum(right[..., 1] * solved[..., 0], axis=-1)
+        curve = np.sum(d * d, axis=-1) - np.sum(right[..., 1] * solved[..., 1], axis=-1)
+        return slope, curve
+
+    def cleaned(self, y: ComplexArray) -> ComplexArray:
+        """Residual (m, 3, L), weighted, after the best mounting errors are taken off."""
+        r, N = self._residual(y), self._nuisance(y)
+        Nr = np.einsum("milk,mil->mik", N, r)
+        left = r - np.einsum("milk,mik->mil", N, _solved(N, Nr[..., None])[..., 0])
+        L = y.shape[-1]
+        return np.asarray(left[..., :L] + 1j * left[..., L:])
+
+    def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
+        """Misfit of a prediction with its derivatives (n, m, 3, L)."""
+        r, N = self._residual(y), self._nuisance(y)
+        J = _stacked(dy * self.scale)  # (n, m, 3, 2L)
+        Nr = np.einsum("milk,mil->mik", N, r)
+        n, m = J.shape[0], J.shape[1]
+        by_channel = J.transpose(1, 2, 0, 3)  # (m, 3, n, 2L)
+        JN = np.matmul(by_channel, N)  # (m, 3, n, 3)
+        solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
+        flat = J.reshape(n, -1)
+        gradient = -(flat @ r.reshape(-1)) + np.einsum("mink,mik->n", JN, solved[..., -1])
+        P = JN.transpose(2, 0, 1, 3).reshape(n, m * 9)
+        Q = solved[..., :-1].transpose(0, 1, 2, 3).reshape(m * 9, n)
+        curvature = flat @ flat.T - P @ Q
+        cost = 0.5 * float(np.sum(r * r) - np.sum(Nr * solved[..., -1]))
+        return Quadratic(cost=cost, gradient=gradient, curvature=(curvature + curvature.T) / 2)
+
+    def _residual(self, y: ComplexArray) -> Array:
+        return _stacked((self.lines.values - y) * self.scale)
+
+    def _nuisance(self, y: ComplexArray) -> Array:
+        """(m, 3, 2L, 3) columns of the mounting's errors."""
+        N = self.scale[:, :, None] * y[:, None] * self.prior[..., None]  # (m, 3, 3, L)
+        return _stacked(N).swapaxes(-1, -2)
+
+
+def _stacked(z: ComplexArray) -> Array:
+    return np.concatenate([z.real, z.imag], axis=-1)
+
+
+def _solved(N: Array, right: Array) -> Array:
+    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(3)
+    return np.asarray(np.linalg.solve(gram, right))
+
+
+def total(parts: Sequence[Quadratic]) -> Quadratic:
+    """Sum over postures."""
+    return Quadratic(
+        cost=sum(p.cost for p in parts),
+        gradient=np.sum([p.gradient for p in parts], axis=0),
+        curvature=np.sum([p.curvature for p in parts], axis=0),
+    )

@@ -1,0 +1,222 @@
+"""The fitted numbers as a record: modes with shapes and uncertainties, errors of the synthesis."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
+from analyzer.modal.forms import derivative_order
+from analyzer.modal.modes import ModalModel, Mode
+from analyzer.modal.noise import SMOOTHED_LINES
+from analyzer.modal.plscf import Stabilisation
+from analyzer.modal.rank_one import RankOneFit
+from analyzer.modal.regression import residual_terms
+from analyzer.modal.selection import Selection
+from analyzer.modal.shape_uncertainty import (
+    axis_correlation,
+    common_gain_variance,
+    participation_covariance,
+    shape_covariance,
+    turned_std,
+)
+from analyzer.modal.uncertainty import PoleCovariance, pole_covariance
+from analyzer.modal.windows import laplace_lines
+from protocols.arrays import frozen_array
+from protocols.frf_records import Dof, FrequencyResponse
+
+__all__ = ["assemble_model"]
+
+_Complex = npt.NDArray[np.complex128]
+
+
+def _clusters(dofs: tuple[Dof, ...]) -> npt.NDArray[np.int64]:
+    """Number of each measured point, from 0: (n_resp,). What is measured there shares hits."""
+    names: dict[str, int] = {}
+    return np.array([names.setdefault(dof.point, len(names)) for dof in dofs], dtype=np.int64)
+
+
+def _synthesis(frf: FrequencyResponse, s: _Complex, fit: RankOneFit) -> _Complex:
+    """The fitted model on its own lines: (n_resp, n_ref, n_freq)."""
+    residues = fit.shape[:, None, :] * fit.participation
+    both = np.concatenate([residues, residues.conj()], axis=-1)
+    poles = np.concatenate([fit.poles, fit.poles.conj()])
+    total: _Complex = both @ (1.0 / (s - poles[:, None]))
+    total += fit.residuals @ residual_terms(frf.form, s).T
+    return total
+
+
+def _modes(
+    fit: RankOneFit,
+    chosen: Selection,
+    precision: PoleCovariance,
+    correlation: _Complex,
+    noise: float,
+    power: int,
+    gain_variance: npt.NDArray[np.float64],
+    clusters: npt.NDArray[np.int64],
+    *,
+    line_dof: float,
+    gain_dof: float,
+    transposed: bool,
+) -> tuple[Mode, ...]:
+    """Shapes of largest magnitude 1 on their best line; the participations carry the rest."""
+    std = np.sqrt(np.maximum(np.diag(precision.covariance), 0.0))
+    modes = []
+    for m, pole in enumerate(fit.poles):
+        long, short = fit.shape[:, m], fit.participation[:, m]
+        turned_long, turned_short = (
+            v / np.max(np.abs(v)) for v in (to_real_axis(long), to_real_axis(short))
+        )
+        covariance, shares = shape_covariance(
+            fit,
+            precision.theta,
+            correlation,
+            noise,
+            m,
+            gain_variance=float(gain_variance[m]),
+            clusters=clusters,
+        )
+        long_std, long_scale = turned_std(long, covariance, turned_long)
+        short_std, _ = turned_std(
+            short, participation_covariance(fit, precision.theta, m), turned_short
+        )
+        k, j = int(np.argmax(np.abs(long))), int(np.argmax(np.abs(short)))
+        size = long[k] * short[j] / (turned_long[k] * turned_short[j]) / pole**power
+        shape, shape_std, part, part_std = turned_long, long_std, turned_short, short_std
+        if transposed:
+            shape, shape_std, part, part_std = part, part_std, shape, shape_std
+        dof = float(precision.dof[2 * m : 2 * m + 2].min())
+        modes.append(
+            Mode(
+                pole_rad_s=complex(pole),
+                f_hz=float(abs(pole) / (2.0 * np.pi)),
+                f_std_hz=float(std[2 * m]),
+                damping_ratio=float(-pole.real / abs(pole)),
+                damping_std=float(std[2 * m + 1]),
+                shape=frozen_array(shape, np.complex128),
+                shape_std=frozen_array(shape_std, np.complex128),
+                participation=frozen_array(size * part, np.complex128),
+                participation_std=frozen_array(abs(size) * part_std, np.complex128),
+                residue_std=long_scale,
+                mpc=mpc(turned_long),
+                mpd_deg=mpd_deg(turned_long),
+                mcf=mcf(turned_long),
+                dof=dof,
+                shape_dof=1.0 / float(shares**2 @ (1.0 / np.array([dof, line_dof, gain_dof]))),
+                stability=float(chosen.share[m]),
+                significance=float(chosen.significance[m]),
+            )
+        )
+    return tuple(modes)
+
+
+def _gain_variance(
+    frf: FrequencyResponse,
+    values: _Complex,
+    misfit: _Complex,
+    variance: npt.NDArray[np.float64],
+    freq: npt.NDArray[np.float64],
+    fit: RankOneFit,
+    *,
+    transposed: bool,
+) -> npt.NDArray[np.float64]:
+    """Variance of the factor each point's hits share, of every mode; 0 where no scatter is known.
+
+    Roving hammer: the short side is one sensor, its axes share the hit. Roving response: every
+    reference has hits of its own, and a shape is their mean weighted by participation.
+    """
+    if not np.any(frf.variance > 0.0):
+        return np.zeros(fit.poles.size)
+    result = np.empty(fit.poles.size)
+    least_hz = (SMOOTHED_LINES + 1.0) * float(np.min(np.diff(freq)))
+    for m, pole in enumerate(fit.poles):
+        # Wider than the scatter was smoothed over: smoothing keeps the sum over the lines.
+        reach = max((frf.decay_rad_s - pole.real) / (2.0 * np.pi), least_hz)
+        near = np.abs(freq - pole.imag / (2.0 * np.pi)) <= reach
+        power = np.abs(fit.participation[:, m]) ** 2
+        share = 1.0 if transposed else float(np.sum(power**2) / np.sum(power) ** 2)
+        result[m] = share * common_gain_variance(values, misfit, variance, near)
+    return result
+
+
+def assemble_model(
+    frf: FrequencyResponse,
+    band: tuple[float, float],
+    values: _Complex,
+    variance: npt.NDArray[np.float64],
+    table: Stabilisation,
+    chosen: Selection,
+    fit: RankOneFit,
+    *,
+    line_share: float,
+    transposed: bool,
+) -> ModalModel:
+    """Record of a fit; `values`, `variance` and `fit` with the longer side first.
+
+    Parameters
+    ----------
+    frf
+        Where the FRFs came from.
+    band
+        Lowest and highest line fitted, Hz.
+    values, variance
+        (n_long, n_short, n_freq), as fitted.
+    table, chosen, fit
+        The poles over orders, the choice, the maximum-likelihood model.
+    line_share
+        Independent lines per line under the window.
+    transposed
+        True where references were more than responses.
+    """
+    n_freq = values.shape[2]
+    freq = frf.freq_hz[(frf.freq_hz >= band[0]) & (frf.freq_hz <= band[1])]
+    synthesis = _synthesis(frf, laplace_lines(freq, frf.decay_rad_s), fit)
+    misfit = values - synthesis
+    clusters = _clusters(frf.references if transposed else frf.responses)
+    lack_of_fit = float(fit.cost.sum()) / max(2 * n_freq * fit.cost.size - fit.n_free, 1)
+    hits = float(np.median(frf.n_hits))
+    precision = pole_covariance(
+        fit,
+        clusters,
+        lack_of_fit=lack_of_fit,
+        share=line_share,
+        hit_dof=max(2.0 * (hits - 1.0), 1.0) * float(clusters.max() + 1),
+    )
+    correlation = axis_correlation(misfit / np.sqrt(variance), clusters)
+    modes = _modes(
+        fit,
+        chosen,
+        precision,
+        correlation,
+        lack_of_fit / line_share,
+        derivative_order(frf.form),
+        _gain_variance(frf, values, misfit, variance, freq, fit, transposed=transposed),
+        clusters,
+        line_dof=max(2.0 * (hits - 1.0), 1.0) * max(n_freq * line_share, 1.0),
+        gain_dof=max(hits - 1.0, 1.0) * float(clusters.max() + 1),
+        transposed=transposed,
+    )
+
+    def sided(per_frf: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        return frozen_array(per_frf.swapaxes(0, 1) if transposed else per_frf, np.float64)
+
+    left = np.sum(np.abs(misfit) ** 2, axis=-1)
+    size = np.sum(np.abs(values) ** 2, axis=-1)
+    return ModalModel(
+        posture=frf.posture,
+        form=frf.form,
+        band_hz=band,
+        modes=modes,
+        residual_terms=sided(fit.residuals),
+        covariance=frozen_array(precision.covariance, np.float64),
+        robust_covariance=precision.robust,
+        synthesis_error=float(np.sqrt(left.sum() / size.sum())),
+        frf_error=sided(np.sqrt(left / np.maximum(size, np.finfo(float).tiny))),
+        frac=sided(frac(values, synthesis)),
+        lack_of_fit=2.0 * lack_of_fit,
+        responses=frf.responses,
+        references=frf.references,
+        joints_rad=frf.joints_rad,
+        stabilisation=table,
+    )

@@ -1,0 +1,269 @@
+"""The whole modal model to maximum likelihood: poles, shapes, participations, residual terms.
+
+Every mode's residue matrix is one shape times one participation, R_m = phi_m l_m^T, over all
+responses and references at once. On the Gram matrices of `regression`, with the residual terms c
+of each FRF eliminated, a step changes FRF (o, j) by
+
+    dR_m = l_mj dphi_om + phi_om dl_mj   and   phi_om l_mj dp_m / (s - p_m)^2.
+
+The shapes are linear once poles and participations stand; they are eliminated response by response
+(variable projection), and Gauss-Newton steps with Levenberg damping move poles and participations.
+The largest participation of each mode stays fixed, since phi and l share a free factor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.modal.refine import admissible
+from analyzer.modal.regression import N_RESIDUAL, ModalData, gram_system
+
+__all__ = ["RankOneFit", "refine_rank_one"]
+
+_Real = npt.NDArray[np.float64]
+_Complex = npt.NDArray[np.complex128]
+_RIDGE = 1e-13
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RankOneFit:
+    """Maximum-likelihood modal model, and what its covariance needs.
+
+    Parameters theta are Re p_1, Im p_1, Re p_2, ..., then Re and Im of the participations that
+    are free, mode by mode within each reference. Shapes are eliminated: with e_o the noise,
+    d phi_o = shape_inverse_o e_o + shape_slope_o d theta.
+    """
+
+    poles: _Complex  # (n_modes,)
+    shape: _Complex  # (n_resp, n_modes)
+    participation: _Complex  # (n_ref, n_modes)
+    held: npt.NDArray[np.intp]  # (n_modes,) reference whose participation is held
+    residuals: _Real  # (n_resp, n_ref, 3)
+    cost: _Real  # (n_resp, n_ref) weighted sum of squares left
+    information: _Real  # (n_resp, n_theta, n_theta)
+    score: _Real  # (n_resp, n_theta)
+    shape_inverse: _Real  # (n_resp, 2 n_modes, 2 n_modes), inverse information of phi_o
+    shape_slope: _Real  # (n_resp, 2 n_modes, n_theta)
+
+    @property
+    def n_free(self) -> int:
+        """Real parameters fitted."""
+        n_resp, n_modes = self.shape.shape
+        return int(N_RESIDUAL * self.cost.size + self.score.shape[1] + 2 * n_resp * n_modes)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _System:
+    """Normal equations of each FRF in the residues (R) and the poles' regressors (P)."""
+
+    G: _Real  # (n_resp or 1, n_ref or 1, 4 n, 4 n), weights of the rows in it unless shared
+    row: _Real  # (n_resp, n_ref), multiplies G
+    b: _Real  # (n_resp, n_ref, 4 n), row weight in it
+    energy: _Real  # (n_resp, n_ref) left when all residues are zero
+    residual_of_b: _Real  # (n_resp, n_ref, 3)
+    residual_of_residue: _Real  # (n_resp or 1, n_ref or 1, 3, 2 n)
+
+
+def _system(data: ModalData, poles: _Complex, shape: tuple[int, int]) -> _System:
+    """Eliminate the residual terms of every FRF, in units of the regressors themselves."""
+    G, b, size = gram_system(data, poles)
+    n = 2 * poles.size
+    keep = np.r_[0:n, n + N_RESIDUAL : 2 * n + N_RESIDUAL]
+    inner = np.arange(n, n + N_RESIDUAL)
+    Gcc = G[:, inner[:, None], inner]
+    scale = 1.0 / np.sqrt(np.maximum(np.einsum("oii->oi", Gcc), np.finfo(float).tiny))
+    Gcc = Gcc * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(N_RESIDUAL)
+    inverse = np.linalg.inv(Gcc) * scale[:, :, None] * scale[:, None, :]
+    GcK = G[:, inner[:, None], keep]
+    lifted = inverse @ GcK  # (n_frf or 1, 3, 4 n)
+    reduced = G[:, keep[:, None], keep] - GcK.transpose(0, 2, 1) @ lifted
+    bc = b[:, inner]
+    c = np.einsum("oij,oj->oi", np.broadcast_to(inverse, (bc.shape[0], *inverse.shape[1:])), bc)
+    bK = b[:, keep] - np.einsum(
+        "oij,oi->oj", np.broadcast_to(lifted, (bc.shape[0], *lifted.shape[1:])), bc
+    )
+    row = data.row_weight
+    outer = (1, 1) if G.shape[0] == 1 else shape
+    units = size[keep]
+    return _System(
+        G=(reduced * units[:, None] * units).reshape(*outer, 2 * n, 2 * n),
+        row=row.reshape(shape),
+        b=(row[:, None] * bK * units).reshape(*shape, 2 * n),
+        energy=(data.energy - row * np.einsum("oi,oi->o", bc, c)).reshape(shape),
+        residual_of_b=(c / size[inner]).reshape(*shape, N_RESIDUAL),
+        residual_of_residue=(lifted[:, :, :n] * units[:n] / size[inner][:, None]).reshape(
+            *outer, N_RESIDUAL, n
+        ),
+    )
+
+
+def _times(factor: _Complex) -> _Real:
+    """Real matrices of multiplication by `factor` (..., n): (..., 2 n, 2 n), block diagonal."""
+    n = factor.shape[-1]
+    out = np.zeros((*factor.shape[:-1], n, 2, n, 2))
+    i = np.arange(n)
+    out[..., i, 0, i, 0] = out[..., i, 1, i, 1] = factor.real
+    out[..., i, 1, i, 0] = factor.imag
+    out[..., i, 0, i, 1] = -factor.imag
+    return out.reshape(*factor.shape[:-1], 2 * n, 2 * n)
+
+
+def _pairs(values: _Complex) -> _Real:
+    """(..., n) complex to (..., 2 n): real and imaginary parts interleaved."""
+    return np.ascontiguousarray(values).view(np.float64)
+
+
+def _complex(values: _Real) -> _Complex:
+    return np.ascontiguousarray(values).view(np.complex128)
+
+
+def _evaluate(
+    data: ModalData, poles: _Complex, participation: _Complex, held: npt.NDArray[np.intp]
+) -> RankOneFit:
+    """Best shapes and residual terms for given poles and participations, and a step on those."""
+    n_ref, n_modes = participation.shape
+    free = _free(n_ref, held)
+    shape = (data.values.shape[0] // n_ref, n_ref)
+    n = 2 * n_modes
+    system = _system(data, poles, shape)
+    row = system.row[..., None, None]
+    G = system.row[..., None, None] * system.G if system.G.shape[0] == 1 else row * system.G
+    RR, RP, PP = G[..., :n, :n], G[..., :n, n:], G[..., n:, n:]
+    T = _times(participation)  # (n_ref, n, n)
+    TtRR = T.transpose(0, 2, 1) @ RR
+    normal = (TtRR @ T).sum(axis=1)  # (n_resp, n, n)
+    right = np.einsum("jab,oja->ob", T, system.b[..., :n])
+    scale = 1.0 / np.sqrt(np.maximum(np.einsum("oii->oi", normal), np.finfo(float).tiny))
+    conditioned = normal * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(n)
+    inverse = np.linalg.inv(conditioned) * scale[:, :, None] * scale[:, None, :]
+    phi = _complex(np.einsum("oab,ob->oa", inverse, right))  # (n_resp, n_modes)
+
+    residues = phi[:, None, :] * participation
+    a = _pairs(residues)  # (n_resp, n_ref, n)
+    Ga = np.einsum("ojab,ojb->oja", RR, a)
+    cost = system.energy - 2.0 * np.einsum("oja,oja->oj", system.b[..., :n], a)
+    cost = np.maximum(cost + np.einsum("oja,oja->oj", Ga, a), 0.0)
+    residuals = system.residual_of_b - np.einsum("ojca,oja->ojc", system.residual_of_residue, a)
+
+    F = _times(phi)  # (n_resp, n, n)
+    C = _times(residues)  # (n_resp, n_ref, n, n)
+    left_R = system.b[..., :n] - Ga
+    left_P = system.b[..., n:] - np.einsum("ojba,ojb->oja", RP, a)
+    n_theta = n * (1 + n_ref)
+    score = np.empty((shape[0], n_theta))
+    score[:, :n] = np.einsum("ojab,oja->ob", C, left_P)
+    score[:, n:] = np.einsum("oab,oja->ojb", F, left_R).reshape(shape[0], -1)
+    information = np.zeros((shape[0], n_theta, n_theta))
+    Ct = C.transpose(0, 1, 3, 2)
+    Ft = F.transpose(0, 2, 1)[:, None]
+    information[:, :n, :n] = (Ct @ PP @ C).sum(axis=1)
+    cross_pl = Ct @ RP.transpose(0, 1, 3, 2) @ F[:, None]  # (n_resp, n_ref, n, n)
+    own_l = Ft @ RR @ F[:, None]
+    X = np.empty((shape[0], n, n_theta))  # phi by theta
+    X[:, :, :n] = (T.transpose(0, 2, 1) @ RP @ C).sum(axis=1)
+    for j in range(n_ref):
+        at = slice(n * (1 + j), n * (2 + j))
+        information[:, :n, at] = cross_pl[:, j]
+        information[:, at, :n] = cross_pl[:, j].transpose(0, 2, 1)
+        information[:, at, at] = own_l[:, j]
+        X[:, :, at] = TtRR[:, j] @ F
+    X = X[:, :, free]
+    slope = -inverse @ X
+    information = information[:, free[:, None], free] + X.transpose(0, 2, 1) @ slope
+    return RankOneFit(
+        poles=poles,
+        shape=phi,
+        participation=participation,
+        held=held,
+        residuals=residuals,
+        cost=cost,
+        information=information,
+        score=score[:, free],
+        shape_inverse=inverse,
+        shape_slope=slope,
+    )
+
+
+def _free(n_ref: int, held: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Which of the poles' parts and all participations are free."""
+    free = np.ones((1 + n_ref, held.size, 2), dtype=bool)
+    free[1 + held, np.arange(held.size)] = False
+    return np.flatnonzero(free.reshape(-1))
+
+
+def _start(residues: _Complex) -> tuple[_Complex, npt.NDArray[np.intp]]:
+    """Participations of residues (n_resp, n_ref, n_modes), and which reference is held."""
+    n_modes = residues.shape[2]
+    _, _, Vh = np.linalg.svd(residues.transpose(2, 0, 1), full_matrices=False)
+    participation = Vh[:, 0].T  # (n_ref, n_modes)
+    held = np.argmax(np.abs(participation), axis=0)
+    return participation / participation[held, np.arange(n_modes)], held
+
+
+def refine_rank_one(
+    data: ModalData,
+    poles: _Complex,
+    residues: _Complex,
+    *,
+    max_steps: int = 12,
+    tolerance: float = 1e-5,
+) -> RankOneFit:
+    """Least weighted sum of squares of the model with one shape and participation a mode.
+
+    Parameters
+    ----------
+    data
+        FRFs, rows in the order of `residues`' first two axes.
+    poles
+        (n_modes,) to start from, rad/s.
+    residues
+        (n_resp, n_ref, n_modes) to start from, in the FRFs' own form.
+    max_steps
+        Steps tried, accepted or not.
+    tolerance
+        Stop when no pole moves by more than this share of its half bandwidth and no
+        participation by more than this share of the mode's largest.
+
+    Returns
+    -------
+    RankOneFit
+
+    References
+    ----------
+    Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413. El-Kafafy, De Troyer, Peeters and
+    Guillaume, Mech. Syst. Signal Process. 37 (2013) 346 (MLMM, the same likelihood).
+    """
+    participation, held = _start(residues)
+    current = _evaluate(data, poles, participation, held)
+    if poles.size == 0 or residues.shape[1] == 1:
+        return current  # one reference: the poles came refined, and nothing is shared
+    n = 2 * poles.size
+    free = _free(residues.shape[1], held)
+    damping, total = 1e-6, float(current.cost.sum())
+    for _ in range(max_steps):
+        A, g = current.information.sum(axis=0), current.score.sum(axis=0)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
+        lhs = A * scale[:, None] * scale + damping * np.eye(g.size)
+        step = np.zeros(n * (1 + residues.shape[1]))
+        step[free] = np.linalg.solve(lhs, g * scale) * scale
+        moved = current.poles + _complex(step[:n])
+        turned = current.participation + _complex(step[n:]).reshape(participation.shape)
+        share = max(
+            float(np.max(np.abs(moved - current.poles) / np.abs(current.poles.real))),
+            float(np.max(np.abs(turned - current.participation))),
+        )
+        reached = np.inf
+        if admissible(moved):
+            trial = _evaluate(data, moved, turned, held)
+            reached = float(trial.cost.sum())
+        if reached <= total * (1.0 + 1e-12):
+            current, total = trial, reached
+            damping = max(damping / 10.0, 1e-9)
+        else:
+            damping = min(max(damping * 30.0, 1e-3), 1e6)
+        if share < tolerance:
+            break
+    return current

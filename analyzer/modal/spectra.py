@@ -1,0 +1,190 @@
+"""Windowed, coupling-corrected spectra of the single hits of a session."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.fft import prev_fast_len
+
+from analyzer.modal.windows import (
+    exponential_decay,
+    exponential_window,
+    force_window,
+    highpass_response,
+    laplace_lines,
+    undo_highpass,
+)
+from protocols.board.records import Channel
+from protocols.errors import EstimateError
+from protocols.session.records import Hit, Session
+
+__all__ = ["HitSpectra", "active_channels", "hit_frfs", "hit_spectra"]
+
+_LOWEST_HZ = 3.0
+_HIGHEST_OF_RATE = 0.39  # anti-alias filters of 24-bit boards are flat to about here
+_LEAD_S = 0.002  # kept before the trigger: the foot of a pulse that rises slowly,
+_LEAD_SAMPLES = 8  # and the ringing of an anti-alias filter of linear phase
+_LEAST_FORCE = 0.02  # of the force spectrum's maximum
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HitSpectra:
+    """Windowed, coupling-corrected spectra of single hits on the lines s = decay + j w.
+
+    The noise entries are the expected |noise|^2 of a line, from the samples before the trigger.
+    """
+
+    freq_hz: npt.NDArray[np.float64]  # (n_freq,)
+    decay_rad_s: float
+    force: npt.NDArray[np.complex128]  # (n_hits, n_freq) N s
+    response: npt.NDArray[np.complex128]  # (n_hits, 3, n_freq) m/s
+    force_noise: npt.NDArray[np.float64]  # (n_hits, n_freq)
+    response_noise: npt.NDArray[np.float64]  # (n_hits, 3, n_freq)
+
+
+def active_channels(session: Session) -> tuple[Channel, tuple[Channel, ...], list[int]]:
+    """Force channel, acceleration channels, and their columns in the counts, force first."""
+    header = session.header
+    active = [c for i, c in enumerate(header.dictionary.channels) if header.channel_mask >> i & 1]
+    force = [i for i, c in enumerate(active) if c.quantity == "force"]
+    acceleration = [i for i, c in enumerate(active) if c.quantity == "acceleration"]
+    if len(force) != 1 or not acceleration:
+        found = ", ".join(f"{c.name} ({c.quantity})" for c in active)
+        raise EstimateError(
+            "FRFs need one force channel and at least one acceleration channel among the "
+            f"recorded ones; this session recorded {found or 'none'}"
+        )
+    columns = force + acceleration
+    return active[force[0]], tuple(active[i] for i in acceleration), columns
+
+
+def _check_records(hits: tuple[Hit, ...], n_channels: int) -> int:
+    """Length every record shares, or an error that names the hit that differs."""
+    n_samples = hits[0].counts.shape[0]
+    for hit in hits:
+        if hit.counts.shape[0] != n_samples or hit.counts.shape[1] < n_channels:
+            raise EstimateError(
+                f"hit {hit.number} has counts of shape {hit.counts.shape}, wanted "
+                f"({n_samples}, {n_channels} or more) like hit {hits[0].number}; "
+                "reject it or analyse its block separately"
+            )
+    return int(n_samples)
+
+
+def hit_spectra(
+    session: Session, hits: tuple[Hit, ...], *, band_hz: tuple[float, float] | None = None
+) -> HitSpectra:
+    """Spectra of single hits, all at once.
+
+    Records are cut to begin shortly before the trigger, and to a length quick to transform: what
+    rings beyond the record's end then changes a mode's residue and not its pole
+    (`docs/theory-modal.md`, section 1).
+
+    Parameters
+    ----------
+    session
+        Gives scales, coupling corners, sampling rate and windows.
+    hits
+        Hits of equal length.
+    band_hz
+        Lines kept; by default 3 Hz to 0.39 of the sampling rate, cut where the median force
+        spectrum first falls below 2 % of its maximum.
+
+    Returns
+    -------
+    HitSpectra
+        On n_freq lines 1/T apart, T the length from shortly before the trigger.
+
+    Raises
+    ------
+    EstimateError
+        If there are no hits, their lengths differ, or the band holds no line.
+    """
+    if not hits:
+        raise EstimateError("FRFs need at least one accepted hit, got none; measure the posture")
+    force_channel, acceleration_channels, columns = active_channels(session)
+    n_samples = _check_records(hits, max(columns) + 1)
+    rate = float(session.header.plan.sampling.rate_hz)
+    windows = session.header.plan.windows
+    triggers = [int(hit.trigger_sample - hit.first_sample) for hit in hits]
+    lead = min(_LEAD_SAMPLES + round(_LEAD_S * rate), *triggers)
+    n = int(prev_fast_len(n_samples - max(triggers) + lead, real=True))
+    decay = exponential_decay(windows.exponential_end, n / rate)
+
+    channels = (force_channel, *acceleration_channels)
+    scale = np.array([channel.scale for channel in channels])
+    records = np.stack([hit.counts[:, columns] for hit in hits]).transpose(0, 2, 1) * scale[:, None]
+    variance = np.empty(records.shape[:2])
+    for i, trigger in enumerate(triggers):
+        # The last two samples before the trigger may already hold the pulse's foot.
+        quiet = records[i, :, : max(trigger - 2, 2)]
+        variance[i] = np.maximum(quiet.var(axis=1, ddof=1), scale**2 / 12.0)
+        records[i] -= quiet.mean(axis=1, keepdims=True)
+    records = np.stack(
+        [
+            record[:, trigger - lead : trigger - lead + n]
+            for record, trigger in zip(records, triggers, strict=True)
+        ]
+    )
+
+    exponential = exponential_window(n, rate, decay)
+    force_weight = exponential
+    coupled = list(channels)
+    if windows.force_s is not None:
+        records[:, 0] = undo_highpass(records[:, 0], rate, force_channel.highpass_hz)
+        force_weight = exponential * force_window(n, rate, lead, windows.force_s)
+    records[:, 0] *= force_weight
+    records[:, 1:] *= exponential
+
+    freq = np.arange(n // 2 + 1, dtype=np.float64) * (rate / n)
+    spectra = np.fft.rfft(records, axis=-1) / rate
+    noise_force = np.sum(force_weight**2) * variance[:, 0] / rate**2
+    noise_response = np.sum(exponential**2) * variance[:, 1:] / rate**2
+
+    keep_lines = _band_lines(freq, np.abs(spectra[:, 0]), rate, band_hz)
+    freq = freq[keep_lines]
+    s = laplace_lines(freq, decay)
+    coupling = np.stack([highpass_response(s, c.highpass_hz) for c in coupled])
+    if windows.force_s is not None:
+        coupling[0] = 1.0
+    spectra = spectra[..., keep_lines] / coupling
+    gain = 1.0 / np.abs(coupling) ** 2
+    return HitSpectra(
+        freq_hz=freq,
+        decay_rad_s=decay,
+        force=spectra[:, 0],
+        response=spectra[:, 1:],
+        force_noise=noise_force[:, None] * gain[0],
+        response_noise=noise_response[..., None] * gain[1:],
+    )
+
+
+def _band_lines(
+    freq: npt.NDArray[np.float64],
+    force: npt.NDArray[np.float64],
+    rate: float,
+    band_hz: tuple[float, float] | None,
+) -> npt.NDArray[np.bool_]:
+    """Lines to keep: the band asked for, or the one the force excites."""
+    if band_hz is None:
+        high = _HIGHEST_OF_RATE * rate
+        typical = np.median(force, axis=0)
+        weak = (typical < _LEAST_FORCE * typical.max()) & (freq > _LOWEST_HZ)
+        if np.any(weak):
+            high = min(high, float(freq[int(np.argmax(weak))]) * (1.0 - 1e-12))
+        band_hz = (_LOWEST_HZ, high)
+    low, high = band_hz
+    keep = (freq >= low) & (freq <= high) & (freq > 0.0)
+    if np.count_nonzero(keep) < 2:
+        raise EstimateError(
+            f"the band {low:g} to {high:g} Hz holds fewer than two of the lines "
+            f"{freq[1]:g} Hz apart; widen it or record longer"
+        )
+    return keep
+
+
+def hit_frfs(spectra: HitSpectra) -> npt.NDArray[np.complex128]:
+    """Accelerance of every single hit: (n_hits, n_axes, n_freq), in the order of the hits."""
+    return spectra.response / spectra.force[:, None, :]

@@ -1,0 +1,88 @@
+"""Time from FRFs to poles, automatic choice and shapes, beside sdypy-EMA in one run.
+
+sdypy-EMA's choice wants approximate frequencies: it is given the true ones.
+"""
+
+import os
+import sys
+import time
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal"))
+
+from simulated import modal_frf, noisy_record, poles_of
+
+from analyzer.modal import fit_modes
+from protocols.frf_records import FrequencyResponse, FrfForm
+
+REPEATS = 5
+MODES_HZ = np.array([150.0, 420.0, 433.0, 800.0, 1250.0, 1900.0, 2500.0, 3100.0, 3900.0, 4500.0])
+
+
+def made(n_resp: int, n_ref: int, n_lines: int) -> FrequencyResponse:
+    """Ten modes, one close pair, 1 % noise, lines 1 Hz apart."""
+    rng = np.random.default_rng(1)
+    poles = poles_of(MODES_HZ, rng.uniform(0.005, 0.015, MODES_HZ.size))
+    shapes = rng.standard_normal((poles.size, n_resp, 1))
+    participation = rng.uniform(0.3, 1.0, (poles.size, 1, n_ref))
+    participation *= rng.choice([-1.0, 1.0], participation.shape)
+    residues = shapes * participation / (2j * poles.imag[:, None, None])
+    freq = np.arange(1.0, n_lines + 1.0)
+    clean = modal_frf(poles, residues, freq, FrfForm.ACCELERANCE)
+    return noisy_record(rng, clean, freq, form=FrfForm.ACCELERANCE, level=0.01)
+
+
+def median_cpu_s(task) -> float:
+    """Processor time of one thread, median over repeats: the machine may be shared."""
+    taken = []
+    for _ in range(REPEATS):
+        began = time.process_time()
+        task()
+        taken.append(time.process_time() - began)
+    return float(np.median(taken))
+
+
+def sdypy_fit(frf: FrequencyResponse):
+    from sdypy import EMA  # noqa: PLC0415
+
+    freq = np.concatenate([[0.0], frf.freq_hz, [2 * frf.freq_hz[-1] - frf.freq_hz[-2]]])
+    values = np.pad(frf.values[:, 0], ((0, 0), (1, 1)))  # it drops the last line
+
+    def fit() -> None:
+        model = EMA.Model(
+            values,
+            freq,
+            lower=frf.freq_hz[0],
+            upper=freq[-1],
+            pol_order_high=60,
+            frf_form="accelerance",
+        )
+        model.get_poles(show_progress=False)
+        model.select_closest_poles(list(MODES_HZ))
+        model.get_constants()
+
+    return fit
+
+
+def main() -> None:
+    frf = made(60, 1, 4999)
+    ours = median_cpu_s(lambda: fit_modes(frf, max_order=60))
+    model = fit_modes(frf, max_order=60)
+    print(f"60 x 4999, order 60: armodal {ours:.3f} s, {len(model.modes)} of {MODES_HZ.size} modes")
+    try:
+        theirs = median_cpu_s(sdypy_fit(frf))
+    except ModuleNotFoundError:
+        print("  sdypy-EMA is not installed: pip install '.[bench]' for the comparison")
+    else:
+        print(f"  sdypy-EMA {theirs:.3f} s; ratio {ours / theirs:.2f}, at most 0.50 wanted")
+    several = made(60, 3, 5000)
+    taken = median_cpu_s(lambda: fit_modes(several, max_order=60))
+    print(f"3 references x 60 x 5000: armodal {taken:.3f} s, under 1 s wanted")
+
+
+if __name__ == "__main__":
+    main()

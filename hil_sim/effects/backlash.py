@@ -1,0 +1,35 @@
+"""Play in a joint's transmission."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.elements import Gap
+from hil_sim.linear import LinearTerms
+from hil_sim.truth import Positive
+
+__all__ = ["Backlash"]
+
+
+class Backlash(BaseEffect):
+    """The joint's spring does nothing over `2 half_rad`.
+
+    The arm's weight lays the teeth on one side; only what swings back through the torque at rest
+    crosses the play.
+    """
+
+    kind: Literal["backlash"]
+    joint: str
+    half_rad: Positive
+
+    def act(self, terms: LinearTerms) -> None:
+        """Open the play about the load of the posture."""
+        terms.elements.append(
+            Gap(
+                row=terms.stretch_of(self.joint),
+                k=terms.springs[self.joint].k,
+                half=self.half_rad,
+                load=-terms.load[self.joint],
+            )
+        )

@@ -1,0 +1,83 @@
+"""A base plate that rocks and shifts on its floor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from hil_sim.assembly import Assembly, Inertial, Segment, Spring
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.newton_euler import Body
+from hil_sim.truth import Positive, Truth, Vector
+
+__all__ = ["Base", "BaseSpring"]
+
+WAYS = ("shift_x", "shift_y", "shift_z", "rock_x", "rock_y", "rock_z")
+
+
+class BaseSpring(Truth):
+    """One way for the base to move: along or about an axis of the base frame."""
+
+    way: Literal["shift_x", "shift_y", "shift_z", "rock_x", "rock_y", "rock_z"]
+    stiffness: Positive  # N / m or N m / rad
+    damping: Annotated[float, Field(ge=0.0)]  # N s / m or N m s / rad
+
+
+class Base(BaseEffect):
+    """The base on springs, with its own mass; it rocks about lines through `pivot_m`.
+
+    Test points on the base ride on it.
+    """
+
+    kind: Literal["base"]
+    pivot_m: Vector
+    mass_kg: Positive
+    center_m: Vector
+    inertia_kg_m2: Annotated[tuple[float, ...], Field(strict=False, min_length=6, max_length=6)]
+    springs: Annotated[tuple[BaseSpring, ...], Field(strict=False, min_length=1)]
+
+    @model_validator(mode="after")
+    def _names_each_way_once(self) -> Self:
+        ways = [spring.way for spring in self.springs]
+        if len(set(ways)) != len(ways):
+            raise ValueError("springs must name each way once")
+        return self
+
+    def assemble(self, assembly: Assembly) -> Assembly:
+        """Put the base with its hinges before the first joint."""
+        if "base" in assembly.carrier:
+            return assembly
+        xx, xy, xz, yy, yz, zz = self.inertia_kg_m2
+        mass = Inertial(
+            mass_kg=self.mass_kg,
+            center_m=np.array(self.center_m),
+            inertia_kg_m2=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+        )
+        segments: list[Segment] = []
+        for spring in sorted(self.springs, key=lambda s: WAYS.index(s.way)):
+            number = WAYS.index(spring.way)
+            body = Body(
+                name=f"base {spring.way}",
+                origin_m=np.zeros(3),
+                R_parent_body=np.eye(3),
+                hinge_m=np.array(self.pivot_m),
+                axis=np.eye(3)[number % 3],
+                mass_kg=0.0,
+                center_m=np.zeros(3),
+                inertia_kg_m2=np.zeros((3, 3)),
+                slides=number < 3,
+            )
+            segments.append(
+                Segment(
+                    label=body.name, body=body, spring=Spring(k=spring.stiffness, c=spring.damping)
+                )
+            )
+        segments[-1] = segments[-1].loaded(mass)
+        return replace(
+            assembly,
+            segments=(*segments, *assembly.segments),
+            carrier={**assembly.carrier, "base": segments[-1].label},
+        )

@@ -1,0 +1,47 @@
+"""A damper between two links, or a link and the floor: damping that follows no stiffness."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.linear import LinearTerms
+from hil_sim.truth import Positive, Vector
+from protocols.errors import PlantError
+
+__all__ = ["Dashpot"]
+
+
+class Dashpot(BaseEffect):
+    """It resists the rate at which the distance of its ends changes; `from_link` may be "floor".
+
+    On the floor the place is in the base frame.
+    """
+
+    kind: Literal["dashpot"]
+    from_link: str
+    from_m: Vector
+    to_link: str
+    to_m: Vector
+    damping_n_s_per_m: Positive
+
+    def act(self, terms: LinearTerms) -> None:
+        """Add c row^T row.
+
+        Raises
+        ------
+        PlantError
+            If both ends meet in the posture.
+        """
+        start, v_start = terms.end_of(self.from_link, np.array(self.from_m))
+        end, v_end = terms.end_of(self.to_link, np.array(self.to_m))
+        length = float(np.linalg.norm(end - start))
+        if length < 1e-6:
+            raise PlantError(
+                f"effects: the dashpot from {self.from_link} to {self.to_link} has no length in "
+                "this posture; move one of its ends"
+            )
+        row = (end - start) / length @ (v_end - v_start)
+        terms.spring(row[None, :], 0.0, self.damping_n_s_per_m)

@@ -1,0 +1,24 @@
+"""An exponential window that the front end applied and nobody wrote down."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.sensing import Sensing
+
+__all__ = ["ExponentialWindow"]
+
+
+class ExponentialWindow(BaseEffect):
+    """All channels multiplied by an exponential that falls to `end` over the record."""
+
+    kind: Literal["exponential_window"]
+    end: Annotated[float, Field(gt=0.0, lt=1.0)]
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Let it fall further."""
+        return replace(sensing, window_end=sensing.window_end * self.end)

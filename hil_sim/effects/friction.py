@@ -1,0 +1,43 @@
+"""Dry friction in a joint, slipping whole or little by little."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.elements import Sliders
+from hil_sim.linear import LinearTerms
+from hil_sim.truth import Positive
+
+__all__ = ["Friction"]
+
+
+class Friction(BaseEffect):
+    """Jenkins elements beside the joint's spring.
+
+    One element is Coulomb friction of `limit_n_m` behind the stiffness of its seat. Several share
+    stiffness and limit so that they begin to slip one after the other, the first at a small part
+    of the limit: microslip, whose loss and stiffness change with the amplitude from the start.
+    """
+
+    kind: Literal["friction"]
+    joint: str
+    limit_n_m: Positive
+    stiffness_n_m_per_rad: Positive
+    elements: Annotated[int, Field(ge=1, le=12)] = 1
+
+    def act(self, terms: LinearTerms) -> None:
+        """Put the elements beside the spring."""
+        n = self.elements
+        shares = np.full(n, 1.0 / n)
+        rising = np.linspace(1.0 / n**2, (2.0 * n - 1.0) / n**2, n)  # sums to 1
+        terms.elements.append(
+            Sliders(
+                row=terms.stretch_of(self.joint),
+                k=self.stiffness_n_m_per_rad * shares,
+                limit=self.limit_n_m * rising,
+            )
+        )

@@ -1,0 +1,42 @@
+"""Wrong gains: of one accelerometer channel, of the hammer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from hil_sim.effects.effect import BaseEffect, with_point_matrix
+from hil_sim.sensing import Sensing
+from hil_sim.truth import Positive
+
+__all__ = ["ChannelGain", "HammerGain"]
+
+
+class ChannelGain(BaseEffect):
+    """An accelerometer channel recorded `factor` times too large, at some points or at all."""
+
+    kind: Literal["channel_gain"]
+    axis: Literal["x", "y", "z"]
+    factor: Positive
+    points: Annotated[tuple[str, ...], Field(strict=False)] = ()
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Scale the channel."""
+        matrix = np.eye(3)
+        i = "xyz".index(self.axis)
+        matrix[i, i] = self.factor
+        return with_point_matrix(sensing, self.points, matrix)
+
+
+class HammerGain(BaseEffect):
+    """A force recorded `factor` times too large."""
+
+    kind: Literal["hammer_gain"]
+    factor: Positive
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Scale the force."""
+        return replace(sensing, hammer_gain=sensing.hammer_gain * self.factor)

@@ -1,0 +1,72 @@
+"""A spring cylinder beside a joint that carries a part of the weight."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import model_validator
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.linear import LinearTerms
+from hil_sim.truth import NotNegative, Positive, Vector
+
+__all__ = ["GravityCompensator", "lever_arms"]
+
+Array = npt.NDArray[np.float64]
+
+
+def lever_arms(axis: Array, anchor: Array, eye: Array) -> tuple[float, float, float]:
+    """Length of a cylinder, and its first and second derivative by the joint's angle.
+
+    Both ends as seen from a point on the axis, about which the eye turns. With a and b their parts
+    across the axis, L' = -a (axis x b) / L and L'' = (a b - L'^2) / L.
+    """
+    a = anchor - axis * (axis @ anchor)
+    b = eye - axis * (axis @ eye)
+    length = float(np.linalg.norm(eye - anchor))
+    first = float(-a @ np.cross(axis, b)) / length
+    second = (float(a @ b) - first**2) / length
+    return length, first, second
+
+
+class GravityCompensator(BaseEffect):
+    """A cylinder from the link before a joint to the joint's link, with a spring inside.
+
+    It pulls with `tension_n` at length `length_m` and more by its stiffness when longer, or with
+    the same tension in every posture where no length is given (a gas cylinder on its supply, stiff
+    only for quick motion). What its torque carries the drive does not; its stiffness about the
+    joint, k L'^2 + F L'', changes with the posture.
+    """
+
+    kind: Literal["gravity_compensator"]
+    joint: str
+    anchor_m: Vector  # on the link before, from the joint, that link's axes
+    eye_m: Vector  # on the joint's link, its frame
+    tension_n: float
+    length_m: Positive | None = None
+    stiffness_n_per_m: NotNegative
+    damping_n_s_per_m: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if np.allclose(self.anchor_m, self.eye_m):
+            raise ValueError("anchor_m and eye_m must differ")
+        return self
+
+    def act(self, terms: LinearTerms) -> None:
+        """Add stiffness and damping about the joint, and take its torque from the drive."""
+        i, body = terms.index(self.joint), terms.bodies[self.joint]
+        R_before = terms.at.R[body - 1] if body else np.eye(3)
+        length, first, second = lever_arms(
+            terms.at.axis[body],
+            R_before @ np.array(self.anchor_m),
+            terms.at.R[body] @ np.array(self.eye_m),
+        )
+        tension = self.tension_n
+        if self.length_m is not None:
+            tension += self.stiffness_n_per_m * (length - self.length_m)
+        terms.K[i, i] += self.stiffness_n_per_m * first**2 + tension * second
+        terms.C[i, i] += self.damping_n_s_per_m * first**2
+        terms.load[self.joint] += tension * first

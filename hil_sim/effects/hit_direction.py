@@ -1,0 +1,30 @@
+"""A hammer that does not hit along the direction recorded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.newton_euler import rotation
+from hil_sim.sensing import Sensing
+from hil_sim.truth import Vector
+
+__all__ = ["HitDirection"]
+
+
+class HitDirection(BaseEffect):
+    """Every hit's direction turned by a rotation vector, base axes."""
+
+    kind: Literal["hit_direction"]
+    turn_deg: Vector
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Turn the hits."""
+        turn = np.deg2rad(self.turn_deg)
+        angle = float(np.linalg.norm(turn))
+        if angle == 0.0:
+            return sensing
+        return replace(sensing, hit_turn=rotation(turn / angle, angle) @ sensing.hit_turn)

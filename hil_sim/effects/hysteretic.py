@@ -1,0 +1,78 @@
+"""Hysteretic damping: a loss factor that hardly depends on frequency."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
+from scipy.optimize import nnls
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.linear import LinearTerms, MaxwellElement
+from hil_sim.truth import Interval, Positive
+
+__all__ = ["Hysteretic", "relative_strengths"]
+
+Array = npt.NDArray[np.float64]
+
+
+def relative_strengths(band_hz: tuple[float, float], n: int) -> tuple[Array, Array]:
+    """Maxwell elements whose sum has a loss of 1 over a band.
+
+    Returns
+    -------
+    rates_rad_s, strengths
+        (n,) each: relaxation rates, evenly spaced in their logarithm from a third below to a
+        third above the band, and stiffness of each element. The loss of an element is
+        g w w_i / (w^2 + w_i^2); non-negative least squares over the band.
+    """
+    low, high = band_hz
+    rates = 2.0 * np.pi * np.geomspace(low / 1.5, high * 1.5, n)
+    w = 2.0 * np.pi * np.geomspace(low, high, 20 * n)
+    loss = w[:, None] * rates / (w[:, None] ** 2 + rates**2)
+    strengths, _ = nnls(loss, np.ones(len(w)))
+    return rates, strengths
+
+
+class Hysteretic(BaseEffect):
+    """Joints (all that give way if none is named) with a constant loss factor over a band.
+
+    Beside each joint's spring stand Maxwell elements. A causal material with a constant loss
+    factor stiffens with frequency; the static spring is made softer, so that the stiffness equals
+    the joint's own in the geometric middle of the band.
+    """
+
+    kind: Literal["hysteretic"]
+    joints: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    loss_factor: Annotated[float, Field(gt=0.0, le=0.3)]
+    band_hz: Interval = (5.0, 200.0)
+    elements: Annotated[int, Field(ge=2, le=20)] = 5
+    replaces_viscous: bool = False
+    reference_hz: Positive | None = None
+
+    @model_validator(mode="after")
+    def _has_band(self) -> Self:
+        if not 0.0 < self.band_hz[0] < self.band_hz[1]:
+            raise ValueError("band_hz must be [low, high] with 0 < low < high")
+        return self
+
+    def act(self, terms: LinearTerms) -> None:
+        """Put Maxwell elements beside the joints' springs."""
+        rates, strengths = relative_strengths(self.band_hz, self.elements)
+        middle = self.reference_hz or float(np.sqrt(self.band_hz[0] * self.band_hz[1]))
+        w2 = (2.0 * np.pi * middle) ** 2
+        stored = float(np.sum(strengths * w2 / (w2 + rates**2)))
+        for name in self.joints or terms.springs:
+            row = terms.stretch_of(name)
+            k = terms.springs[name].k
+            terms.K = terms.K - self.loss_factor * k * stored * np.outer(row, row)
+            if self.replaces_viscous:
+                terms.C = terms.C - terms.springs[name].c * np.outer(row, row)
+            for rate, strength in zip(rates, strengths, strict=True):
+                terms.maxwell.append(
+                    MaxwellElement(
+                        row=row, k=self.loss_factor * k * float(strength), rate_rad_s=float(rate)
+                    )
+                )

@@ -1,0 +1,49 @@
+"""A compliance axis inside a link, in any direction."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from hil_sim.assembly import Assembly, Spring
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.truth import NotNegative, Positive, Vector
+
+__all__ = ["LinkAxis"]
+
+
+class LinkAxis(BaseEffect):
+    """One hinge anywhere in a link; a part of its mass and some points may lie before it."""
+
+    kind: Literal["link_axis"]
+    link: str
+    point_m: Vector
+    direction: Vector
+    stiffness_n_m_per_rad: Positive
+    damping_n_m_s_per_rad: NotNegative
+    mass_before: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0  # part of the link's mass
+    points_before: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    name: str = ""  # of the hinge
+
+    @model_validator(mode="after")
+    def _has_direction(self) -> Self:
+        if np.linalg.norm(self.direction) == 0.0:
+            raise ValueError("direction must not be zero")
+        return self
+
+    def assemble(self, assembly: Assembly) -> Assembly:
+        """Cut the link."""
+        near = assembly.carrier_of(self.link)
+        mass = near.inertial()
+        return assembly.split(
+            near.label,
+            self.name or f"axis in {self.link}",
+            hinge_m=np.array(self.point_m),
+            axis=np.array(self.direction),
+            spring=Spring(k=self.stiffness_n_m_per_rad, c=self.damping_n_m_s_per_rad),
+            before=mass.share(self.mass_before),
+            after=mass.share(1.0 - self.mass_before),
+            points_before=self.points_before,
+        )

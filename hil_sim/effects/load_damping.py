@@ -1,0 +1,27 @@
+"""A drive whose losses grow with the torque it carries at rest."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.linear import LinearTerms
+from hil_sim.truth import Positive
+
+__all__ = ["LoadDamping"]
+
+
+class LoadDamping(BaseEffect):
+    """Damping c (1 + |gravity torque| / `load_n_m`): the joint's own where it carries nothing."""
+
+    kind: Literal["load_damping"]
+    joint: str
+    load_n_m: Positive
+
+    def act(self, terms: LinearTerms) -> None:
+        """Add what the posture's load brings."""
+        row = terms.stretch_of(self.joint)
+        c = terms.springs[self.joint].c * abs(terms.load[self.joint]) / self.load_n_m
+        terms.C = terms.C + c * np.outer(row, row)

@@ -1,0 +1,58 @@
+"""A crack or a bolt that opens one way: outside the library."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from hil_sim.assembly import Assembly, Spring
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.elements import OneSided
+from hil_sim.linear import LinearTerms
+from hil_sim.truth import NotNegative, Positive, Vector
+
+__all__ = ["OneSidedCrack"]
+
+
+class OneSidedCrack(BaseEffect):
+    """A hinge in a link that is softer beyond an angle to one side.
+
+    Closed, the torque is k_closed phi; beyond `opening_rad` its slope is k_open.
+    """
+
+    kind: Literal["one_sided"]
+    link: str
+    point_m: Vector
+    direction: Vector
+    stiffness_closed_n_m_per_rad: Positive
+    stiffness_open_n_m_per_rad: Positive
+    damping_n_m_s_per_rad: NotNegative
+    opening_rad: NotNegative
+
+    @model_validator(mode="after")
+    def _is_possible(self) -> Self:
+        if np.linalg.norm(self.direction) == 0.0:
+            raise ValueError("direction must not be zero")
+        return self
+
+    def assemble(self, assembly: Assembly) -> Assembly:
+        """Cut the link, closed."""
+        return assembly.split(
+            assembly.carrier_of(self.link).label,
+            f"crack in {self.link}",
+            hinge_m=np.array(self.point_m),
+            axis=np.array(self.direction),
+            spring=Spring(k=self.stiffness_closed_n_m_per_rad, c=self.damping_n_m_s_per_rad),
+        )
+
+    def act(self, terms: LinearTerms) -> None:
+        """Let it open."""
+        terms.elements.append(
+            OneSided(
+                row=terms.row(f"crack in {self.link}"),
+                lost=self.stiffness_closed_n_m_per_rad - self.stiffness_open_n_m_per_rad,
+                opening=self.opening_rad,
+            )
+        )

@@ -1,0 +1,37 @@
+"""Something on the arm that nobody told the model of."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from hil_sim.assembly import Assembly, Inertial
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.truth import Positive, Vector
+
+__all__ = ["Payload"]
+
+
+class Payload(BaseEffect):
+    """A rigid body bolted to a link."""
+
+    kind: Literal["payload"]
+    link: str
+    mass_kg: Positive
+    center_m: Vector
+    inertia_kg_m2: Annotated[tuple[float, ...], Field(strict=False, min_length=6, max_length=6)] = (
+        0.0,
+    ) * 6
+
+    def assemble(self, assembly: Assembly) -> Assembly:
+        """Add the body to the link's far end."""
+        xx, xy, xz, yy, yz, zz = self.inertia_kg_m2
+        extra = Inertial(
+            mass_kg=self.mass_kg,
+            center_m=np.array(self.center_m),
+            inertia_kg_m2=np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+        )
+        segment = assembly.carrier_of(self.link)
+        return assembly.replaced(segment.loaded(segment.inertial().joined(extra)))

@@ -1,0 +1,26 @@
+"""A joint believed rigid that gives way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from hil_sim.assembly import Assembly, Spring
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.truth import NotNegative, Positive
+
+__all__ = ["ReleasedJoint"]
+
+
+class ReleasedJoint(BaseEffect):
+    """The drive of a joint holds it by a spring and a damper."""
+
+    kind: Literal["released_joint"]
+    joint: str
+    stiffness_n_m_per_rad: Positive
+    damping_n_m_s_per_rad: NotNegative
+
+    def assemble(self, assembly: Assembly) -> Assembly:
+        """Give the joint's hinge a spring."""
+        spring = Spring(k=self.stiffness_n_m_per_rad, c=self.damping_n_m_s_per_rad)
+        return assembly.replaced(replace(assembly.joint(self.joint), spring=spring))

@@ -1,0 +1,52 @@
+"""Axes of the accelerometer flipped or swapped."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from hil_sim.effects.effect import BaseEffect, with_point_matrix
+from hil_sim.sensing import Sensing
+
+__all__ = ["FlippedAxis", "SwappedAxes"]
+
+Axis = Literal["x", "y", "z"]
+Points = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+class FlippedAxis(BaseEffect):
+    """An axis recorded with the other sign, at the points named or at all."""
+
+    kind: Literal["flipped_axis"]
+    axis: Axis
+    points: Points = ()
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Turn the sign."""
+        matrix = np.eye(3)
+        i = "xyz".index(self.axis)
+        matrix[i, i] = -1.0
+        return with_point_matrix(sensing, self.points, matrix)
+
+
+class SwappedAxes(BaseEffect):
+    """Two axes recorded in each other's place, at the points named or at all."""
+
+    kind: Literal["swapped_axes"]
+    axes: Annotated[tuple[Axis, Axis], Field(strict=False)]
+    points: Points = ()
+
+    @model_validator(mode="after")
+    def _are_two(self) -> Self:
+        if self.axes[0] == self.axes[1]:
+            raise ValueError("axes must be two different ones")
+        return self
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Exchange the rows."""
+        order = [0, 1, 2]
+        i, j = ("xyz".index(axis) for axis in self.axes)
+        order[i], order[j] = j, i
+        return with_point_matrix(sensing, self.points, np.eye(3)[order])

@@ -1,0 +1,23 @@
+"""An accelerometer heavier than its file says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.sensing import Sensing
+from hil_sim.truth import Positive
+
+__all__ = ["SensorMass"]
+
+
+class SensorMass(BaseEffect):
+    """Base, magnet or cable ride with the accelerometer from point to point."""
+
+    kind: Literal["sensor_mass"]
+    extra_kg: Positive
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Add the mass."""
+        return replace(sensing, extra_sensor_kg=sensing.extra_sensor_kg + self.extra_kg)

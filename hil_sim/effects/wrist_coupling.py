@@ -1,0 +1,48 @@
+"""Gears of a wrist: one joint's turn works on the next one's drive."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.linear import LinearTerms
+from protocols.errors import PlantError
+
+__all__ = ["WristCoupling"]
+
+
+class WristCoupling(BaseEffect):
+    """The drive of `driven` runs through the hollow shaft of `driver`, whose turn winds it.
+
+    The spring of `driven` is stretched by its own turn plus `ratio` times the driver's. The drives
+    hold, so where the driver gives way by its spring the driven link turns back by its ratio.
+    """
+
+    winds_springs: ClassVar[bool] = True
+    kind: Literal["wrist_coupling"]
+    driver: str
+    driven: str
+    ratio: float
+
+    def act(self, terms: LinearTerms) -> None:
+        """Wind the spring by both turns.
+
+        Raises
+        ------
+        PlantError
+            If both are one joint, or something else already stretches the driven spring.
+        """
+        plain = terms.row(self.driven)
+        if self.driver == self.driven or not np.array_equal(terms.stretch[self.driven], plain):
+            raise PlantError(
+                f"effects: the spring of {self.driven!r} cannot be wound by {self.driver!r}; name "
+                "two joints, and no servo or other coupling on the driven one"
+            )
+        row = plain + self.ratio * terms.row(self.driver)
+        change = np.outer(row, row) - np.outer(plain, plain)
+        spring = terms.springs[self.driven]
+        terms.K = terms.K + spring.k * change
+        terms.C = terms.C + spring.c * change
+        terms.stretch[self.driven] = row

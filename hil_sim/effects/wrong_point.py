@@ -1,0 +1,39 @@
+"""A sensor that does not stand where the record says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from hil_sim.effects.effect import BaseEffect
+from hil_sim.sensing import Sensing
+from hil_sim.truth import Vector
+
+__all__ = ["ExchangedPoints", "MovedPoint"]
+
+
+class ExchangedPoints(BaseEffect):
+    """Two points measured under each other's name."""
+
+    kind: Literal["exchanged_points"]
+    points: Annotated[tuple[str, str], Field(strict=False)]
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Note where the sensor truly stands."""
+        first, second = self.points
+        return replace(sensing, stands_at={**sensing.stands_at, first: second, second: first})
+
+
+class MovedPoint(BaseEffect):
+    """A point that is not where the arm file has it, by a vector of its link's frame."""
+
+    kind: Literal["moved_point"]
+    point: str
+    by_m: Vector
+
+    def sense(self, sensing: Sensing) -> Sensing:
+        """Note the shift."""
+        return replace(sensing, moved={**sensing.moved, self.point: np.array(self.by_m)})

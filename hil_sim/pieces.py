@@ -1,0 +1,78 @@
+"""A link cut across a line again and again, so that it bends or twists all along."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from hil_sim.assembly import Assembly, Inertial, Spring
+from hil_sim.newton_euler import skew
+
+__all__ = ["sliced"]
+
+Array = npt.NDArray[np.float64]
+
+
+def sliced(
+    assembly: Assembly,
+    link: str,
+    ends_m: tuple[Array, Array],
+    cuts: int,
+    directions: tuple[Array, ...],
+    spring: Spring,
+    word: str,
+) -> Assembly:
+    """Cut a link in the middles of `cuts` equal lengths, by a hinge along each direction.
+
+    The pieces at both ends are half as long and heavy as the others. Straight, they have together
+    the mass, centre and inertia of the link. A test point rides on the piece it stands beside.
+    """
+    near = assembly.carrier_of(link)
+    start, end = ends_m
+    length = float(np.linalg.norm(end - start))
+    axis = (end - start) / length
+    parts = _parts(near.inertial(), axis, length, cuts)
+    assembly = assembly.replaced(near.loaded(parts[0]))
+    at = near.label
+    for i in range(1, cuts + 1):
+        place = start + (end - start) * (i - 0.5) / cuts
+        before = tuple(
+            name
+            for name, (on, position) in assembly.points.items()
+            if on == link and name not in assembly.perch and (position - place) @ axis < 0.0
+        )
+        for way, direction in enumerate(directions):
+            label = f"{word} {i}.{way + 1} of {link}"
+            is_last = way == len(directions) - 1
+            assembly = assembly.split(
+                at,
+                label,
+                hinge_m=place,
+                axis=direction,
+                spring=spring,
+                before=parts[i - 1] if way == 0 else Inertial(),
+                after=parts[i] if is_last else Inertial(),
+                points_before=before if way == 0 else (),
+            )
+            at = label
+    return assembly
+
+
+def _parts(whole: Inertial, axis: Array, length: float, cuts: int) -> list[Inertial]:
+    """Masses along the line through the centre, as far apart as the inertia allows."""
+    bounds = np.array([0.0, *(np.arange(cuts) + 0.5) / cuts, 1.0]) - 0.5
+    shares, offsets = np.diff(bounds), 0.5 * (bounds[:-1] + bounds[1:])
+    spread = skew(axis)
+    steiner = -whole.mass_kg * float(shares @ offsets**2) * spread @ spread
+    # A quarter of the smallest moment stays with the pieces themselves.
+    room = np.linalg.eigvalsh(whole.inertia_kg_m2)[0] * 0.75 / np.max(np.abs(steiner))
+    reach = min(length, float(np.sqrt(room)))
+    own = whole.inertia_kg_m2 - reach**2 * steiner
+    return [
+        Inertial(
+            mass_kg=float(share * whole.mass_kg),
+            center_m=whole.center_m + reach * float(offset) * axis,
+            inertia_kg_m2=share * own,
+        )
+        for share, offset in zip(shares, offsets, strict=True)
+    ]

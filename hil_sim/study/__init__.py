@@ -1,0 +1,34 @@
+"""Sealed cases for the study of gap naming: sessions, made in process, in which an effect hides.
+
+`docs/simulated-plant.md` says what can hide and what every case has wrong besides.
+"""
+
+from hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
+from hil_sim.study.cases import (
+    CaseFiles,
+    CaseSpec,
+    KnownMass,
+    SealedCase,
+    make_case,
+    sealed,
+    write_case,
+)
+from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from hil_sim.study.draw import draw_study
+
+__all__ = [
+    "LIBRARY",
+    "MAGNITUDES",
+    "OUTSIDE",
+    "STUDY_ARMS",
+    "CaseFiles",
+    "CaseSpec",
+    "KnownMass",
+    "SealedCase",
+    "StudyArm",
+    "draw_study",
+    "make_case",
+    "sealed",
+    "study_arm",
+    "write_case",
+]

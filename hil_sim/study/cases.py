@@ -1,0 +1,299 @@
+"""Sealed cases: a session, the arm file its user believes in, and a truth that stays closed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hil_sim.plant_file import PlantFile, plant_text
+from hil_sim.study.arms import StudyArm, study_arm
+from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, SIZED
+from hil_sim.study.measure import measured
+from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
+from hil_sim.study.places import ArmPlaces, Hidden
+from hil_sim.study.plant_of_arm import rotations
+from hil_sim.study.prominence import Bystander
+from hil_sim.study.sizing import Sized, clear_size
+from protocols.arm.files import ARMS_DIRECTORY
+from protocols.arm.records import Arm
+from protocols.errors import PlantError
+from protocols.plan_records import Plan
+from protocols.session.hdf5 import write_session
+from protocols.session.records import Session
+
+__all__ = [
+    "CaseFiles",
+    "CaseSpec",
+    "KnownMass",
+    "SealedCase",
+    "braked",
+    "make_case",
+    "sealed",
+    "write_case",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseSpec:
+    """What is hidden, and how large: this is the truth, the analysis never sees it.
+
+    `kinds` is () for a null. `ladder` has every point hit at the arm's ladder of levels.
+    """
+
+    number: int
+    arm: str
+    seed: int
+    kinds: tuple[str, ...]
+    magnitude: str | float  # "clear", "medium", "faint", or times clear; "none" for nulls
+    ladder: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownMass:
+    """A body that the laboratory adds, its centre in the arm file's link frame."""
+
+    link: str
+    mass_kg: float
+    center_m: tuple[float, float, float]
+
+    def on(self, tables: Tables, arm: Arm) -> Tables:
+        """Tables of the arm with the body on it."""
+        center = rotations(arm)[self.link] @ np.array(self.center_m)
+        body = {"kind": "payload", "link": self.link, "mass_kg": self.mass_kg}
+        body |= {"center_m": tuple(center.tolist())}
+        return tables | {"effects": [*tables["effects"], body]}
+
+
+class SealedCase:
+    """A case as the analysis gets it: `number`, `arm`, `plan`, `truth_sha256`, `session()`."""
+
+    def __init__(self, spec: CaseSpec) -> None:
+        self._spec = spec
+        self._study: StudyArm = study_arm(spec.arm)
+
+    @property
+    def number(self) -> int:
+        """Of the case in its study."""
+        return self._spec.number
+
+    @property
+    def arm(self) -> Arm:
+        """The arm as its user believes it."""
+        return self._study.arm
+
+    @property
+    def plan(self) -> Plan:
+        """Postures, the last of them for validation."""
+        return self._study.plan
+
+    @property
+    def truth_sha256(self) -> str:
+        """Hash of the truth's text, to be printed before any verdict."""
+        return hashlib.sha256(self.open_truth().encode()).hexdigest()
+
+    def session(
+        self,
+        plan: Plan | None = None,
+        *,
+        levels_n: tuple[float, ...] | None = None,
+        known_mass: KnownMass | None = None,
+        brakes: bool = False,
+        run: int = 0,
+    ) -> Session:
+        """Measure, in process, in some seconds.
+
+        Parameters
+        ----------
+        plan
+            Another test of the same arm, such as the workflow asks for; its `fixed_point` is hit
+            along the postures' `hit_direction`.
+        levels_n
+            Peak forces at each point, one a hit; None takes the case's own.
+        known_mass
+            A mass that the laboratory bolts on.
+        brakes
+            With the brakes on no servo gives way; transmissions do.
+        run
+            Number of the measurement, so that noise and swings are others.
+        """
+        spec, (tables, _) = self._spec, self._hidden
+        if levels_n is None and spec.ladder:
+            levels_n = self._study.ladder_n
+        if known_mass is not None:
+            tables = known_mass.on(tables, self.arm)
+        if brakes:
+            tables = braked(tables)
+        plant = plant_of_tables(tables)
+        return measured(plant, self.arm, plan or self.plan, spec.seed, levels_n, run)
+
+    def open_truth(self) -> str:
+        """The sealed truth as JSON: only the marker of a study opens it."""
+        return json.dumps(self._hidden[1], sort_keys=True)
+
+    def plant_tables(self) -> Tables:
+        """Tables of the plant file; they hold the truth."""
+        return self._hidden[0]
+
+    def plant_text(self) -> str:
+        """Text of the plant file, for a laboratory in real time; it holds the truth."""
+        return plant_text(PlantFile.model_validate(self._hidden[0]))
+
+    @cached_property
+    def _hidden(self) -> tuple[Tables, dict[str, Any]]:
+        return _hide(self._spec, self._study)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseFiles:
+    """A case on disk."""
+
+    session: Path
+    arm: Path
+    truth: Path
+    truth_sha256: str
+
+
+def make_case(
+    seed: int,
+    arm: str,
+    effect: str | tuple[str, ...] | None = None,
+    magnitude: str | float = "clear",
+    *,
+    ladder: bool = False,
+    number: int = 1,
+) -> SealedCase:
+    """Close a case.
+
+    Parameters
+    ----------
+    seed
+        Decides everything: model error, size and place of the effect, noise.
+    arm
+        "bench57", "ur5" or "rv4frl".
+    effect
+        Name in `LIBRARY` or `OUTSIDE`, several of them, or None for a null.
+    magnitude
+        "clear", "medium" (half), "faint" (a quarter), or a factor on clear.
+    ladder
+        Every point is hit at the arm's ladder of levels.
+
+    Raises
+    ------
+    PlantError
+        If a name is unknown.
+    """
+    kinds = () if effect is None else (effect,) if isinstance(effect, str) else effect
+    return sealed(
+        CaseSpec(number=number, arm=arm, seed=seed, kinds=kinds, magnitude=magnitude, ladder=ladder)
+    )
+
+
+def sealed(spec: CaseSpec) -> SealedCase:
+    """Close a case of a study.
+
+    Raises
+    ------
+    PlantError
+        If a name is unknown.
+    """
+    for kind in spec.kinds:
+        if kind not in LIBRARY and kind not in OUTSIDE:
+            raise PlantError(
+                f"no effect is called {kind!r}; wanted one of {', '.join((*LIBRARY, *OUTSIDE))}"
+            )
+    if spec.kinds and isinstance(spec.magnitude, str) and spec.magnitude not in MAGNITUDES:
+        raise PlantError(
+            f"no magnitude is called {spec.magnitude!r}; wanted one of "
+            f"{', '.join(MAGNITUDES)}, or a factor"
+        )
+    return SealedCase(spec)
+
+
+def write_case(case: SealedCase, folder: Path) -> CaseFiles:
+    """Write session, arm file and truth; the truth's name ends in `.truth.json`."""
+    stem = f"case-{case.number:04d}"
+    files = CaseFiles(
+        session=folder / f"{stem}.h5",
+        arm=folder / f"{stem}.arm.toml",
+        truth=folder / f"{stem}.truth.json",
+        truth_sha256=case.truth_sha256,
+    )
+    folder.mkdir(parents=True, exist_ok=True)
+    files.truth.write_text(case.open_truth(), encoding="utf-8")
+    files.arm.write_text(
+        (ARMS_DIRECTORY / f"{case.arm.name}.toml").read_text(encoding="utf-8"), encoding="utf-8"
+    )
+    write_session(case.session(), files.session)
+    return files
+
+
+def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
+    """Tables of the plant with its effects, and the truth about them."""
+    plain = erring_plant_tables(study, np.random.default_rng([spec.seed, 1]))
+    places = ArmPlaces(study, plain)
+    bystander = Bystander(study, plain)
+    tables, truths = plain, []
+    for i, name in enumerate(spec.kinds):
+        make = LIBRARY.get(name) or OUTSIDE[name]
+
+        def stream(place: int, number: int = i) -> np.random.Generator:
+            return np.random.default_rng([spec.seed, 3, number, place])
+
+        sized = Sized(size=1.0, place=0, stands_out=0.0)
+        if name in SIZED:
+            sized = clear_size(make, places, bystander, partial(_with, plain), stream)
+        factor = spec.magnitude
+        if isinstance(factor, str):
+            factor = MAGNITUDES[factor]
+        made = make(places, stream(sized.place), sized.size * factor)
+        tables = _with(tables, made)
+        truths.append(made.truth() | {"clear_stands_out": sized.stands_out or None})
+    verdict = "named" if truths else "nothing_detectable"
+    if any(name in OUTSIDE for name in spec.kinds):
+        verdict = "outside_library"
+    return tables, {
+        "number": spec.number,
+        "arm": spec.arm,
+        "seed": spec.seed,
+        "magnitude": spec.magnitude,
+        "ladder": spec.ladder,
+        "verdict": verdict,
+        "effects": truths,
+        "joints": {
+            link["joint"]: {
+                "stiffness_n_m_per_rad": link["stiffness_n_m_per_rad"],
+                "damping_n_m_s_per_rad": link["damping_n_m_s_per_rad"],
+            }
+            for link in tables["links"]
+            if link["stiffness_n_m_per_rad"] is not None
+        },
+        "plant": tables,
+    }
+
+
+def braked(tables: Tables) -> Tables:
+    """A brake holds the rotor a thousand times as stiff as its servo."""
+    key = "servo_stiffness_n_m_per_rad"
+    effects = [
+        table | {key: 1000.0 * table[key]} if table.get(key) else table
+        for table in tables["effects"]
+    ]
+    return tables | {"effects": effects}
+
+
+def _with(tables: Tables, made: Hidden) -> Tables:
+    """The arm with what is hidden in the place of an error of the same kind there."""
+    bearings = [table["joint"] for table in made.tables if table["kind"] == "bearing"]
+    kept = [
+        table
+        for table in tables["effects"]
+        if not (table["kind"] == "bearing" and table["joint"] in bearings)
+        and not (table["kind"] == "hysteretic" and made.name == "hysteretic")
+    ]
+    return tables | {"effects": [*kept, *made.tables]}

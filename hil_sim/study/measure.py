@@ -1,0 +1,226 @@
+"""A session of the plan, made in process: every point, good hits, a person's aim and mounting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+
+import numpy as np
+import numpy.typing as npt
+from scipy import signal
+
+from hil_sim.board_dictionary import board_dictionary
+from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
+from hil_sim.hand import Blow, blow
+from hil_sim.plant import Plant
+from hil_sim.ringing import Strike, ring
+from hil_sim.small_motion import Mounting, linearise
+from hil_sim.source import draw_mounting, strike_of
+from protocols.arm.records import Arm
+from protocols.board.messages import encode_dictionary
+from protocols.plan_records import Plan, PlannedPosture
+from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
+
+__all__ = ["measured"]
+
+Array = npt.NDArray[np.float64]
+
+AIM_DEG = 0.8  # how far the wanted direction of a posture's hits is missed, about each axis
+ENCODER_NOISE_DEG = 1e-3
+LOUDEST = 0.9 * FULL_SCALE_COUNTS  # beyond, a hit is judged overloaded
+SOFTER = 5  # times that a point is hit again
+GAP_SAMPLES = 4000  # from one hit's record to the next
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Planned:
+    posture: PlannedPosture
+    point: str
+    strike: Strike
+
+
+def measured(
+    plant: Plant,
+    arm: Arm,
+    plan: Plan,
+    seed: int,
+    levels_n: tuple[float, ...] | None = None,
+    run: int = 0,
+) -> Session:
+    """Measure a roving-response plan with a fixed hammer.
+
+    Parameters
+    ----------
+    arm
+        As its user believes it; it goes into the session.
+    levels_n
+        Peak forces to go through at each point, one a hit, each hit to 10 % ; None draws every
+        peak from the hand's own interval. As many hits are made as the plan has, or as there are
+        levels.
+    run
+        Number of the measurement: another one has other swings, tilts and noise.
+
+    Returns
+    -------
+    Session
+        Complete; the true joint angles differ from the readings by the encoders' offsets.
+    """
+    swings, mounts, noise, encoders, aims = np.random.default_rng([seed, 2, run]).spawn(5)
+    front = FrontEnd(plant.truth, plan.sampling.rate_hz)
+    planned = [
+        hit
+        for posture in plan.postures
+        for hit in _strikes(plant, plan, posture, levels_n, swings, mounts, aims)
+    ]
+    rung = _rung(plant, front, plan, [hit.strike for hit in planned])
+    hits: list[Hit] = []
+    for hit, counts in zip(planned, rung, strict=True):
+        recorded = _recorded(plant, front, plan, hit.point, counts, noise)
+        force_n = recorded[:, 0] / front.counts_per_unit[0]
+        hits.append(_hit(plan, hit, recorded, force_n, encoders, len(hits) + 1))
+    dictionary = board_dictionary(plant.truth, tick_hz=1_000_000)
+    header = SessionHeader(
+        session_id=f"{seed:016x}{run:016x}",
+        created=datetime(2026, 1, 1, tzinfo=UTC).isoformat(),
+        software="armodal sealed case",
+        arm=arm,
+        plan=plan,
+        dictionary=dictionary,
+        dictionary_bytes=encode_dictionary(dictionary),
+        channel_mask=0b1111,
+        time_scale=1.0,
+    )
+    return Session(header=header, hits=tuple(hits), losses=(), complete=True)
+
+
+def _rung(plant: Plant, front: FrontEnd, plan: Plan, strikes: list[Strike]) -> list[Array]:
+    """Counts of every strike; one that overdrives the sensor is made again half as hard."""
+    delays, samples = plant.sensing.delay_s, plan.sampling.samples
+    rung = ring(front, strikes, delays, samples)
+    for _ in range(SOFTER):
+        loud = [i for i, counts in enumerate(rung) if np.max(np.abs(counts)) > LOUDEST]
+        if not loud:
+            break
+        strikes = [_softer(strike) if i in loud else strike for i, strike in enumerate(strikes)]
+        for i, counts in zip(
+            loud, ring(front, [strikes[i] for i in loud], delays, samples), strict=True
+        ):
+            rung[i] = counts
+    return rung
+
+
+def _softer(strike: Strike) -> Strike:
+    pulses = tuple(replace(pulse, peak_n=0.5 * pulse.peak_n) for pulse in strike.blow.pulses)
+    return replace(strike, blow=replace(strike.blow, pulses=pulses))
+
+
+def _strikes(
+    plant: Plant,
+    plan: Plan,
+    posture: PlannedPosture,
+    levels_n: tuple[float, ...] | None,
+    swings: np.random.Generator,
+    mounts: np.random.Generator,
+    aims: np.random.Generator,
+) -> list[_Planned]:
+    """All hits of a posture, point by point."""
+    if posture.hit_direction is None:
+        raise ValueError(f"posture {posture.name!r} has no hit_direction; a fixed hammer needs one")
+    aim = _missed(posture.hit_direction, np.deg2rad(AIM_DEG), aims)
+    rate_hz = float(plan.sampling.rate_hz)
+    planned = []
+    for point in posture.points:
+        place = plant.sensing.stands_at.get(point, point)
+        mounting: Mounting = draw_mounting(plant, place, mounts)
+        motion = linearise(plant, posture.joints_rad, mounting)
+        for i in range(len(levels_n) if levels_n else plan.hits_per_point):
+            level = levels_n[i] if levels_n else None
+            swing = _swing(plant, plan.fixed_point, aim, level, swings)
+            begin = plan.sampling.pretrigger - plant.truth.board.filter_delay_samples
+            begin_s = (begin + float(swings.uniform())) / rate_hz
+            strike = strike_of(plant, motion, swing, begin_s)
+            planned.append(_Planned(posture=posture, point=point, strike=strike))
+    return planned
+
+
+def _swing(
+    plant: Plant, point: str, aim: Array, level_n: float | None, rng: np.random.Generator
+) -> Blow:
+    hand = plant.truth.hand
+    if level_n is not None:
+        hand = hand.model_copy(update={"peak_n": (level_n / 1.1, level_n * 1.1)})
+    return blow(hand, rng, point, aim)
+
+
+def _missed(direction: Array, std_rad: float, rng: np.random.Generator) -> Array:
+    """The direction that all hits of a posture truly have on average."""
+    across = np.linalg.svd(direction[None, :])[2][1:]
+    wanted = direction + std_rad * np.clip(rng.standard_normal(2), -2.0, 2.0) @ across
+    result: Array = wanted / np.linalg.norm(wanted)
+    return result
+
+
+def _recorded(
+    plant: Plant,
+    front: FrontEnd,
+    plan: Plan,
+    point: str,
+    counts: Array,
+    rng: np.random.Generator,
+) -> npt.NDArray[np.int32]:
+    """Gains, noise, the hidden window and the converter."""
+    hammer, sensor = plant.truth.hammer, plant.truth.accelerometer
+    n = len(counts)
+    white = front.counts_per_unit * [hammer.noise_n, *(sensor.noise_m_s2,) * 3]
+    slow = front.counts_per_unit * [hammer.flicker_n, *(sensor.flicker_m_s2,) * 3]
+    keep = float(np.exp(-2.0 * np.pi / float(plan.sampling.rate_hz)))
+    drive = np.sqrt(1.0 - keep**2) * rng.standard_normal((n, 4))
+    start = rng.standard_normal((1, 4))
+    flicker, _ = signal.lfilter([1.0], [1.0, -keep], drive, axis=0, zi=keep * start)
+    record = counts @ plant.sensing.gains(point).T
+    record = record + rng.standard_normal((n, 4)) * white + flicker * slow
+    record = np.clip(record, -FULL_SCALE_COUNTS - 1, FULL_SCALE_COUNTS)
+    record *= plant.sensing.window_end ** (np.arange(n) / n)[:, None]
+    result: npt.NDArray[np.int32] = np.rint(record).astype(np.int32)
+    return result
+
+
+def _hit(
+    plan: Plan,
+    planned: _Planned,
+    counts: npt.NDArray[np.int32],
+    force_n: Array,
+    encoders: np.random.Generator,
+    number: int,
+) -> Hit:
+    posture, peak_n = planned.posture, float(np.max(force_n))
+    noise = np.deg2rad(ENCODER_NOISE_DEG) * encoders.standard_normal(len(posture.joints_rad))
+    reading = JointReading(
+        joints_rad=posture.joints_rad + noise,
+        drive_state=2,
+        held=True,
+        age_s=0.004,
+        host_s=float(number),
+    )
+    first = (number - 1) * (plan.sampling.samples + GAP_SAMPLES)
+    direction = posture.hit_direction
+    return Hit(
+        number=number,
+        posture=posture.name,
+        sensor_point=planned.point,
+        hit_point=plan.fixed_point,
+        hit_direction=np.zeros(3) if direction is None else direction,
+        first_sample=first,
+        trigger_sample=first + plan.sampling.pretrigger,
+        trigger_host_s=float(number),
+        counts=counts,
+        before=reading,
+        after=reading,
+        verdict=Verdict(
+            accepted=True,
+            reasons=(),
+            notes=(),
+            peak_n=peak_n,
+            width_s=float(np.sum(force_n > 0.1 * peak_n) / float(plan.sampling.rate_hz)),
+        ),
+    )

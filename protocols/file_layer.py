@@ -1,0 +1,119 @@
+"""Every operation that changes a journal or a session file on the disk, in one place.
+
+Whoever records passes one of these along, so that a test can note, stop or refuse each single
+write, sync, cut and renaming (`docs/reliability.md`).
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from pathlib import Path
+from typing import Protocol
+
+__all__ = ["DISK", "Disk", "FileLayer", "write_all"]
+
+USER_ONLY = 0o600
+
+
+class FileLayer(Protocol):
+    """What recording needs of a file system; every method may raise OSError."""
+
+    def create(self, path: Path) -> int:
+        """Make a file that must not exist yet, for its user only; return its descriptor."""
+
+    def open(self, path: Path) -> int:
+        """Open a file that exists, to read and append; return its descriptor."""
+
+    def write(self, fd: int, data: bytes | memoryview) -> int:
+        """Append bytes; return how many were taken."""
+
+    def rewrite(self, path: Path, data: bytes, at: int) -> None:
+        """Write bytes once more that are in a file already, from byte `at` on."""
+
+    def sync(self, fd: int) -> None:
+        """Return once everything written to the file is durable."""
+
+    def cut(self, fd: int, size: int) -> None:
+        """Drop everything behind byte `size`."""
+
+    def close(self, fd: int) -> None:
+        """Let go of the file."""
+
+    def replace(self, source: Path, target: Path) -> None:
+        """Rename a file over another one."""
+
+    def remove(self, path: Path) -> None:
+        """Remove a file."""
+
+    def sync_folder(self, path: Path) -> None:
+        """Return once the names in a folder are durable."""
+
+
+class Disk:
+    """The disk itself."""
+
+    def create(self, path: Path) -> int:
+        """Make a file that must not exist yet, for its user only."""
+        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND
+        return os.open(path, flags, USER_ONLY)
+
+    def open(self, path: Path) -> int:
+        """Open a file that exists, to read and append."""
+        return os.open(path, os.O_RDWR | os.O_APPEND)
+
+    def write(self, fd: int, data: bytes | memoryview) -> int:
+        """Append bytes."""
+        return os.write(fd, data)
+
+    def rewrite(self, path: Path, data: bytes, at: int) -> None:
+        """Write bytes once more, so that the next sync has them to sync."""
+        fd = os.open(path, os.O_WRONLY)
+        try:
+            while data:
+                written = os.pwrite(fd, data, at)
+                data, at = data[written:], at + written
+        finally:
+            os.close(fd)
+
+    def sync(self, fd: int) -> None:
+        """Make a file's bytes and length durable."""
+        full_sync = getattr(fcntl, "F_FULLFSYNC", None)
+        if full_sync is not None:  # macOS: fsync stops at the drive's own cache
+            fcntl.fcntl(fd, full_sync)
+        else:
+            os.fdatasync(fd)
+
+    def cut(self, fd: int, size: int) -> None:
+        """Drop everything behind byte `size`."""
+        os.ftruncate(fd, size)
+
+    def close(self, fd: int) -> None:
+        """Let go of the file."""
+        os.close(fd)
+
+    def replace(self, source: Path, target: Path) -> None:
+        """Rename a file over another one."""
+        source.replace(target)
+
+    def remove(self, path: Path) -> None:
+        """Remove a file."""
+        path.unlink()
+
+    def sync_folder(self, path: Path) -> None:
+        """Make the names in a folder durable."""
+        fd = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(fd)
+        finally:
+            os.close(fd)
+
+
+DISK = Disk()
+
+
+def write_all(files: FileLayer, fd: int, data: bytes, *, at_once: int | None = None) -> None:
+    """Append all of `data`, in pieces of `at_once` bytes where that is given."""
+    rest = memoryview(data)
+    while rest:
+        rest = rest[files.write(fd, rest[: at_once or len(rest)]) :]

@@ -1,0 +1,160 @@
+"""FRFs of a hypothesis beside other ways to the same number, and their derivatives."""
+
+import numpy as np
+import pytest
+
+from analyzer.arm.reduced import reduce_model
+from analyzer.arm.structure import believed_structure
+from analyzer.arm.superset import Superset
+from analyzer.gap.effects import channel_gain, link_axis, sensor_axes
+from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.library import all_instances
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.ordinary import Ordinary
+from protocols.arm.files import load_arm
+
+JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
+AXIS = np.array([0.6, 0.0, 0.8])
+
+
+@pytest.fixture(scope="module")
+def superset():
+    return Superset(load_arm("bench57"))
+
+
+@pytest.fixture(scope="module")
+def lines(superset):
+    n_points = len(superset.arm.points)
+    s = 2 * np.pi * (2.0 + 1j * np.array([8.0, 13.0, 31.0, 64.0, 110.0]))
+    return PostureLines(
+        name="p",
+        joints_rad=JOINTS,
+        s_rad_s=s,
+        sensor_point=np.arange(n_points),
+        hit=np.zeros(n_points, dtype=int),
+        hit_point=np.array([0]),
+        hit_direction=np.array([[-0.45, -0.62, -0.6427]]),
+        values=np.ones((n_points, 3, s.size), dtype=complex),
+        variance=np.ones((n_points, 3, s.size)),
+        sensor_mass_kg=0.0093,
+    )
+
+
+@pytest.fixture(scope="module")
+def ordinary(superset):
+    return Ordinary(superset=superset, postures=("p",))
+
+
+@pytest.fixture(scope="module")
+def posed(superset):
+    return PosedModel(superset, JOINTS)
+
+
+def test_without_errors_it_is_the_reduced_model_mounting_by_mounting(
+    superset, lines, ordinary, posed
+):
+    """Every compliance and error at zero: the FRFs of joints on springs, solved point by point."""
+    space = Hypothesis(ordinary=ordinary).space()
+    values = space.values(space.start())
+    for name in values:
+        if name.startswith("bearing") or name == "loss":
+            values[name] = 0.0
+    got = posed.response(Hypothesis(ordinary=ordinary), lines, values).values
+    dynamics = superset.posture(JOINTS)
+    gravity = dynamics.gravity_m_s2
+    for m in (0, 7, 16):
+        added = np.zeros(len(superset.arm.points))
+        added[m] = lines.sensor_mass_kg
+        model = reduce_model(
+            superset, dynamics, believed_structure(superset.arm), added_mass_kg=added
+        )
+        J, R = model.point_jacobian[m], dynamics.point_rotation[m]
+        b = model.point_jacobian[0][:3].T @ lines.hit_direction[0]
+        for i, s in enumerate(lines.s_rad_s):
+            x = np.linalg.solve(s * s * model.mass + s * model.damping + model.stiffness, b)
+            want = R.T @ (s * s * J[:3] @ x + np.cross(J[3:] @ x, gravity))
+            np.testing.assert_allclose(got[m, :, i], want, rtol=1e-9, atol=1e-14)
+
+
+def test_a_compliance_of_zero_is_the_model_without_it(lines, ordinary, posed):
+    axis = link_axis.at_axis(ordinary, 1, AXIS, np.array([0.1, 0.0, 0.05]))
+    plain, with_axis = (
+        Hypothesis(ordinary=ordinary),
+        Hypothesis(ordinary=ordinary, instances=(axis,)),
+    )
+    space = with_axis.space()
+    values = space.values(space.start())
+    np.testing.assert_allclose(
+        posed.response(with_axis, lines, values).values,
+        posed.response(plain, lines, values).values,
+        rtol=1e-10,
+    )
+
+
+def test_axis_in_a_joint_s_own_line_is_a_spring_in_series(lines, ordinary, posed):
+    """Joint 2 and a compliance about its own axis: 1/k adds, checked without either's damper."""
+    joint = ordinary.arm.joints[1]
+    axis = link_axis.at_axis(ordinary, 1, np.asarray(joint.axis), np.zeros(3))
+    plain = Hypothesis(ordinary=ordinary)
+    both = Hypothesis(ordinary=ordinary, instances=(axis,))
+    space = both.space()
+    values = space.values(space.start()) | {"loss": 0.0, f"ln c {joint.name}": -40.0}
+    gamma = 0.3 / joint.stiffness.value
+    names = [p.name for p in axis.parameters]
+    in_series = values | {names[0]: gamma, names[1]: 0.0}
+    softer = values | {f"ln k {joint.name}": -np.log(1.0 / joint.stiffness.value + gamma)}
+    np.testing.assert_allclose(
+        posed.response(both, lines, in_series).values,
+        posed.response(plain, lines, softer).values,
+        rtol=2e-6,  # gravity's stiffness, a thousandth of k, acts on each of the two: its square
+    )
+
+
+def _every_instance(ordinary):
+    axis = link_axis.at_axis(ordinary, 2, AXIS, np.array([0.02, 0.03, 0.01]))
+    gain = channel_gain.at_point(ordinary, "y", "k2")
+    swap = sensor_axes.turned_sensor(ordinary, np.eye(3)[[1, 0, 2]], "l1")
+    return (*all_instances(ordinary), axis, gain, swap)
+
+
+def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, posed):
+    """One hypothesis at a time, away from zero; 2 % where gravity's part of an inertia is left."""
+    rng = np.random.default_rng(5)
+    for instance in _every_instance(ordinary):
+        hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+        space = hypothesis.space()
+        u = np.clip(space.start() + 0.2 * rng.random(len(space)), space.low, space.high)
+        own = [space.index[name] for name in instance.owned]
+        u[own] = np.clip(u[own] + 0.05, space.low[own], space.high[own])
+        _, dy = posed.derivatives(hypothesis, lines, space, space.values(u))
+        checked = {*own, *rng.choice(len(space), 6, replace=False).tolist()}
+        for i in checked:
+            h = 1e-4
+            ends = []
+            for side in (1.0, -1.0):
+                moved = u.copy()
+                moved[i] += side * h
+                ends.append(posed.response(hypothesis, lines, space.values(moved)).values)
+            want = (ends[0] - ends[1]) / (2 * h)
+            size = np.abs(want).max()
+            name = space.parameters[i].name
+            np.testing.assert_allclose(
+                dy[i], want, atol=0.02 * size + 1e-12, err_msg=f"{instance.title}: {name}"
+            )
+
+
+def test_the_equations_are_reciprocal(lines, ordinary, posed):
+    """H is symmetric: loads and motions of the coordinates exchange."""
+    hypothesis = Hypothesis(ordinary=ordinary)
+    space = hypothesis.space()
+    found = posed.response(hypothesis, lines, space.values(space.start()))
+    system = found.system
+    H = (
+        found.inner
+        * np.where(
+            np.isfinite(system.compliance),
+            system.compliance / (1.0 + lines.s_rad_s[:, None] * system.compliance_loss_s),
+            1.0,
+        )[:, None, :]
+    )
+    np.testing.assert_allclose(H, H.swapaxes(1, 2), rtol=1e-8, atol=1e-18)

@@ -1,0 +1,94 @@
+"""Mounting errors integrated out in closed form, beside the dense covariance."""
+
+import numpy as np
+import pytest
+
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.weigh import Discrepancy, Weighing
+from protocols.arm.files import load_arm
+
+
+def made_lines(rng, n_lines=4, mountings=2):
+    shape = (mountings, 3, n_lines)
+    values = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+    return PostureLines(
+        name="p",
+        joints_rad=np.zeros(6),
+        s_rad_s=2j * np.pi * np.linspace(10, 60, n_lines),
+        sensor_point=np.arange(mountings),
+        hit=np.zeros(mountings, dtype=int),
+        hit_point=np.array([0]),
+        hit_direction=np.array([[1.0, 0.0, 0.0]]),
+        values=values,
+        variance=0.01 + 0.01 * rng.random(shape),
+        sensor_mass_kg=0.0,
+    )
+
+
+@pytest.fixture
+def setup():
+    rng = np.random.default_rng(3)
+    lines = made_lines(rng)
+    weighing = Weighing(lines, load_arm("rv4frl").tolerances, Discrepancy())
+    y = lines.values + 0.05 * rng.standard_normal(lines.values.shape)
+    return rng, lines, weighing, y
+
+
+def dense(weighing, y):
+    """-ln p up to a constant, by the covariance of all real residuals of each channel."""
+    total = 0.0
+    for m in range(y.shape[0]):
+        for i in range(3):
+            r = (weighing.lines.values - y)[m, i] * weighing.scale[m, i]
+            r = np.concatenate([r.real, r.imag])
+            N = (y[m].T * weighing.scale[m, i][:, None]) * weighing.prior[m, i]
+            N = np.concatenate([N.real, N.imag])
+            total += 0.5 * r @ np.linalg.solve(np.eye(r.size) + N @ N.T, r)
+    return total
+
+
+def test_cost_is_that_of_the_dense_covariance(setup):
+    _, _, weighing, y = setup
+    assert weighing.cost(y) == pytest.approx(dense(weighing, y), rel=1e-10)
+    assert weighing.cost_by_mounting(y).sum() == pytest.approx(weighing.cost(y), rel=1e-10)
+
+
+def test_gradient_and_curvature_are_those_of_the_cost_s_linear_model(setup):
+    rng, lines, weighing, y = setup
+    shape = (3, *lines.values.shape)
+    dy = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+    found = weighing.quadratic(y, dy)
+    assert found.cost == pytest.approx(weighing.cost(y), rel=1e-10)
+    # The columns of the mounting's errors stay where they are, as Gauss-Newton has them.
+    fixed = weighing._nuisance(y)
+
+    def cost(step):
+        r = weighing._residual(y + np.tensordot(step, dy, axes=1))
+        Nr = np.einsum("milk,mil->mik", fixed, r)
+        gram = np.einsum("milk,milj->mikj", fixed, fixed) + np.eye(3)
+        return 0.5 * (np.sum(r * r) - np.sum(Nr * np.linalg.solve(gram, Nr[..., None])[..., 0]))
+
+    h = 1e-3
+    for i in range(3):
+        e = h * np.eye(3)[i]
+        assert (cost(e) - cost(-e)) / (2 * h) == pytest.approx(found.gradient[i], rel=1e-6)
+        second = (cost(e) - 2 * cost(0 * e) + cost(-e)) / h**2
+        assert second == pytest.approx(found.curvature[i, i], rel=1e-5)
+
+
+def test_a_turned_mounting_costs_little_and_a_flipped_axis_much(setup):
+    _, lines, weighing, _ = setup
+    turn = np.eye(3) + 0.01 * np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 0]])
+    turned = np.einsum("ij,mjl->mil", turn, lines.values)
+    flipped = lines.values * np.array([1.0, -1.0, 1.0])[:, None]
+    # One degree is within the tilt's prior: about half a nat for each of the two turned channels.
+    assert weighing.cost(turned) < 3.0
+    assert weighing.cost(flipped) > 100.0
+
+
+def test_a_channel_beside_every_axis_finds_its_own(setup):
+    _, lines, weighing, _ = setup
+    table = weighing.cost_by_axis(-lines.values[:, [1, 0, 2]])
+    best = table.reshape(2, 3, 6).argmin(axis=-1)
+    # Recorded x is minus the prediction's y (1, sign 1), y minus its x, z minus its z.
+    np.testing.assert_array_equal(best, [[3, 1, 5]] * 2)

@@ -1,0 +1,197 @@
+"""A session stopped anywhere: what was told to be accepted is recovered, byte for byte.
+
+`make torture` does the same at length; its figures are in `docs/reliability.md`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import errno
+import multiprocessing
+import os
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+from accepted_hits import missing, quick_folder, wrong_after_stop
+from fake_session import SCALE, Hammer, settings_of, whole_session
+from faulty_disk import FaultyDisk, wrong_with_faulty_disk
+from recorded_disk import RecordingDisk, kill_points, power_cuts
+
+from daq.acquisition import run_acquisition
+from daq.events import Failed, Finished, HitJudged, Prompted
+from daq.journal_writer import JournalWriter
+from protocols.session.journal import encode_hit, load_journal, read_journal
+from protocols.session.recovery import rebuild
+
+HITS = 4  # of the plan
+NAME = "session.journal"
+
+
+@pytest.fixture
+def record(lab, fakes, tmp_path):
+    """Run a session to its end on a recording disk, and derive its session file twice."""
+
+    def run(disk):
+        end, _ = whole_session(lab, fakes["record"](), files=disk, announced=disk.announce)
+        assert isinstance(end, Finished), end
+        for _ in range(2):
+            rebuild(lab.journal, lab.journal.with_suffix(".h5"), software="test", files=disk)
+        return disk.log
+
+    return run
+
+
+@pytest.fixture
+def folder():
+    with quick_folder() as folder:
+        yield Path(folder)
+
+
+def test_a_kill_at_any_change_loses_no_accepted_hit(record, folder):
+    points = list(kill_points(record(RecordingDisk()), np.random.default_rng(1), places=6))
+    assert {len(announced) for _, _, announced in points} == set(range(HITS + 1))
+    for where, files, announced in points[:: len(points) // 30]:
+        assert wrong_after_stop(files, announced, folder, NAME) is None, where
+
+
+def test_a_power_cut_with_reordered_sectors_loses_no_accepted_hit(record, folder):
+    points = list(power_cuts(record(RecordingDisk()), np.random.default_rng(2), each=6))
+    for where, files, announced in points[:: len(points) // 30]:
+        assert wrong_after_stop(files, announced, folder, NAME) is None, where
+
+
+def test_the_torture_notices_a_journal_that_is_not_synced(record, folder):
+    class Hasty(RecordingDisk):
+        def sync(self, fd):
+            """Return before anything is durable."""
+
+    log = record(Hasty())
+    lost = [
+        wrong_after_stop(files, announced, folder, NAME)
+        for _, files, announced in list(power_cuts(log, np.random.default_rng(3), each=2))[-20:]
+        if NAME in files
+    ]
+    assert any(lost)
+
+
+@pytest.mark.parametrize("lasting", [False, True])
+@pytest.mark.parametrize("code", [errno.EIO, errno.ENOSPC, errno.EROFS])
+def test_a_disk_that_refuses_a_change_is_named_and_loses_nothing(
+    record, folder, lab, code, lasting
+):
+    record(RecordingDisk())
+    session = load_journal(lab.journal)
+    session = dataclasses.replace(session, hits=session.hits[:1])
+    rng = np.random.default_rng(4)
+    # Every change of such a session: begun, a hit, its file derived twice.
+    at = 0
+    while True:
+        disk = FaultyDisk(at, code, lasting=lasting)
+        assert wrong_with_faulty_disk(session, disk, folder, rng) is None, at
+        if not disk.refused:
+            break
+        at += 1 if code == errno.EIO and lasting else 5
+    assert at >= 14  # four to begin, two a hit, and five and four for its files
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        (errno.ENOSPC, "No space left on device"),
+        (errno.EIO, "Input/output error"),
+        (errno.EROFS, "Read-only file system"),
+    ],
+)
+def test_acquisition_says_that_the_disk_refuses_and_goes_on_after_it(
+    lab, fakes, tmp_path, code, words
+):
+    told: list[HitJudged] = []
+    # Begun with four changes; each mark and hit takes two: the second hit's write is refused.
+    disk = FaultyDisk(10, code, lasting=True)
+    end, exit_code = whole_session(
+        lab, fakes["record"](), files=disk, announced=disk.announce, heard=told.append
+    )
+    assert isinstance(end, Failed)
+    assert exit_code == 2
+    assert words in end.message
+    assert "resume the session" in end.message
+    hits = {e.hit.number: e.hit for e in told if isinstance(e, HitJudged)}
+    assert len(hits) == 1
+    assert lab.board.released == [1]  # the board still holds what the disk did not take
+    assert missing(hits, load_journal(lab.journal)) is None
+    disk.healthy = True
+    end, exit_code = whole_session(lab, fakes["record"](), files=disk, resume=True)
+    assert isinstance(end, Finished), end
+    assert end.accepted == HITS
+    assert missing(hits, load_journal(lab.journal)) is None
+
+
+def test_a_hit_whose_sync_was_refused_is_written_again_when_resumed(record, lab):
+    record(RecordingDisk())
+    size = lab.journal.stat().st_size
+    session = load_journal(lab.journal)
+    again = encode_hit(dataclasses.replace(session.hits[-1], number=9))
+    with lab.journal.open("ab") as file:
+        file.write(again)
+    disk = RecordingDisk()
+    disk._of_name[NAME] = 1  # a file of an earlier process
+    writer, journal = JournalWriter.resume(lab.journal, files=disk)
+    writer.close()
+    assert journal.hits[-1].number == 9
+    assert [(c.kind, c.size) for c in disk.log] == [("rewrite", size), ("sync", 0), ("folder", 0)]
+    assert read_journal(lab.journal).hits[-1].number == 9
+
+
+@pytest.fixture
+def acquiring(lab, fakes):
+    """Run an acquisition in a process of its own, up to its first accepted hit."""
+    lab.board.scale = lab.controller.scale = SCALE
+    settings = settings_of(lab)
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=run_acquisition, args=(settings, theirs))
+    process.start()
+    theirs.close()
+    hammer = Hammer(lab, fakes["record"]())
+    heard = None
+    while not isinstance(heard, HitJudged):
+        heard = ours.recv()
+        assert not isinstance(heard, Failed), heard.message
+        command = hammer.act(heard.prompt) if isinstance(heard, Prompted) else None
+        if command is not None:
+            ours.send(command)
+    yield process, ours, heard.hit
+    lab.controller.silent = True
+    ours.close()
+    process.kill()
+    process.join()
+
+
+def test_a_killed_process_leaves_its_hits_and_a_lock_that_stops_nobody(acquiring, lab, fakes):
+    process, _, hit = acquiring
+    process.kill()
+    process.join()
+    assert process.exitcode == -signal.SIGKILL
+    recovered = rebuild(lab.journal, lab.journal.with_suffix(".h5"), software="test")
+    assert missing({hit.number: hit}, recovered.session) is None
+    assert "the session was not closed" in " ".join(recovered.session.warnings)
+    end, code = whole_session(lab, fakes["record"](), resume=True)
+    assert (code, end.complete) == (0, True)
+
+
+def test_an_interrupt_of_the_terminal_ends_the_session_in_good_order(acquiring, lab):
+    process, ours, hit = acquiring
+    os.kill(process.pid, signal.SIGINT)  # as Ctrl-C sends it, to both
+    ours.close()
+    process.join(20.0)
+    assert process.exitcode == 0
+    journal = read_journal(lab.journal)
+    assert journal.end is not None
+    assert "has gone" in journal.end.reason
+    assert journal.hits[0].number == hit.number

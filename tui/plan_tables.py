@@ -1,0 +1,176 @@
+"""The tables of `armodal plan`: tests, their modes, what to expect, and another plan beside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from rich.table import Table
+
+from analyzer.planning.selective import PlannedTest, SelectivePlan
+from analyzer.planning.selectivity import worst_coupling
+from analyzer.workspace.batch import ArmBatch
+from analyzer.workspace.spectrum import ElasticJoints
+from protocols.arm.records import Arm
+from protocols.errors import PlanError
+from protocols.plan import load_plan, shipped_plans
+from protocols.plan_records import Plan
+
+__all__ = ["Beside", "other_plan", "plan_tables"]
+
+Array = npt.NDArray[np.float64]
+
+SEEN = 1.0  # relative: a k no better known than to its own size is not seen
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Beside:
+    """For each elastic joint the least coupled posture of another plan."""
+
+    name: str
+    postures: tuple[str, ...]  # (n,) names
+    least_coupling: Array  # (n,)
+
+
+def other_plan(arm: Arm, elastic: ElasticJoints, source: str | None) -> Beside | None:
+    """The plan to set beside: the one named, else this arm's shipped one of most postures.
+
+    Raises
+    ------
+    PlanError
+        If the plan named cannot be read, or is for another arm.
+    """
+    plan = load_plan(source, arm) if source is not None else _shipped(arm)
+    if plan is None:
+        return None
+    mass = ArmBatch(arm).mass(np.stack([posture.joints_rad for posture in plan.postures]))
+    chosen = np.array(elastic.joints)
+    worst = worst_coupling(mass[chosen[:, None], chosen])
+    best = worst.argmin(axis=1)
+    return Beside(
+        name=plan.name,
+        postures=tuple(plan.postures[i].name for i in best),
+        least_coupling=worst.min(axis=1),
+    )
+
+
+def _shipped(arm: Arm) -> Plan | None:
+    found = []
+    for name in shipped_plans():
+        try:
+            found.append(load_plan(name, arm))
+        except PlanError:  # for another arm
+            continue
+    return max(found, key=lambda plan: len(plan.postures), default=None)
+
+
+def plan_tables(plan: SelectivePlan, beside: Beside | None) -> list[Table]:
+    """The tests as tables for people."""
+    return [
+        _selective(plan, beside),
+        _tests(plan),
+        _modes(plan),
+        _expected(plan),
+        _gravity(plan),
+    ]
+
+
+def _selective(plan: SelectivePlan, beside: Beside | None) -> Table:
+    names = [joint.name for joint in plan.arm.joints]
+    table = Table(title="Most selective posture of each joint: largest M_ij/M_ii")
+    for column in ("joint", "posture deg", "found"):
+        table.add_column(column, justify="right")
+    if beside is not None:
+        table.add_column(beside.name, justify="right")
+        table.add_column("there in", justify="right")
+    for i, joint in enumerate(plan.elastic.joints):
+        row = [names[joint], _angles(plan.most_selective[i]), f"{plan.least_coupling[i]:.4f}"]
+        if beside is not None:
+            row += [f"{beside.least_coupling[i]:.4f}", beside.postures[i]]
+        table.add_row(*row)
+    return table
+
+
+def _tests(plan: SelectivePlan) -> Table:
+    names = [joint.name for joint in plan.arm.joints]
+    table = Table(title=f"Tests for {plan.arm.name}: the first {plan.n_needed} are needed")
+    for column in ("", "posture deg", "for", "shows", "worst M_ij/M_ii", "hit", "purity %"):
+        table.add_column(column)
+    table.add_column("seen by")
+    for number, test in enumerate(plan.tests, start=1):
+        tied = [names[joint] for joint in test.separable if joint != test.target]
+        table.add_row(
+            str(number),
+            _angles(test.joints_rad),
+            names[test.target] + (f" with {', '.join(tied)}" if tied else ""),
+            ", ".join(names[joint] for joint in test.serves) or "adds to the others",
+            f"{test.coupling.max():.4f}",
+            _hit(test),
+            f"{100 * test.hit.purity:.0f}",
+            " ".join(test.points),
+        )
+    return table
+
+
+def _modes(plan: SelectivePlan) -> Table:
+    names = [joint.name for joint in plan.arm.joints]
+    table = Table(title="Modes to expect, and each joint's part of the strain energy, %")
+    for column in ("test", "f Hz", "damping %", *(names[j] for j in plan.elastic.joints)):
+        table.add_column(column, justify="right")
+    for number, test in enumerate(plan.tests, start=1):
+        for i, f_hz in enumerate(test.modes.f_hz):
+            table.add_row(
+                str(number) if i == 0 else "",
+                f"{f_hz:.1f}",
+                f"{100 * test.modes.damping_ratio[i]:.1f}",
+                *(f"{100 * share:.0f}" for share in test.modes.joint_share[:, i]),
+            )
+    return table
+
+
+def _expected(plan: SelectivePlan) -> Table:
+    names = [joint.name for joint in plan.arm.joints]
+    table = Table(title="Least standard deviation of k to expect after each test, %")
+    table.add_column("tests", justify="right")
+    for joint in plan.elastic.joints:
+        table.add_column(names[joint], justify="right")
+    for number, row in enumerate(plan.expected_std, start=1):
+        table.add_row(
+            str(number),
+            *(f"{100 * std:.2g}" if std < SEEN else "not seen" for std in row),
+        )
+    return table
+
+
+def _gravity(plan: SelectivePlan) -> Table:
+    names = [joint.name for joint in plan.arm.joints]
+    table = Table(
+        title="Gravity: torque N m, the turn it costs the spring mrad, dg/dq in % of k",
+        title_justify="left",
+    )
+    table.add_column("test", justify="right")
+    for joint in plan.elastic.joints:
+        table.add_column(names[joint], justify="right")
+    k = plan.elastic.stiffness_n_m_per_rad
+    for number, test in enumerate(plan.tests, start=1):
+        found = test.gravity
+        table.add_row(
+            str(number),
+            *(
+                f"{torque:+.1f} {1e3 * torque / spring:+.2f} {100 * part:+.2f}"
+                for torque, spring, part in zip(
+                    found.torque_n_m, k, found.part_of_spring, strict=True
+                )
+            ),
+        )
+    return table
+
+
+def _angles(joints_rad: Array) -> str:
+    return " ".join(f"{angle:.0f}" for angle in np.rad2deg(joints_rad))
+
+
+def _hit(test: PlannedTest) -> str:
+    direction = " ".join(f"{value:+.2f}" for value in test.hit.direction_base)
+    return f"{test.hit.point} along {direction}{'' if test.hit.along_normal else ' (block)'}"
