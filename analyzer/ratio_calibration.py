@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analyzer.modal.frf import HitSpectra
+from analyzer.modal.spectra import HitSpectra
 from protocols.errors import EstimateError
 
 __all__ = ["RatioCalibration", "ratio_calibration"]

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analyzer.modal.frf import HitSpectra
+from analyzer.modal.spectra import HitSpectra
 from analyzer.ratio_calibration import ratio_calibration
 from protocols.errors import EstimateError
 

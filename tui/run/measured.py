@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.frf import hit_spectra, posture_frf
+from analyzer.modal.frf import posture_frf
+from analyzer.modal.spectra import hit_spectra
 from analyzer.ratio_calibration import RatioCalibration, ratio_calibration
 from daq.judge import channels_of, force_column
 from protocols.arm.kinematics import link_pose

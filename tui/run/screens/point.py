@@ -46,12 +46,19 @@ class PointScreen(StepScreen):
 
     def draw(self, state: RunState) -> None:
         """Fill the panes."""
-        width, height = self.pane("arm").room
-        self.pane("arm").show(point_picture(state, width, height, turned_rad=self._turned_rad))
         beside = self.widget("beside").content_size.width
         self.pane("instructions").show(point_text(state, beside))
-        judged = state.last_hit
         self.pane("last-verdict").show(last_verdict_text(state, beside))
+        self.call_after_refresh(self._draw_pictures)
+
+    def _draw_pictures(self) -> None:
+        """Draw what takes longer, once the words are on the screen."""
+        state = self._state
+        if state is None or self.has_class("small"):
+            return
+        size = self.pane("arm").room
+        self.pane("arm").show(point_picture(state, *size, turned_rad=self._turned_rad))
+        judged = state.last_hit
         place = None if judged is None else roving_place(state, judged.hit)
         frf = self.pane("last-frf")
         frf.show(self._pictures.frf(state, *frf.room, place))
