@@ -335,3 +335,13 @@ def test_a_known_mass_is_asked_for_and_hits_on_it_tell_the_ratio(tmp_path):
         assert "ratio 1.02" in stage.text()
 
     play(stage, body)
+
+
+def test_the_hit_that_finishes_a_posture_is_answered_on_the_posture_screen(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, judged(5), prompted(AT_POSTURE))
+        assert "✓ record 5 is in the journal" in stage.text()
+
+    play(stage, body, (80, 24))

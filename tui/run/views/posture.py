@@ -47,7 +47,16 @@ def word_text(state: RunState, width: int, height: int) -> Text:
     """Return the large word with its sentence."""
     word, style, sentence = posture_word(state)
     between = "\n" if height > 1 else "  "
-    return Text.assemble(big(word, style, width=width, height=height), between, sentence)
+    text = Text.assemble(big(word, style, width=width, height=height), between, sentence)
+    judged = state.last_hit
+    if judged is not None and state.prompt is not None and state.prompt.kind.value == "posture":
+        # The hit that finished a posture is answered here.
+        number = judged.hit.number
+        if judged.hit.verdict.accepted and number not in state.withdrawn:
+            text.append(f" Last hit accepted: ✓ record {number} is in the journal.", style=GOOD)
+        else:
+            text.append(f" Last hit not accepted: ✗ record {number}.", style=BAD)
+    return text
 
 
 def joints_text(state: RunState, width: int, height: int) -> Text:
