@@ -29,6 +29,7 @@ from protocols.plan import PLANS_DIRECTORY
 from protocols.session.journal import load_journal
 
 LEAST_HIT_BYTES = 8_000  # a record with 2048 samples of four channels; marks are far smaller
+SAME_RECORD_S = 0.05
 TICKS_HZ = os.sysconf("SC_CLK_TCK")
 RECORD = re.compile(rb"record[^0-9]{1,12}([0-9]+)")
 
@@ -60,8 +61,11 @@ class Watch(threading.Thread):
         while True:
             time.sleep(0.001)
             now_size = self._journal.stat().st_size if self._journal.exists() else 0
-            if now_size - size > LEAST_HIT_BYTES and size:
-                self.written_s.append(time.monotonic())
+            now_s = time.monotonic()
+            # One record may be seen to grow in two steps.
+            apart = not self.written_s or now_s - self.written_s[-1] > SAME_RECORD_S
+            if now_size - size > LEAST_HIT_BYTES and size and apart:
+                self.written_s.append(now_s)
             size = now_size
 
     def _listen(self) -> None:
