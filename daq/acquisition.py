@@ -22,7 +22,7 @@ from daq.board_link import BoardLink
 from daq.board_session import BoardSession
 from daq.can_listener import CanSource
 from daq.clock import Clock
-from daq.commands import Command, Ready, Retake, Skip, Stop
+from daq.commands import Command, Stop
 from daq.events import BoardFound, Failed, Finished, SessionOpened
 from daq.joint_state import JointState
 from daq.journal_writer import JournalWriter
@@ -45,6 +45,7 @@ from protocols.errors import (
 )
 from protocols.file_layer import DISK, FileLayer
 from protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
+from protocols.session.progress import roving_point
 from protocols.session.records import SessionHeader
 
 __all__ = ["run_acquisition"]
@@ -55,6 +56,7 @@ IDLE_WALL_S = 0.02
 CAN_WALL_S = 1.0  # the bus is given at least so long at the start
 FAREWELL_WALL_S = 2.0
 FAILED_EXIT_CODE = 2
+GONE = "the operator's program has gone"
 
 
 @dataclass(slots=True)
@@ -161,6 +163,11 @@ def _run(
         journal=writer,
         outbox=outbox,
         state=session_machine.begin(settings.plan, hits),
+        accepted_before=tuple(
+            (hit.number, hit.posture, roving_point(settings.plan, hit))
+            for hit in hits
+            if hit.verdict.accepted
+        ),
         next_hit=hits[-1].number + 1 if hits else 1,
         turn_s=_turn_wall_s(settings) * settings.time_scale,
     )
@@ -244,10 +251,10 @@ def _commands(channel: Connection[Any, Any]) -> tuple[Command, ...]:
     try:
         while channel.poll(0):
             command = channel.recv()
-            if isinstance(command, Ready | Retake | Skip | Stop):
+            if isinstance(command, Command):
                 said.append(command)
     except (EOFError, OSError):
-        said.append(Stop(reason="the operator's program has gone"))
+        said.append(Stop(reason=GONE, finish_hit=True))
     return tuple(said)
 
 

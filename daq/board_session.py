@@ -207,6 +207,18 @@ class BoardSession:
             self._link.send(FrameType.STATUS)
         self._link.check_alive()
 
+    @property
+    def blocks_under_way(self) -> int:
+        """Blocks that have been announced and are not whole yet."""
+        return len(self._blocks)
+
+    @property
+    def health_of_clock(self) -> tuple[float, float]:
+        """Standard uncertainty of host time at the last reading in s, rate of the clock in ppm."""
+        fit, nominal_hz = self._tracker.fit(), self.found.dictionary.tick_hz
+        rate_ppm = 1e6 * (1.0 / (fit.s_per_tick * nominal_hz) - 1.0)
+        return fit.uncertainty_s(fit.reference_ticks), rate_ppm
+
     def captured(self, now_s: float) -> CapturedBlock | None:
         """Return the next block that is whole, or as whole as it will get."""
         return self._blocks.take(now_s)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Command", "Ready", "Retake", "Skip", "Stop"]
+__all__ = ["Command", "Note", "Ready", "Retake", "Skip", "Stop", "TriggerLevel", "Withdraw"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +32,26 @@ class Stop:
     """End the session; it can be resumed."""
 
     reason: str = "stopped by the operator"
+    finish_hit: bool = False  # a hit that may be under way is waited for, judged and kept
 
 
-Command = Ready | Skip | Retake | Stop
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Note:
+    """Keep a sentence of the operator in the journal."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Withdraw:
+    """Take back the last accepted hit; it stays in the journal, and counts no more."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TriggerLevel:
+    """Before a session: set the board's trigger level for the next trial hits."""
+
+    level_n: float
+
+
+Command = Ready | Skip | Retake | Stop | Note | Withdraw | TriggerLevel

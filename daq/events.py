@@ -7,22 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from daq.session_machine import Prompt
-from protocols.board.records import BoardDictionary
-from protocols.session.records import Hit, JointReading, Loss
+from daq.session_machine import Progress, Prompt
+from protocols.board.records import BoardDictionary, BoardStatus
+from protocols.session.records import Hit, JointReading, Loss, Verdict
 
 __all__ = [
     "BoardFound",
+    "DeviceTrouble",
     "Event",
     "Failed",
     "Finished",
+    "Health",
     "HitJudged",
+    "HitWithdrawn",
     "JointsSeen",
     "LossNoted",
     "Noted",
     "Preview",
     "Prompted",
     "SessionOpened",
+    "TrialHit",
     "is_preview",
 ]
 
@@ -34,6 +38,25 @@ class BoardFound:
     port: str
     dictionary: BoardDictionary
     channel_mask: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeviceTrouble:
+    """Before a session: a device cannot be used, and is tried again; None when it can."""
+
+    device: str  # "board" or "can"
+    message: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialHit:
+    """Before a session: a hit for trial, judged and kept nowhere."""
+
+    counts: npt.NDArray[np.int32]  # (n_samples, n_channels)
+    first_sample: int
+    trigger_sample: int
+    verdict: Verdict
+    force_noise_n: float  # standard deviation before the trigger
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +75,7 @@ class Prompted:
 
     prompt: Prompt
     host_s: float
+    progress: tuple[Progress, ...]  # of every planned point, in the plan's order
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +90,28 @@ class HitJudged:
     verdict_s: float
     commit_s: float
     clock_uncertainty_s: float  # of the hit's trigger_host_s, lab seconds
+    committed_host_s: float  # when the record was durable
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HitWithdrawn:
+    """An accepted hit was taken back; the journal says so."""
+
+    number: int
+    posture: str
+    point: str  # the roving one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Health:
+    """How board and bus do, once a second; times are lab seconds."""
+
+    clock_uncertainty_s: float | None  # of board time on the host, now; None without a board
+    clock_rate_ppm: float | None  # the board's clock against the host's
+    board: BoardStatus | None  # None until its first answer
+    can_frames: int  # decoded since the start
+    can_faults: int
+    stream_samples: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,9 +175,13 @@ class Failed:
 
 Event = (
     BoardFound
+    | DeviceTrouble
+    | TrialHit
     | SessionOpened
     | Prompted
     | HitJudged
+    | HitWithdrawn
+    | Health
     | JointsSeen
     | Preview
     | LossNoted
@@ -143,4 +193,4 @@ Event = (
 
 def is_preview(event: Event) -> bool:
     """Whether a later event of the same type makes this one needless."""
-    return isinstance(event, Preview | JointsSeen)
+    return isinstance(event, Preview | JointsSeen | Health)

@@ -13,9 +13,17 @@ from daq.blocks import CapturedBlock
 from daq.board_session import BoardSession
 from daq.can_listener import CanSource
 from daq.clock import Clock
-from daq.commands import Command, Ready, Retake, Skip, Stop
-from daq.events import HitJudged, JointsSeen, LossNoted, Noted, Prompted
+from daq.commands import Command, Note, Ready, Retake, Skip, Stop, Withdraw
+from daq.events import (
+    HitJudged,
+    HitWithdrawn,
+    JointsSeen,
+    LossNoted,
+    Noted,
+    Prompted,
+)
 from daq.geometry import hit_direction
+from daq.health import HEALTH_EVERY_WALL_S, health_of
 from daq.joint_state import JointState, largest_difference_rad
 from daq.journal_writer import JournalWriter
 from daq.judge import force_column, judge_record
@@ -23,8 +31,10 @@ from daq.judge_posture import judge_posture, with_posture
 from daq.losses import LossTally
 from daq.session_machine import PromptKind, SessionState
 from daq.settings import AcquisitionSettings
+from daq.stopping import Stopping, begin_stopping
 from daq.surroundings import EventQueue
 from protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
+from protocols.session.progress import roving_point
 from protocols.session.records import Hit, JointReading
 
 __all__ = ["SessionLoop"]
@@ -66,6 +76,7 @@ class SessionLoop:
         journal: JournalWriter,
         outbox: EventQueue,
         state: SessionState,
+        accepted_before: tuple[tuple[int, str, str], ...] = (),
         next_hit: int,
         turn_s: float,
     ) -> None:
@@ -85,8 +96,11 @@ class SessionLoop:
         self._asked: machine.Prompt | None = None
         self._silent = False
         self._jumped_s = -math.inf
-        self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0}
+        self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0, "health": 0.0}
         self._rate_hz = float(settings.plan.sampling.rate_hz)
+        # Number, posture and roving point of every accepted hit, the last one at the end.
+        self._kept = list(accepted_before)
+        self._stopping: Stopping | None = None
         self.accepted = 0
         self.rejected = 0
         self.ended: str | None = None
@@ -110,6 +124,12 @@ class SessionLoop:
         self._report(now_s)
         if self.complete and self.ended is None and not self._waiting:
             self.ended = "every planned point has its hits"
+        stopping = self._stopping
+        if stopping is not None and self.ended is None:
+            asked = self._state.kind is PromptKind.HIT
+            under_way = asked or bool(self._waiting) or self._board.blocks_under_way > 0
+            if stopping.may_end(now_s, hit_under_way=under_way):
+                self.ended = stopping.reason
 
     def flush_losses(self) -> None:
         """Put what was lost so far into the journal."""
@@ -152,8 +172,35 @@ class SessionLoop:
                 self.note(f"retake: the plan has no {error.args[0]}", now_s)
                 return
             self._change(changed, now_s)
+        elif isinstance(command, Withdraw):
+            self._withdraw(now_s)
+        elif isinstance(command, Note):
+            self.note(command.text, now_s)
         elif isinstance(command, Stop):
-            self.ended = command.reason
+            self._stopping = begin_stopping(
+                self._stopping,
+                command,
+                now_s,
+                record_s=self._settings.plan.sampling.samples / self._rate_hz,
+                wall_s=self._clock.wall_s(1.0),
+            )
+
+    def _withdraw(self, now_s: float) -> None:
+        if not self._kept:
+            self.note("there is no accepted hit to take back", now_s)
+            return
+        number, posture, point = self._kept.pop()
+        self._journal.append(
+            encode_mark(
+                Mark(
+                    kind=MarkKind.WITHDRAWN, posture=posture, point=point, host_s=now_s, hit=number
+                )
+            )
+        )
+        self.accepted -= 1
+        self.rejected += 1
+        self._outbox.put(HitWithdrawn(number=number, posture=posture, point=point))
+        self._change(machine.withdraw(self._state, posture, point), now_s)
 
     def _change(self, state: SessionState, now_s: float) -> None:
         """Go to another state; hits count for it from now on, if it asks for one."""
@@ -167,7 +214,7 @@ class SessionLoop:
         prompt = state.prompt
         if prompt != self._asked:
             self._asked = prompt
-            self._outbox.put(Prompted(prompt=prompt, host_s=now_s))
+            self._outbox.put(Prompted(prompt=prompt, host_s=now_s, progress=state.progress))
 
     def _follow_posture(self, reading: JointReading, now_s: float) -> None:
         silent = reading.joints_rad is None
@@ -327,8 +374,11 @@ class SessionLoop:
                 verdict_s=verdict_s,
                 commit_s=commit_s,
                 clock_uncertainty_s=self._board.clock_fit.uncertainty_s(block.info.trigger_ticks),
+                committed_host_s=self._clock.now_s(),
             )
         )
+        if verdict.accepted:
+            self._kept.append((hit.number, hit.posture, roving_point(plan, hit)))
         self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
 
     def _report(self, now_s: float) -> None:
@@ -347,6 +397,8 @@ class SessionLoop:
             if posture is not None and joints_rad is not None:
                 off_rad = largest_difference_rad(joints_rad, posture.joints_rad)
             self._outbox.put(JointsSeen(reading=reading, off_rad=off_rad))
+        if self._is_due("health", HEALTH_EVERY_WALL_S, now_s):
+            self._outbox.put(health_of(self._board, self._bus, self._joints))
         if self._losses and self._is_due("losses", LOSSES_EVERY_WALL_S, now_s):
             self.flush_losses()
 

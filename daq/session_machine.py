@@ -29,6 +29,7 @@ __all__ = [
     "posture_reached",
     "retake",
     "skip",
+    "withdraw",
 ]
 
 
@@ -173,6 +174,27 @@ def skip(state: SessionState) -> SessionState:
     return state if here is None else _advance(state, replace(here, skipped=True))
 
 
+def withdraw(state: SessionState, posture: str, point: str) -> SessionState:
+    """Take back an accepted hit of a point, and ask for that point again.
+
+    Raises
+    ------
+    KeyError
+        If the plan has no such point.
+    """
+    index = _index(state, posture, point)
+    chosen = state.progress[index]
+    lacking = replace(chosen, accepted=max(chosen.accepted - 1, 0), skipped=False)
+    here = state.here
+    return replace(
+        state,
+        progress=(*state.progress[:index], lacking, *state.progress[index + 1 :]),
+        current=index,
+        at_posture=state.at_posture and here is not None and here.posture == posture,
+        ready=state.ready and index == state.current,
+    )
+
+
 def retake(
     state: SessionState, posture: str | None = None, point: str | None = None
 ) -> SessionState:
@@ -188,12 +210,7 @@ def retake(
     """
     index = state.current
     if posture is not None or point is not None:
-        index = next(
-            (i for i, p in enumerate(state.progress) if (p.posture, p.point) == (posture, point)),
-            None,
-        )
-        if index is None:
-            raise KeyError(f"{posture}/{point}")
+        index = _index(state, posture, point)
     if index is None:
         return state
     chosen = state.progress[index]
@@ -209,6 +226,13 @@ def retake(
         at_posture=state.at_posture and here is not None and here.posture == chosen.posture,
         ready=False,
     )
+
+
+def _index(state: SessionState, posture: str | None, point: str | None) -> int:
+    for i, p in enumerate(state.progress):
+        if (p.posture, p.point) == (posture, point):
+            return i
+    raise KeyError(f"{posture}/{point}")
 
 
 def _advance(state: SessionState, changed: Progress) -> SessionState:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -38,7 +39,14 @@ class _Hands:
     def swing(
         self, point_id: str, direction: npt.NDArray[np.float64]
     ) -> tuple[Blow, dict[str, object]]:
-        landed = blow(self._plant.truth.hand, self._swings, point_id, direction)
+        return self._told(blow(self._plant.truth.hand, self._swings, point_id, direction))
+
+    def swing_at_mass(self, mass_kg: float) -> tuple[Blow, dict[str, object]]:
+        any_point = next(iter(self._plant.points))
+        swung = blow(self._plant.truth.hand, self._swings, any_point, [0.0, 0.0, 1.0])
+        return self._told(replace(swung, free_mass_kg=mass_kg))
+
+    def _told(self, landed: Blow) -> tuple[Blow, dict[str, object]]:
         facts: dict[str, object] = {
             "kind": landed.kind,
             "direction": landed.direction.tolist(),
@@ -63,5 +71,6 @@ def arm_in_cell(plant: Plant, *, seed: int) -> ArmInCell[Blow]:
         plant=plant,
         make_source=hands.make_source,
         swing=hands.swing,
+        swing_at_mass=hands.swing_at_mass,
         mounted=hands.mounted,
     )

@@ -33,6 +33,7 @@ class Blow:
     direction: Array  # (3,) unit, base axes, of the force on the arm
     kind: str  # "good", "double", "soft" or "overload"
     pulses: tuple[Pulse, ...]
+    free_mass_kg: float | None = None  # a mass with the sensor on it is hit, not the arm
 
 
 def blow(

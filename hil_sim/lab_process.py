@@ -59,6 +59,7 @@ class ArmInCell(Generic[BlowT]):
     make_source: Callable[[Fraction], Source[BlowT]]
     swing: Swing[BlowT]
     mounted: Callable[[], Mapping[str, object]]
+    swing_at_mass: Callable[[float], tuple[BlowT, Mapping[str, object]]] | None = None
 
 
 class LabProcess(Generic[BlowT]):
@@ -123,6 +124,7 @@ class LabProcess(Generic[BlowT]):
             faults=faults,
             ledger=self._ledger,
             mounted=arm.mounted,
+            swing_at_mass=arm.swing_at_mass,
         )
         operator = Operator(workplace, clock=clock, rng=operator_rng)
         self.operator = OperatorSocket(options.directory / SOCKET_NAME, operator.begin, clock=clock)

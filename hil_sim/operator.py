@@ -56,6 +56,7 @@ class Workplace(Generic[BlowT]):
     faults: FaultSet
     ledger: LedgerWriter
     mounted: Callable[[], Mapping[str, object]]  # how the sensor truly sits
+    swing_at_mass: Callable[[float], tuple[BlowT, Mapping[str, object]]] | None = None
 
 
 class Operator(Generic[BlowT]):
@@ -92,10 +93,14 @@ class Operator(Generic[BlowT]):
                 return self._mount(self._point_of(request))
             case "hit":
                 return self._hit(self._point_of(request), _direction_of(request.get("direction")))
+            case "hit-mass":
+                return self._hit_mass(request.get("mass_kg"))
             case "fault":
                 return self._fault(request.get("name"), request.get("active", True))
             case other:
-                raise PlantError(f'wanted "do": posture, mount, hit or fault, got {other!r}')
+                raise PlantError(
+                    f'wanted "do": posture, mount, hit, hit-mass or fault, got {other!r}'
+                )
 
     def _go(self, name: str, joints_rad: Array) -> Action:
         yield self._at.move_to(joints_rad)
@@ -126,6 +131,19 @@ class Operator(Generic[BlowT]):
         )
         yield self._clock.now_s() + self._options.after_hit_s
         return {"done": True, "do": "hit", "point": point}
+
+    def _hit_mass(self, mass_kg: object) -> Action:
+        swing_at_mass = self._at.swing_at_mass
+        heavy = isinstance(mass_kg, int | float) and 1e-3 <= mass_kg <= 1e3
+        if not heavy or swing_at_mass is None:
+            raise PlantError(f"mass_kg: wanted 0.001 to 1000 and a mass to hit, got {mass_kg!r}")
+        yield self._clock.now_s() + self._rng.uniform(*self._options.swing_s)
+        blow, facts = swing_at_mass(float(str(mass_kg)))
+        at_sample = self._at.cell.strike(self._rng.uniform(1.0, 2.0), blow)
+        now_s = self._clock.now_s()
+        self._at.ledger.note("hit-mass", now_s, mass_kg=mass_kg, at_sample=at_sample, **facts)
+        yield self._clock.now_s() + self._options.after_hit_s
+        return {"done": True, "do": "hit-mass"}
 
     def _fault(self, name: object, active: object) -> Action:
         self._at.faults.switch(str(name), active=bool(active))

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
+from hil_sim.free_mass import felt_on_mass
 from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
 from hil_sim.hand import Blow
 from hil_sim.newton_euler import rotation
@@ -120,12 +121,16 @@ class SensorSource:
         PlantError
             If the point is unknown.
         """
-        plant = self._plant
-        if self._motion is None:
-            self._motion = linearise(plant, self._joints, self._mounting)
+        plant, rate_hz = self._plant, float(self._rate_hz)
         first = int(np.floor(at_sample))
-        strike = strike_of(plant, self._motion, blow, (at_sample - first) / float(self._rate_hz))
-        (counts,) = ring(self._front, [strike], plant.sensing.delay_s)
+        begin_s = (at_sample - first) / rate_hz
+        if blow.free_mass_kg is not None:
+            counts = felt_on_mass(self._front, blow, blow.free_mass_kg, begin_s, rate_hz)
+        else:
+            if self._motion is None:
+                self._motion = linearise(plant, self._joints, self._mounting)
+            strike = strike_of(plant, self._motion, blow, begin_s)
+            (counts,) = ring(self._front, [strike], plant.sensing.delay_s)
         counts = counts @ plant.sensing.gains(self._label).T
         if first < self._next:
             counts, first = counts[self._next - first :], self._next

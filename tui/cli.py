@@ -29,6 +29,7 @@ from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
 from tui.results import identification_tables
 from tui.review.command import add_review_command
+from tui.run.command import run_app
 from tui.session_commands import app as session_app
 
 __all__ = ["main"]
@@ -219,6 +220,40 @@ def acquire_command(
             f"{finished.reason}\nsession {session_path}",
             markup=False,
         )
+
+
+@app.command("run")
+def run_command(
+    plan: Annotated[str | None, typer.Argument(help="Plan file or shipped plan.")] = None,
+    simulated: Annotated[bool, typer.Option("--sim", help="In the simulated laboratory.")] = False,
+    session: Annotated[
+        Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
+    ] = Path("session.journal"),
+    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
+    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    seed: Annotated[int, typer.Option(help="For everything random in the simulation.")] = 1,
+) -> None:
+    """Guide the operator through a session, on screens that read from two metres.
+
+    Example: armodal run --sim
+    """
+    raise typer.Exit(
+        run_app(
+            plan=plan,
+            arm=arm,
+            session=session,
+            board=board,
+            can=can,
+            baud=baud,
+            simulated=simulated,
+            seed=seed,
+            time_scale=time_scale,
+            software=SOFTWARE,
+        )
+    )
 
 
 @app.command()

@@ -153,9 +153,9 @@ def _gain(
         wrong = one_sided[active] & (step < 0.0)
         if not wrong.any():
             whole[active] = step
-            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole, -along
+            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole, np.asarray(-along)
         active[np.flatnonzero(active)[wrong]] = False
-    return 0.0, whole, std, np.zeros(len(free)), -along
+    return 0.0, whole, std, np.zeros(len(free)), np.asarray(-along)
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:

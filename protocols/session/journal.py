@@ -8,7 +8,7 @@ read a file back, torn tail dropped and said.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from protocols.errors import JournalError
@@ -152,7 +152,7 @@ def decode_journal(data: bytes) -> Journal:
             unknown += 1
     return Journal(
         header=header,
-        hits=tuple(hits),
+        hits=_after_withdrawals(hits, marks),
         losses=tuple(losses),
         marks=tuple(marks),
         end=end,
@@ -160,6 +160,22 @@ def decode_journal(data: bytes) -> Journal:
         size=found.size,
         may_append=found.may_append,
         warnings=_warnings(found, unknown, closed=end is not None),
+    )
+
+
+def _after_withdrawals(hits: Sequence[Hit], marks: Sequence[Mark]) -> tuple[Hit, ...]:
+    """Return the hits as they count: one that was withdrawn stays, and is not accepted."""
+    withdrawn = {mark.hit for mark in marks if mark.kind is MarkKind.WITHDRAWN}
+    return tuple(
+        replace(
+            hit,
+            verdict=replace(
+                hit.verdict, accepted=False, reasons=(*hit.verdict.reasons, "withdrawn")
+            ),
+        )
+        if hit.number in withdrawn and hit.verdict.accepted
+        else hit
+        for hit in hits
     )
 
 

@@ -117,6 +117,7 @@ class MarkModel(Strict):
     point: Name | None
     host_s: Finite
     note: Sentence
+    hit: Annotated[int, Field(ge=1, lt=2**31)] | None = None
 
 
 class EndModel(Strict):

@@ -58,6 +58,7 @@ class MarkKind(StrEnum):
     RESUMED = "resumed"
     SKIPPED = "skipped"  # a point, or with point None a posture
     NOTE = "note"
+    WITHDRAWN = "withdrawn"  # an accepted hit, by its number
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +70,7 @@ class Mark:
     point: str | None
     host_s: float
     note: str = ""
+    hit: int | None = None  # the hit withdrawn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,6 +217,7 @@ def encode_mark(mark: Mark) -> bytes:
             "point": mark.point,
             "host_s": mark.host_s,
             "note": mark.note,
+            "hit": mark.hit,
         },
         "mark",
     )
@@ -235,6 +238,7 @@ def decode_mark(payload: bytes | memoryview) -> Mark:
         point=model.point,
         host_s=model.host_s,
         note=model.note,
+        hit=model.hit,
     )
 
 

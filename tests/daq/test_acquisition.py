@@ -12,8 +12,17 @@ import numpy as np
 import pytest
 
 from daq.acquisition import run_acquisition
-from daq.commands import Ready, Retake, Skip, Stop
-from daq.events import Failed, Finished, HitJudged, LossNoted, Noted, Prompted, SessionOpened
+from daq.commands import Note, Ready, Retake, Skip, Stop, Withdraw
+from daq.events import (
+    Failed,
+    Finished,
+    HitJudged,
+    HitWithdrawn,
+    LossNoted,
+    Noted,
+    Prompted,
+    SessionOpened,
+)
 from daq.session_machine import PromptKind
 from daq.settings import AcquisitionSettings
 from protocols.board.messages import encode_dictionary
@@ -414,3 +423,45 @@ def test_a_session_of_other_sensors_is_not_resumed(lab, start, fakes):
     run.end()
     lab.board.dictionary_bytes = encode_dictionary(fakes["dictionary"]("other"))
     assert "describes itself differently" in start(resume=True).failure().message
+
+
+def test_a_hit_taken_back_stays_in_the_journal_and_counts_no_more(lab, start, fakes):
+    run = start()
+    run.ready()
+    strike(lab, fakes["record"]())
+    assert run.judged().verdict.accepted
+    run.ours.send(Withdraw())
+    assert run.until(lambda e: isinstance(e, HitWithdrawn)).number == 1
+    assert run.prompt(PromptKind.HIT).accepted == 0
+    run.end()
+    (hit,) = load_journal(lab.journal).hits
+    assert hit.verdict.reasons == ("withdrawn",)
+    again = start(resume=True)
+    assert again.ready().accepted == 0
+
+
+def test_nothing_to_take_back_is_said(lab, start):
+    run = start()
+    run.ready()
+    run.ours.send(Withdraw())
+    run.noted("no accepted hit")
+
+
+def test_a_hit_under_way_is_kept_when_the_program_is_killed(lab, start, fakes):
+    run = start()
+    run.ready()
+    time.sleep(len(fakes["record"]()) / 1652.0)
+    run.ours.close()
+    lab.board.hit(fakes["record"]())
+    run.thread.join(8.0)
+    assert [hit.verdict.accepted for hit in load_journal(lab.journal).hits] == [True]
+    run.ours, _ = multiprocessing.Pipe()
+
+
+def test_what_the_operator_notes_is_in_the_journal(lab, start):
+    run = start()
+    run.prompt(PromptKind.POINT)
+    run.ours.send(Note(text="the hammer's tip was changed"))
+    run.noted("tip was changed")
+    run.end()
+    assert "the hammer's tip was changed" in [m.note for m in read_journal(lab.journal).marks]

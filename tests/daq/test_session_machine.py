@@ -119,3 +119,21 @@ def test_no_sequence_of_steps_loses_a_hit_or_leaves_the_plan(steps):
         assert sum(p.accepted for p in state.progress) == accepted
         done = all(p.complete for p in state.progress)
         assert (state.kind is PromptKind.DONE) == done
+
+
+def test_a_withdrawn_hit_is_asked_for_again_where_the_sensor_still_sits(plan):
+    state = machine.point_ready(machine.posture_reached(machine.begin(plan)))
+    state = machine.hit_judged(state, accepted=True)
+    back = machine.withdraw(state, "test 1", "2")
+    assert back.kind is PromptKind.HIT
+    assert back.prompt.accepted == 0
+
+
+def test_a_hit_withdrawn_after_the_sensor_went_on_asks_for_the_sensor_first(plan):
+    state = machine.point_ready(machine.posture_reached(machine.begin(plan)))
+    for _ in range(plan.hits_per_point):
+        state = machine.hit_judged(state, accepted=True)
+    assert state.prompt.sensor_point == "3"
+    back = machine.withdraw(state, "test 1", "2")
+    assert back.kind is PromptKind.POINT
+    assert (back.prompt.sensor_point, back.prompt.accepted) == ("2", plan.hits_per_point - 1)

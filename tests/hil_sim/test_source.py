@@ -295,3 +295,29 @@ def test_freezing_the_mass_matrix_costs_less_than_a_thousandth(quiet, capsys):
     # Motions of 0.1 to 1 mrad turn levers and axes by as much: below a thousandth.
     assert 3e-5 < error < 1e-3
     assert spread < 1e-3
+
+
+def test_a_freely_hung_mass_moves_by_force_over_mass_along_z():
+    mass_kg = 0.8
+    plant = plant_with(
+        {**SILENT, **NO_HIGHPASS, "gain_error": 0.0},
+        {**SILENT_SENSOR, **NO_HIGHPASS, "response": ((1, 0, 0), (0, 1, 0), (0, 0, 1))},
+    )
+    source = SensorSource(plant, RATE, np.random.default_rng(1), lambda name: straight(plant, name))
+    source.set_posture(POSTURE)
+    source.mount("1")
+    blow = Blow(
+        point_id="1",
+        offset_m=np.zeros(3),
+        direction=np.array([0.0, 0.0, 1.0]),
+        kind="good",
+        pulses=(Pulse(delay_s=0.0, peak_n=50.0, width_s=3e-3),),
+        free_mass_kg=mass_kg,
+    )
+    source.strike(50.3, blow)
+    units = source.read(400) / FrontEnd(plant.truth, RATE).counts_per_unit
+    # Rounding to whole counts on both sides.
+    assert units[:, 3] @ units[:, 0] / (units[:, 0] @ units[:, 0]) == pytest.approx(
+        1.0 / mass_kg, rel=1e-3
+    )
+    assert np.abs(units[:, 1:3]).max() < 1e-3 * np.abs(units[:, 3]).max()

@@ -44,6 +44,7 @@ NAMED = GapResult(
             title="Compliance axis inside a link",
             place="link_3",
             parameters=P,
+            size=next(iter(P)),
             description={"link": "link_3", "direction": [0.0, 0.0, 1.0]},
             confidence=0.998,
             gain=812.0,

@@ -1,0 +1,150 @@
+"""A whole session in a real terminal by keys only: 3 postures x 18 points x 3 hits.
+
+Somebody who only does what the screen says presses the keys. Printed are the app's share of a
+core, the time from a record in the journal to its verdict on the terminal, and what was lost.
+Targets: below 35 % of a core, verdict within 150 ms, nothing lost.
+
+    python bench/bench_run_app.py [--time-scale 8] [--points 18] [--columns 160] [--rows 45]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import statistics
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from support.key_operator import act_until_done
+from support.terminal import Terminal, armodal
+
+from protocols.plan import PLANS_DIRECTORY
+from protocols.session.journal import load_journal
+
+LEAST_HIT_BYTES = 8_000  # a record with 2048 samples of four channels; marks are far smaller
+SAME_RECORD_S = 0.05
+TICKS_HZ = os.sysconf("SC_CLK_TCK")
+RECORD = re.compile(rb"record[^0-9]{1,12}([0-9]+)")
+
+
+def plan_of(points: int, folder: Path) -> Path:
+    """Write the shipped plan without its validation postures, with the first points only."""
+    text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
+    head, *postures = text.split("[[postures]]")
+    kept = [p for p in postures if "validation = true" not in p]
+    names = ", ".join(f'"{i + 1}"' for i in range(points))
+    kept = [re.sub(r"points = \[[^\]]*\]", f"points = [{names}]", p) for p in kept]
+    path = folder / "bench.toml"
+    path.write_text("[[postures]]".join([head, *kept]), encoding="utf-8")
+    return path
+
+
+class Watch(threading.Thread):
+    """Note when records reach the journal's file, and when the terminal is told of them."""
+
+    def __init__(self, journal: Path, fifo: Path) -> None:
+        super().__init__(daemon=True)
+        self._journal, self._fifo = journal, fifo
+        self.written_s: list[float] = []  # of every hit record, in order
+        self.shown_s: dict[int, float] = {}  # record: when its verdict went to the terminal
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def run(self) -> None:
+        size = 0
+        while True:
+            time.sleep(0.001)
+            now_size = self._journal.stat().st_size if self._journal.exists() else 0
+            now_s = time.monotonic()
+            # One record may be seen to grow in two steps.
+            apart = not self.written_s or now_s - self.written_s[-1] > SAME_RECORD_S
+            if now_size - size > LEAST_HIT_BYTES and size and apart:
+                self.written_s.append(now_s)
+            size = now_size
+
+    def _listen(self) -> None:
+        tail = b""
+        with self._fifo.open("rb", buffering=0) as stream:
+            while chunk := stream.read(65536):
+                now_s = time.monotonic()
+                # Escape sequences may stand between the words.
+                plain = re.sub(rb"\x1b\[[0-9;?]*[a-zA-Z]", b"", tail + chunk)
+                for found in RECORD.finditer(plain):
+                    self.shown_s.setdefault(int(found.group(1)), now_s)
+                tail = chunk[-200:]
+
+
+def cpu_s(pid: int) -> float:
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS_HZ
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--time-scale", type=float, default=8.0)
+    parser.add_argument("--points", type=int, default=18)
+    parser.add_argument("--columns", type=int, default=160)
+    parser.add_argument("--rows", type=int, default=45)
+    parser.add_argument("--timeout", type=float, default=900.0)
+    wanted = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder_name:
+        folder = Path(folder_name)
+        journal, fifo = folder / "bench.journal", folder / "screen"
+        os.mkfifo(fifo)
+        command = armodal("run", str(plan_of(wanted.points, folder)), "--sim")
+        command += ["--session", str(journal), "--time-scale", str(wanted.time_scale)]
+        watch = Watch(journal, fifo)
+        with Terminal(command, columns=wanted.columns, rows=wanted.rows) as terminal:
+            terminal.record_to(fifo)
+            watch.start()
+            terminal.until("Are these sensors mounted", 120.0)
+            pid = terminal.program_pid()
+            begun_s, begun_cpu_s = time.monotonic(), cpu_s(pid)
+            used: list[float] = [0.0, 0.0]
+
+            def look(screen: str) -> None:
+                if "hits left" in screen:
+                    used[:] = [time.monotonic() - begun_s, cpu_s(pid) - begun_cpu_s]
+
+            try:
+                screen = act_until_done(terminal, wanted.timeout, look)
+            except AssertionError:
+                screen = terminal.screen()  # not done in time: what there is, is still told
+            terminal.keys("q")
+            terminal.until("ended", 30.0)
+        session = load_journal(journal)
+        numbers = [hit.number for hit in session.hits]
+        delays_ms = sorted(
+            1e3 * (watch.shown_s[number] - written_s)
+            for number, written_s in zip(numbers, watch.written_s, strict=False)
+            if number in watch.shown_s
+        )
+        lost = re.findall(r"lost: (.*)", screen)
+        found = {
+            "complete": session.complete,
+            "hits": len(numbers),
+            "accepted": len(session.accepted()),
+            "wall_s": round(used[0], 1),
+            "app_core_share_percent": round(100.0 * used[1] / max(used[0], 1e-9), 1),
+            "records_seen_written": len(watch.written_s),
+            "verdicts_seen": len(delays_ms),
+            "verdict_ms_median": round(statistics.median(delays_ms), 1) if delays_ms else None,
+            "verdict_ms_p95": round(delays_ms[int(0.95 * len(delays_ms))], 1)
+            if delays_ms
+            else None,
+            "verdict_ms_worst": round(delays_ms[-1], 1) if delays_ms else None,
+            "lost": lost[-1].strip() if lost else "unknown",
+            "load_average": os.getloadavg(),
+        }
+    print(json.dumps(found, indent=2))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

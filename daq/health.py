@@ -1,0 +1,27 @@
+"""How board and bus do, for the operator's screen."""
+
+from __future__ import annotations
+
+from daq.board_session import BoardSession
+from daq.can_listener import CanSource
+from daq.events import Health
+from daq.joint_state import JointState
+
+__all__ = ["HEALTH_EVERY_WALL_S", "health_of"]
+
+HEALTH_EVERY_WALL_S = 1.0
+
+
+def health_of(
+    board: BoardSession | None, bus: CanSource | None, joints: JointState | None
+) -> Health:
+    """Return the state of what is there; a device that is not counts as nothing received."""
+    uncertainty_s, rate_ppm = board.health_of_clock if board else (None, None)
+    return Health(
+        clock_uncertainty_s=uncertainty_s,
+        clock_rate_ppm=rate_ppm,
+        board=board.status if board else None,
+        can_frames=joints.frames if joints else 0,
+        can_faults=bus.faults if bus else 0,
+        stream_samples=board.stream.samples if board else 0,
+    )

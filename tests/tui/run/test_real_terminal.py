@@ -1,0 +1,82 @@
+"""The app in a real terminal, against the simulated laboratory, driven by keys only."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+from pathlib import Path
+
+import pytest
+from support.key_operator import act_until_done
+from support.terminal import Terminal, armodal
+
+from hil_sim.lab import start_laboratory
+from protocols.plan import PLANS_DIRECTORY
+from protocols.session.hdf5 import read_session
+from protocols.session.journal import load_journal
+
+TIME_SCALE = "4"
+
+
+@pytest.fixture
+def small_plan(tmp_path: Path) -> Path:
+    text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
+    head, first, *_ = text.split("[[postures]]")
+    first = re.sub(r"points = \[[^\]]*\]", 'points = ["1", "3"]', first)
+    head = head.replace("hits_per_point = 3", "hits_per_point = 2")
+    path = tmp_path / "small.toml"
+    path.write_text(f"{head}[[postures]]{first}")
+    return path
+
+
+def test_a_session_is_done_by_doing_what_the_screen_says(small_plan, tmp_path):
+    journal = tmp_path / "s.journal"
+    command = armodal("run", str(small_plan), "--sim", "--session", str(journal))
+    accepted_shown: set[int] = set()
+
+    def look(screen: str) -> None:
+        for number in re.findall(r"✓ record (\d+) is in the journal", screen):
+            accepted_shown.add(int(number))
+            # What the screen calls accepted is on the disk already.
+            numbers = {h.number for h in load_journal(journal).hits if h.verdict.accepted}
+            assert int(number) in numbers
+
+    with Terminal([*command, "--time-scale", TIME_SCALE]) as terminal:
+        screen = act_until_done(terminal, 120.0, look)
+        assert "lost:" in screen
+        terminal.keys("q")
+        terminal.until("ended 0", 20.0)
+    session = read_session(journal.with_suffix(".h5"))
+    assert session.complete
+    accepted = {hit.number for hit in session.accepted()}
+    assert len(accepted) == 2 * 2
+    assert accepted_shown <= accepted
+
+
+def test_killing_the_app_loses_no_hit_and_coming_back_goes_on(small_plan, tmp_path):
+    journal = tmp_path / "k.journal"
+    with start_laboratory("rv4frl", seed=2, time_scale=float(TIME_SCALE)) as laboratory:
+        command = armodal(
+            "run", str(small_plan), "--session", str(journal), "--time-scale", TIME_SCALE
+        )
+        command += ["--board", laboratory.board, "--can", laboratory.can]
+        with Terminal(command) as terminal:
+            terminal.until("Are these sensors mounted", 60.0)
+            terminal.keys("Enter")
+            terminal.until("Enter: begin", 20.0)
+            terminal.keys("Enter")
+            terminal.until("wanted ", 60.0)
+            os.kill(terminal.program_pid(), signal.SIGKILL)
+            terminal.until("ended 137", 20.0)
+        with Terminal([*command[:3], "run", *command[5:]]) as terminal:
+            # The acquisition that was left alone closes its journal first.
+            terminal.until("go on at the same point|Are these sensors", 60.0)
+            terminal.keys("Enter")
+            screen = terminal.until("go on at the same point", 20.0)
+            assert "0 accepted hits are safe" in screen
+            terminal.keys("Enter")
+            terminal.until("Bring the arm", 60.0)
+            terminal.keys("q")
+            terminal.until("ended 0", 30.0)
+    assert load_journal(journal).hits == ()

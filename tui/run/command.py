@@ -1,0 +1,54 @@
+"""`armodal run`: start the operator's app."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from protocols.arm.files import load_arm
+from protocols.plan import load_plan
+from tui.run.app import RunApp
+from tui.run.conductor import RunOptions
+from tui.run.place import find_place
+
+__all__ = ["run_app"]
+
+SIMULATED_PLAN = "rv4frl-three-postures"
+
+
+def run_app(
+    *,
+    plan: str | None,
+    arm: str,
+    session: Path,
+    board: str,
+    can: str,
+    baud: int,
+    simulated: bool,
+    seed: int,
+    time_scale: float,
+    software: str,
+) -> int:
+    """Run the app to its end; return the exit code.
+
+    Raises
+    ------
+    ArmodalError
+        If arm, plan or an existing journal cannot be used.
+    """
+    the_arm = load_arm(arm)
+    if plan is None and not session.exists() and simulated:
+        plan = SIMULATED_PLAN
+    place = find_place(session, the_arm, None if plan is None else load_plan(plan, the_arm))
+    options = RunOptions(
+        place=place,
+        board=board,
+        can=can,
+        baud=baud,
+        simulated=simulated,
+        seed=seed,
+        time_scale=time_scale,
+        software=software,
+    )
+    app = RunApp(options)
+    app.run()
+    return app.return_code or 0

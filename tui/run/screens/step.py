@@ -1,0 +1,117 @@
+"""What every screen has: a title, the safety line, the loss counters, the keys."""
+
+from __future__ import annotations
+
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.containers import Horizontal
+from textual.screen import Screen
+from textual.widget import Widget
+from textual.widgets import Footer, Static
+
+from tui.run.state import RunState
+from tui.run.views.parts import losses_text, safety_text, title
+
+__all__ = ["LEAST_COLUMNS", "LEAST_ROWS", "Pane", "StepScreen"]
+
+LEAST_COLUMNS, LEAST_ROWS = 60, 18
+
+
+class Pane(Static):
+    """Text that is drawn again only when it has changed."""
+
+    def __init__(self, *, id: str) -> None:  # noqa: A002 - Textual's own name for it
+        super().__init__("", id=id)
+        self._shown: Text | None = None
+
+    def show(self, text: Text) -> None:
+        """Show text."""
+        if self._shown is None or text != self._shown or text.spans != self._shown.spans:
+            self._shown = text
+            self.update(text)
+
+    @property
+    def room(self) -> tuple[int, int]:
+        """Columns and rows of the content."""
+        return self.content_size.width, self.content_size.height
+
+    @property
+    def plain(self) -> str:
+        """The characters shown."""
+        return self._shown.plain if self._shown is not None else ""
+
+
+class StepScreen(Screen[None]):
+    """A screen of the session: subclasses compose `body` and fill it in `draw`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._state: RunState | None = None
+        self._composed = False
+
+    def compose(self) -> ComposeResult:
+        """Title, body, safety and losses, keys."""
+        yield Pane(id="title")
+        yield Pane(id="too-small")
+        yield from self.body()
+        with Horizontal(id="state-line"):
+            yield Pane(id="safety")
+            yield Pane(id="losses")
+        yield Footer(show_command_palette=False)
+
+    def body(self) -> ComposeResult:
+        """Return the widgets between title and state line."""
+        raise NotImplementedError
+
+    def draw(self, state: RunState) -> None:
+        """Fill the body."""
+        raise NotImplementedError
+
+    def show(self, state: RunState) -> None:
+        """Show a state."""
+        self._state = state
+        if not self._composed or not self.size.width:
+            return  # it is drawn when it is composed
+        small = self.size.width < LEAST_COLUMNS or self.size.height < LEAST_ROWS
+        self.set_class(small, "small")
+        self.pane("title").show(title(state, self.size.width))
+        self.pane("safety").show(safety_text(state))
+        self.pane("losses").show(losses_text(state))
+        if small:
+            wanted = f"wanted {LEAST_COLUMNS} x {LEAST_ROWS}"
+            here = f"it is {self.size.width} x {self.size.height}"
+            words = f"The window is too small: {wanted}, {here}. Nothing stops meanwhile.\n"
+            self.pane("too-small").show(Text(words) + self.brief(state))
+            return
+        self.draw(state)
+
+    def again(self) -> None:
+        """Show the last state once more, after something of the screen's own has changed."""
+        if self._state is not None:
+            self.show(self._state)
+
+    def on_mount(self) -> None:
+        """Draw as soon as the widgets have their sizes."""
+        self._composed = True
+        self.call_after_refresh(self.again)
+
+    def on_resize(self) -> None:
+        """Draw for the new size, once it is known."""
+        self.call_after_refresh(self.again)
+
+    def on_screen_resume(self) -> None:
+        """Draw what has happened while another screen was on top."""
+        self.call_after_refresh(self.again)
+
+    def brief(self, state: RunState) -> Text:
+        """Return what is said in a window too small for the screen."""
+        del state
+        return Text("")
+
+    def pane(self, name: str) -> Pane:
+        """Return a pane by its id."""
+        return self.query_one(f"#{name}", Pane)
+
+    def widget(self, name: str) -> Widget:
+        """Return a widget by its id."""
+        return self.query_one(f"#{name}")

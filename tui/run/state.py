@@ -1,0 +1,177 @@
+"""What the screens show, as one record that never changes in place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from analyzer.ratio_calibration import RatioCalibration
+from daq.events import (
+    BoardFound,
+    Failed,
+    Finished,
+    Health,
+    HitJudged,
+    Preview,
+    SessionOpened,
+    TrialHit,
+)
+from daq.session_machine import Progress, Prompt
+from protocols.arm.records import Arm
+from protocols.plan_records import Mode, Plan
+from protocols.session.progress import accepted_counts
+from protocols.session.records import Hit, JointReading
+
+__all__ = ["Phase", "RunState", "Step", "begin_state"]
+
+SILENT_AFTER_S = 1.0  # wall seconds without word of the joints, after which nothing is known
+
+
+class Phase(StrEnum):
+    """What runs."""
+
+    LAB = "lab"  # before the session
+    OPENING = "opening"
+    SESSION = "session"
+    FAILED = "failed"
+    ENDED = "ended"
+
+
+class Step(StrEnum):
+    """The screen the operator needs now."""
+
+    LAB = "lab"
+    POSTURE = "posture"
+    POINT = "point"
+    HIT = "hit"
+    PROGRESS = "progress"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunState:
+    """The whole state of the operator's app."""
+
+    arm: Arm
+    plan: Plan
+    phase: Phase = Phase.LAB
+    now_s: float = 0.0  # wall seconds of the app's clock
+    time_scale: float = 1.0
+    # lab
+    ports: tuple[tuple[str, str], ...] = ()
+    board_choice: str = ""  # chosen from the list, before the controller's port is
+    board_port: str = ""
+    can_channel: str = ""
+    simulated: bool = False
+    troubles: tuple[tuple[str, str], ...] = ()  # device, message
+    board: BoardFound | None = None
+    health: Health | None = None
+    previews: tuple[Preview, ...] = ()
+    trials: tuple[TrialHit, ...] = ()
+    mass_kg: float | None = None  # of the known mass, while it is hit
+    mass_hits: tuple[TrialHit, ...] = ()
+    ratio: RatioCalibration | None = None
+    sensors_confirmed: bool = False
+    # session
+    earlier_hits: tuple[Hit, ...] = ()
+    earlier_end: str | None = None  # how the earlier part of this session ended
+    opened: SessionOpened | None = None
+    prompt: Prompt | None = None
+    progress: tuple[Progress, ...] = ()
+    reading: JointReading | None = None
+    reading_at_s: float | None = None  # wall seconds
+    held_at_s: float | None = None  # wall seconds at which the arm was last known to be held
+    safe: bool = False
+    hits: tuple[HitJudged, ...] = ()  # of this run of the app, in order
+    withdrawn: frozenset[int] = frozenset()  # numbers of hits
+    last_taken_back: int | None = None  # number, until the next hit
+    losses: tuple[tuple[str, int], ...] = ()  # kind, count
+    notes: tuple[str, ...] = ()
+    finished: Finished | None = None
+    failed: Failed | None = None
+    session_file: str | None = None
+    file_problem: str | None = None
+    # the simulated operator
+    hand_doing: str | None = None
+    hand_did: str | None = None  # what it finished last
+    hand_trouble: str | None = None
+
+    @property
+    def joints(self) -> JointReading | None:
+        """The last word of the joints, None when it is too old to be believed."""
+        if self.reading is None or self.reading_at_s is None:
+            return None
+        if self.now_s - self.reading_at_s > SILENT_AFTER_S:
+            return None
+        return self.reading
+
+    @property
+    def posture_known(self) -> bool:
+        """Whether every joint's angle is known now."""
+        return self.joints is not None and self.joints.joints_rad is not None
+
+    @property
+    def held(self) -> bool | None:
+        """Whether the drives hold the arm; None when that is not known."""
+        return self.joints.held if self.joints is not None and self.posture_known else None
+
+    @property
+    def resuming(self) -> bool:
+        """Whether the session was begun before."""
+        return bool(self.earlier_hits) or self.earlier_end is not None
+
+    @property
+    def last_hit(self) -> HitJudged | None:
+        """The last hit that was judged since the app began."""
+        return self.hits[-1] if self.hits else None
+
+    @property
+    def here(self) -> tuple[str, str] | None:
+        """Posture and roving point in hand."""
+        prompt = self.prompt
+        if prompt is None or prompt.posture is None:
+            return None
+        roving = self.plan.mode is Mode.ROVING_RESPONSE
+        return prompt.posture.name, prompt.sensor_point if roving else prompt.hit_point
+
+    @property
+    def step(self) -> Step:
+        """The screen the operator needs now."""
+        if self.phase in {Phase.LAB, Phase.OPENING}:
+            return Step.LAB
+        if self.prompt is None and self.phase is Phase.SESSION:
+            return Step.LAB
+        if self.phase is Phase.ENDED or self.prompt is None or self.prompt.posture is None:
+            return Step.PROGRESS
+        kind = self.prompt.kind.value
+        if kind == "posture" or not self.safe:
+            return Step.POSTURE
+        return Step.POINT if kind == "point" else Step.HIT
+
+
+def begin_state(
+    arm: Arm,
+    plan: Plan,
+    *,
+    time_scale: float = 1.0,
+    earlier_hits: tuple[Hit, ...] = (),
+    earlier_end: str | None = None,
+) -> RunState:
+    """Return the state at the start of the app, with what an earlier run has left."""
+    counts = accepted_counts(plan, earlier_hits)
+    return RunState(
+        arm=arm,
+        plan=plan,
+        time_scale=time_scale,
+        earlier_hits=earlier_hits,
+        earlier_end=earlier_end,
+        progress=tuple(
+            Progress(
+                posture=posture.name,
+                point=point,
+                wanted=plan.hits_per_point,
+                accepted=counts[posture.name, point],
+            )
+            for posture in plan.postures
+            for point in posture.points
+        ),
+    )

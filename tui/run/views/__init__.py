@@ -1,0 +1,1 @@
+"""What the screens say, as text made from the state: functions without a screen."""
