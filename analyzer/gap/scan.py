@@ -153,7 +153,8 @@ def _gain(
         wrong = one_sided[active] & (step < 0.0)
         if not wrong.any():
             whole[active] = step
-            return -0.5 * float(step @ slope[active]), whole, std, -along @ whole, np.asarray(-along)
+            gain = -0.5 * float(step @ slope[active])
+            return gain, whole, std, -along @ whole, np.asarray(-along)
         active[np.flatnonzero(active)[wrong]] = False
     return 0.0, whole, std, np.zeros(len(free)), np.asarray(-along)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,7 +48,7 @@ __all__ = ["GapOutcome", "find_gap"]
 
 _STAGES = ((16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
 _FEWEST_POSTURES, _FEWEST_POINTS = 2, 4
-_MOST_EFFECTS = 3
+_MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 _TWO_SIDED_95, _ONE_SIDED_95 = 1.96, 1.645
 
 Tell = Callable[[str], None]
@@ -111,11 +111,13 @@ def find_gap(
     present = Hypothesis(ordinary=ordinary, instances=from_file)
     named: list[tuple[Fit, Fit, HeldOut, HeldOut, Judged]] = []
     before: Fit | None = None
+    rounds = 0
     while True:
         found = find_rivals(stages, present, start=start, tell=tell)
         before = before or found.present
         judged = judge(stages[-1], found.present, found.rivals, limits)
-        if judged.named is None or len(named) == _MOST_EFFECTS:
+        rounds += 1
+        if judged.named is None or len(named) == _MOST_EFFECTS or rounds > _MOST_ROUNDS:
             break
         better = judged.named
         tell(f"held-out postures: {better.hypothesis.name}")
@@ -130,7 +132,12 @@ def find_gap(
             judged = Judged(named=None, standing=(better, found.present), phi=judged.phi)
             break
         named.append((found.present, better, without, with_it, judged))
-        present, start = better.hypothesis, better.values
+        present, start, gone = _still_earning(stages[-1], better, limits, judged.phi)
+        named = [step for step in named if _last(step[1]) not in gone]
+        notes += [
+            f"{instance.title} was taken out again: it no longer earns its place"
+            for instance in gone
+        ]
     final = found.present
     phi = scale(stages[-1], [final, *found.rivals], limits)
     return _outcome(
@@ -148,6 +155,28 @@ def find_gap(
         limits=limits,
         with_modes=modes,
     )
+
+
+def _last(fit: Fit) -> Instance:
+    return fit.hypothesis.instances[-1]
+
+
+def _still_earning(
+    stage: Stage, fit: Fit, limits: Thresholds, phi: float
+) -> tuple[Hypothesis, dict[str, float], list[Instance]]:
+    """Take out effects, added before the last, that the later ones made unneeded."""
+    gone: list[Instance] = []
+    while True:
+        for instance in fit.hypothesis.instances[:-1]:
+            rest = tuple(i for i in fit.hypothesis.instances if i is not instance)
+            fewer = fit_hypothesis(stage, replace(fit.hypothesis, instances=rest), start=fit.values)
+            small = not instance.is_material(fit.values)
+            if small or fewer.evidence - fit.evidence < limits.clear * phi:
+                gone.append(instance)
+                fit = fewer
+                break
+        else:
+            return fit.hypothesis, fit.values, gone
 
 
 def _check_enough(session: Session) -> None:
