@@ -35,7 +35,7 @@ demo: $(DEVICE_LIBRARY)
 	$(BIN)/armodal demo
 
 test: $(DEVICE_LIBRARY)
-	$(BIN)/python -m pytest
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 check: $(STAMP)
 	$(BIN)/ruff format --check .

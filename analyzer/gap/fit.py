@@ -86,13 +86,14 @@ class Stage:
     def misfit(
         self, hypothesis: Hypothesis, values: Mapping[str, float], postures: Sequence[int]
     ) -> list[float]:
-        """chi^2 / 2 of each posture."""
-        return [
+        """chi^2 / 2 of each posture; infinite where a response outgrows the arithmetic."""
+        costs = [
             self.weighings[p].cost(
                 self.models[p].response(hypothesis, self.lines[p], values).values
             )
             for p in postures
         ]
+        return [cost if cost >= 0.0 else float("inf") for cost in costs]
 
     def quadratics(
         self,

@@ -11,10 +11,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
 
 __all__ = ["Judged", "Thresholds", "judge", "misfit_per_line", "scale"]
+
+
+_PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +72,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
-        for r in better
+        for r in rivals
         if r is not best
         and r.evidence - best.evidence < thresholds.apart * phi
         and not _same(best, r)
@@ -83,6 +88,21 @@ def _added(fit: Fit) -> Instance:
 
 def _same(one: Fit, other: Fit) -> bool:
     a, b = _added(one), _added(other)
-    if a.key == b.key:
+    if a.key == b.key or _one_line(one, other) or _one_line(other, one):
         return True
     return b.effect.name in a.effect.equivalent or a.effect.name in b.effect.equivalent
+
+
+def _one_line(axis: Fit, joint: Fit) -> bool:
+    """Whether a link's axis lies where a released joint's does: then it is the joint."""
+    a, b = _added(axis), _added(joint)
+    if a.effect.name != "link_axis" or b.effect.name != "released_joint" or a.describe is None:
+        return False
+    found = a.describe(axis.values)
+    here = next(j for j in axis.hypothesis.ordinary.arm.joints if j.name == b.place)
+    if here.link.name != found["link"]:
+        return False
+    direction, point = (np.asarray(found[key]) for key in ("direction", "point_m"))
+    own = np.asarray(here.axis)
+    off = np.linalg.norm(point - own * (own @ point))
+    return bool(abs(direction @ own) > _PARALLEL and off < _THROUGH_M)

@@ -28,6 +28,7 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
+_ASTRAY = ("bearing", "base", "hysteretic")
 _STEPS = 24  # a finalist converges within these
 
 Progress = Callable[[str], None]
@@ -74,6 +75,8 @@ def find_rivals(
     else:
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
         coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
+        coarse += _from_the_start(broad, present, postures, start or {})
+        coarse.sort(key=lambda f: f.cost)
         best = []
         for f in coarse[:_COARSE]:
             tell(f.hypothesis.name)
@@ -153,6 +156,23 @@ def _better_start(
         return sum(stage.misfit(hypothesis, space.values(u), used)) + 0.5 * float(u @ u)
 
     return min(starts, key=cost)
+
+
+def _from_the_start(
+    stage: Stage,
+    present: Hypothesis,
+    postures: Sequence[int] | None,
+    start: dict[str, float],
+) -> list[Fit]:
+    """What may lead the plain fit so far astray that a linear look about it does not see it."""
+    taken = {instance.key for instance in present.instances}
+    fits = []
+    for instance in all_instances(present.ordinary):
+        if instance.effect.name not in _ASTRAY or instance.key in taken:
+            continue
+        richer = replace(present, instances=(*present.instances, instance))
+        fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=3))
+    return fits
 
 
 def _key(fit: Fit) -> tuple[str, str]:

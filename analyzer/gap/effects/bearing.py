@@ -20,7 +20,7 @@ WORDS = EffectWords(
     told_by="points on both sides of the bearing; hits along two directions across the axis",
     remedy="check preload and bolts of the joint's main bearing",
 )
-_MATERIAL = 0.04  # of the arm's compliance
+_MATERIAL = 0.028  # of the arm's compliance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

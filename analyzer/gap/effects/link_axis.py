@@ -27,7 +27,7 @@ WORDS = EffectWords(
     told_by="triplets of points on both sides of the line; postures that move the masses beyond",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
 )
-_MATERIAL = 0.05  # of the arm's compliance
+_MATERIAL = 0.012  # of the arm's compliance
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
 
 

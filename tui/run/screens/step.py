@@ -70,8 +70,8 @@ class StepScreen(Screen[None]):
     def show(self, state: RunState) -> None:
         """Show a state."""
         self._state = state
-        if not self._composed or not self.size.width:
-            return  # it is drawn when it is composed
+        if not self._composed or not self.size.width or not self.query("#title"):
+            return  # it is drawn when it is composed, and no more once it goes
         small = self.size.width < LEAST_COLUMNS or self.size.height < LEAST_ROWS
         self.set_class(small, "small")
         self.pane("title").show(title(state, self.size.width))

@@ -1,0 +1,53 @@
+"""The whole workflow on sealed cases: one with an effect, one without."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from analyzer.gap.records import Verdict
+from analyzer.gap.score import mark, size_found, size_of_truth
+from analyzer.gap.workflow import find_gap
+from hil_sim.study import make_case
+from protocols.errors import EstimateError
+
+
+@pytest.fixture(scope="module")
+def hidden():
+    case = make_case(seed=3, arm="rv4frl", effect="link_axis", magnitude="clear")
+    session = case.session()
+    return case, session, find_gap(session, gates=False, modes=False).result
+
+
+def test_a_hidden_axis_is_named_and_its_size_found(hidden):
+    case, _, result = hidden
+    truth = json.loads(case.open_truth())
+    assert mark(truth, result).outcome == "right"
+    found, low, high = size_found(result.effects[0])
+    true = size_of_truth(truth["effects"][0], {})
+    # Masses and gains are known to some per cent only: the compliance is no better than they.
+    assert found == pytest.approx(true, rel=0.1)
+    assert low < found < high
+
+
+def test_the_gap_shrinks_on_postures_that_were_not_fitted(hidden):
+    *_, result = hidden
+    for before, after in zip(result.gap_before, result.gap_after, strict=True):
+        if after.held_out:
+            assert after.frf_error < before.frf_error / 2
+
+
+def test_nothing_is_found_where_nothing_is_hidden():
+    session = make_case(seed=4, arm="rv4frl").session()
+    result = find_gap(session, gates=False, modes=False).result
+    assert result.verdict is Verdict.NOTHING_DETECTABLE
+    assert not result.effects
+    assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)
+
+
+def test_one_posture_is_not_enough_and_says_what_to_measure(hidden):
+    _, session, _ = hidden
+    first = session.hits[0].posture
+    alone = replace(session, hits=tuple(h for h in session.hits if h.posture == first))
+    with pytest.raises(EstimateError, match=r"at least 2 postures .* got 1; measure two more"):
+        find_gap(alone)
