@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -20,7 +21,7 @@ __all__ = ["Rivals", "find_rivals"]
 
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
-_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 7, 4, 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 9, 4, 4
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MOST_AXES = 6
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
@@ -75,7 +76,7 @@ def find_rivals(
     else:
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
         coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
-        coarse += _from_the_start(broad, present, postures, start or {})
+        coarse += _from_the_start(broad, present, looked_at, postures, start or {})
         coarse.sort(key=lambda f: f.cost)
         best = []
         for f in coarse[:_COARSE]:
@@ -161,17 +162,23 @@ def _better_start(
 def _from_the_start(
     stage: Stage,
     present: Hypothesis,
+    looked_at: Sequence[Candidate],
     postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
-    """What may lead the plain fit so far astray that a linear look about it does not see it."""
+    """What may lead the plain fit so far astray that a linear look about it misjudges it."""
     taken = {instance.key for instance in present.instances}
+    instances = [i for i in all_instances(present.ordinary) if i.effect.name in _ASTRAY]
+    best_line: dict[str, Instance] = {}
+    for candidate in looked_at:
+        if candidate.instance.effect.name == "link_axis":
+            best_line.setdefault(candidate.instance.place, candidate.instance)
     fits = []
-    for instance in all_instances(present.ordinary):
-        if instance.effect.name not in _ASTRAY or instance.key in taken:
+    for instance in (*instances, *best_line.values()):
+        if instance.key in taken:
             continue
         richer = replace(present, instances=(*present.instances, instance))
-        fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=3))
+        fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
     return fits
 
 
