@@ -24,7 +24,7 @@ _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thresholds:
-    """Calibrated on seeds that no study uses (`docs/gap-study.md`)."""
+    """Calibrated on seeds that no study uses (`docs/theory-gap.md`)."""
 
     clear: float = 25.0  # nats of evidence over the present hypothesis
     apart: float = 20.0  # nats to the next rival

@@ -1,0 +1,307 @@
+"""The result of the workflow, put together from the fits it ended with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analyzer.gap.compare import disagreement_map, posture_gap
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.held_out import HeldOut, held_out
+from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
+from analyzer.gap.library import all_instances
+from analyzer.gap.records import (
+    Disagreement,
+    EffectFound,
+    GapResult,
+    Gate,
+    Hidden,
+    Interval,
+    PostureGap,
+    RivalRow,
+    StiffnessRange,
+    Verdict,
+)
+from analyzer.gap.rivals import Rivals
+from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.modal.fit import fit_modes
+from analyzer.modal.modes import ModalModel
+from protocols.errors import EstimateError
+from protocols.frf_records import FrequencyResponse
+
+__all__ = ["GapOutcome", "Step", "conclude"]
+
+_TWO_SIDED_95, _ONE_SIDED_95 = 1.96, 1.645
+_WIDEST = 0.7  # of ln k
+
+# The model without an effect and with it, both as foretelling held-out postures, and the verdict.
+Step = tuple[Fit, Fit, HeldOut, HeldOut, Judged]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GapOutcome:
+    """The result, and the models behind it for who wants to go on."""
+
+    result: GapResult
+    stages: tuple[Stage, ...]
+    before: Fit  # the arm as believed, all postures
+    final: Fit  # with everything that was named
+    standing: tuple[Fit, ...]  # rivals of the last step that still stand
+    scale: float  # of the data's variance: 1 where the allowance suffices
+
+
+def conclude(
+    *,
+    frfs: Sequence[FrequencyResponse],
+    stages: tuple[Stage, ...],
+    before: Fit,
+    final: Fit,
+    found: Rivals,
+    judged: Judged,
+    named: Sequence[Step],
+    test: tuple[int, ...],
+    phi: float,
+    gates: tuple[Gate, ...],
+    notes: list[str],
+    limits: Thresholds,
+    with_modes: bool,
+) -> GapOutcome:
+    """Verdict, effects, rivals, ranges and gaps of the models a search ended with."""
+    sharp = stages[-1]
+    misfit = misfit_per_line(sharp, final)
+    standing = judged.standing
+    effects = tuple(_effect(step, final, phi) for step in named)
+    left = min([misfit, *(misfit_per_line(sharp, f) for f in standing)])
+    if left > limits.outside_misfit:
+        verdict = Verdict.OUTSIDE_LIBRARY
+    elif effects:
+        verdict = Verdict.NAMED
+    elif len(standing) > 1:
+        verdict = Verdict.AMBIGUOUS
+    else:
+        verdict = Verdict.NOTHING_DETECTABLE
+    if effects and len(standing) > 1:
+        titles = " or ".join(_title(f) for f in standing)
+        notes.append(f"something more is there that cannot be told: {titles}")
+    alive = (final, *standing)
+    hiding = _could_hide(sharp, final)
+    where = disagreement_map(
+        sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
+    )
+    measured = _measured_modes(frfs, sharp) if with_modes else {}
+    first = named[0][2] if named else held_out(sharp, before, test)
+    last = named[-1][3] if named else first
+    result = GapResult(
+        verdict=verdict,
+        summary=_summary(verdict, effects, standing, misfit, where),
+        effects=effects,
+        rivals=tuple(_rival(f, found, standing, phi) for f in found.rivals),
+        hidden=_hidden(hiding, phi),
+        joint_stiffness_ranges=_ranges(alive, hiding, phi),
+        gap_before=_gaps(sharp, before, first, measured),
+        gap_after=_gaps(sharp, final, last, measured),
+        where=where,
+        interface=_interface(stages[0], before),
+        gates=gates,
+        notes=tuple(notes),
+        misfit_per_line=misfit,
+    )
+    return GapOutcome(
+        result=result, stages=stages, before=before, final=final, standing=standing, scale=phi
+    )
+
+
+def _title(fit: Fit) -> str:
+    return fit.hypothesis.instances[-1].title if fit.hypothesis.instances else "nothing missing"
+
+
+def _intervals(fit: Fit, names: Sequence[str], phi: float) -> dict[str, Interval]:
+    values = fit.values
+    std = np.sqrt(np.diag(fit.covariance(phi))) * fit.space.std
+    found = {}
+    for name in names:
+        if name not in fit.space.index:
+            continue
+        i = fit.space.index[name]
+        p = fit.space.parameters[i]
+        half = _TWO_SIDED_95 * float(std[i])
+        found[name] = Interval(
+            value=values[name],
+            std=float(std[i]),
+            low=max(values[name] - half, p.low),
+            high=min(values[name] + half, p.high),
+        )
+    return found
+
+
+def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
+    present, fit, without, with_it, judged = step
+    instance = fit.hypothesis.instances[-1]
+    words = instance.effect
+    others = [f for f in judged.standing if f is not fit]
+    odds = sum(float(np.exp(-(f.evidence - fit.evidence) / (judged.phi * 10.0))) for f in others)
+    return EffectFound(
+        name=words.name,
+        title=words.title,
+        place=instance.place,
+        parameters=_intervals(final, instance.owned, phi),
+        size=instance.size,
+        description={} if instance.describe is None else instance.describe(final.values),
+        confidence=1.0 / (1.0 + odds),
+        gain=present.evidence - fit.evidence,
+        held_out_gain=float(np.sum(without.surprise) - np.sum(with_it.surprise)),
+        signature=words.signature,
+        confused_with=words.confused_with,
+        told_by=words.told_by,
+        remedy=words.remedy,
+    )
+
+
+def _rival(fit: Fit, found: Rivals, standing: tuple[Fit, ...], phi: float) -> RivalRow:
+    instance: Instance = fit.hypothesis.instances[-1]
+    best = found.rivals[0]
+    return RivalRow(
+        name=instance.effect.name,
+        title=instance.effect.title,
+        place=instance.place,
+        gain=found.present.evidence - fit.evidence,
+        behind=fit.evidence - best.evidence,
+        standing=any(f is fit for f in standing),
+        material=instance.is_material(fit.values),
+        parameters=_intervals(fit, instance.owned, phi),
+        told_by=instance.effect.told_by,
+    )
+
+
+def _could_hide(stage: Stage, final: Fit) -> list[Candidate]:
+    """Every effect that is not in the final model, linearly about it."""
+    taken = {i.key for i in final.hypothesis.instances}
+    instances = [i for i in all_instances(final.hypothesis.ordinary) if i.key not in taken]
+    found = scan_instances(stage, final, [i for i in instances if i.size])
+    return [c for c in found if np.isfinite(c.size_std)]
+
+
+def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
+    """How large each could be."""
+    rows = [
+        Hidden(
+            name=c.instance.effect.name,
+            place=c.instance.place,
+            parameter=c.instance.size,
+            largest=_largest(c, phi),
+        )
+        for c in hiding
+    ]
+    return tuple(sorted(rows, key=lambda r: (r.name, r.place)))
+
+
+def _largest(candidate: Candidate, phi: float) -> float:
+    return float(abs(candidate.size) + _ONE_SIDED_95 * candidate.size_std * np.sqrt(phi))
+
+
+def _ranges(
+    alive: Sequence[Fit], hiding: Sequence[Candidate], phi: float
+) -> tuple[StiffnessRange, ...]:
+    """Union of the 95 % intervals of all models that still stand, and of what could hide.
+
+    An effect that nobody would see can still stand for a part of a joint's stiffness: a servo
+    behind the transmission does.
+    """
+    best = alive[0]
+    rows = []
+    for i in best.hypothesis.ordinary.elastic:
+        joint = best.hypothesis.ordinary.arm.joints[i].name
+        name = f"ln k {joint}"
+        found = [_intervals(f, [name], phi)[name] for f in alive]
+        k = float(np.exp(found[0].value))
+        half = found[0].high - found[0].value
+        low, high = min(f.low for f in found), max(f.high for f in found)
+        for c in hiding:
+            # Beyond a factor of two the linear look says nothing but "very wide".
+            shift = float(np.clip(c.follow.get(name, 0.0) * _largest(c, phi), -_WIDEST, _WIDEST))
+            reach = [found[0].value + shift]
+            if c.instance.parameters and c.instance.parameters[0].low < 0.0:
+                reach.append(found[0].value - shift)
+            # Both are rarely at their limits at once: variances add.
+            for end in reach:
+                spread = float(np.hypot(end - found[0].value, half))
+                if end < found[0].value:
+                    low = min(low, found[0].value - spread)
+                else:
+                    high = max(high, found[0].value + spread)
+        rows.append(
+            StiffnessRange(
+                joint=joint,
+                k_n_m_per_rad=k,
+                k_std=k * found[0].std,
+                low=float(np.exp(low)),
+                high=float(np.exp(high)),
+            )
+        )
+    return tuple(rows)
+
+
+def _measured_modes(frfs: Sequence[FrequencyResponse], stage: Stage) -> Mapping[str, ModalModel]:
+    top = max(float(stage.lines[0].s_rad_s[-1].imag) / (2.0 * np.pi), 1.0)
+    found = {}
+    for frf in frfs:
+        try:
+            found[frf.posture] = fit_modes(frf, band_hz=(float(frf.freq_hz[0]), 1.05 * top))
+        except EstimateError:
+            continue
+    return found
+
+
+def _gaps(
+    stage: Stage, fit: Fit, split: HeldOut, measured: Mapping[str, ModalModel]
+) -> tuple[PostureGap, ...]:
+    """Postures of the training by its own fit, held-out ones by what was foretold."""
+    return tuple(
+        posture_gap(
+            stage,
+            split.training if p in split.postures else fit,
+            p,
+            held_out=p in split.postures,
+            measured=measured.get(lines.name),
+        )
+        for p, lines in enumerate(stage.lines)
+    )
+
+
+def _interface(stage: Stage, before: Fit) -> str:
+    lines = scan_axes(stage, fit_hypothesis(stage, before.hypothesis, start=before.values))
+    if not lines or lines[0].gain < Thresholds().clear:
+        return "no interface of a link departs from the model beyond what is allowed"
+    best = lines[0].instance.place
+    second = next((c for c in lines if c.instance.place != best), None)
+    words = f"the motion departs from the model most at the root of link '{best}'"
+    if second is not None and second.gain > 0.5 * lines[0].gain:
+        words += f", nearly as much at '{second.instance.place}'"
+    return words
+
+
+def _summary(
+    verdict: Verdict,
+    effects: Sequence[EffectFound],
+    standing: Sequence[Fit],
+    misfit: float,
+    where: Sequence[Disagreement],
+) -> str:
+    if verdict is Verdict.NAMED:
+        words = "; ".join(f"{e.title} ({e.place})" if e.place else e.title for e in effects)
+        return f"Missing in the model: {words}."
+    if verdict is Verdict.AMBIGUOUS:
+        return "Something is missing, but it cannot be told which: " + " or ".join(
+            _title(f) for f in standing
+        )
+    if verdict is Verdict.OUTSIDE_LIBRARY:
+        worst = max(where, key=lambda d: d.ratio)
+        return (
+            "Something is missing that the library does not know: a misfit of "
+            f"{misfit:.1f} is left, most at point {worst.point} {worst.axis} in posture "
+            f"'{worst.posture}' at {worst.band_hz[0]:.0f}-{worst.band_hz[1]:.0f} Hz."
+        )
+    return "Model and measurement agree within scatter and ordinary errors."
