@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from rich import box
 from rich.table import Table
 
 from analyzer.identification.records import Identification
@@ -134,9 +135,10 @@ def identification_tables(result: Identification) -> list[Table]:
             f"{joint.c_std:.2f}",
         )
     axes = _axis_table(result)
-    modes = Table(title="Measured modes")
-    for column in ("posture", "f Hz", "±", "damping %", "±", "joint share", "", "model Hz", "MAC"):
-        modes.add_column(column, justify="right")
+    modes = _narrow(
+        "Measured modes",
+        ("posture", "f Hz", "±", "damping\n%", "±", "joint\nshare", "", "model\nHz", "MAC"),
+    )
     for mode in result.modes:
         modes.add_row(
             mode.posture,
@@ -151,19 +153,29 @@ def identification_tables(result: Identification) -> list[Table]:
         )
     tables = [joints, modes] if axes is None else [joints, axes, modes]
     if result.validation:
-        checked = Table(title="Validation postures: predicted, then measured")
-        for column in ("posture", "mode", "predicted Hz", "±", "measured Hz", "error %"):
-            checked.add_column(column, justify="right")
-        for column in ("predicted ζ %", "±", "measured ζ %", "MAC"):
-            checked.add_column(column, justify="right")
+        checked = _narrow(
+            "Validation postures: predicted ± std, then measured",
+            (
+                "posture",
+                "mode",
+                "f Hz",
+                "±",
+                "found\nHz",
+                "error\n%",
+                "damping\n%",
+                "±",
+                "found\n%",
+                "MAC",
+            ),
+        )
         for row in result.validation:
             known = row.measured_hz is not None
             checked.add_row(
                 row.posture,
                 str(row.mode),
-                f"{row.predicted_hz:.3f}",
+                f"{row.predicted_hz:.2f}",
                 f"{row.predicted_std_hz:.3f}",
-                f"{row.measured_hz:.3f}" if known else "not found",
+                f"{row.measured_hz:.2f}" if known else "none",
                 f"{100 * (row.predicted_hz / row.measured_hz - 1):+.2f}"
                 if row.measured_hz
                 else "-",
@@ -176,55 +188,57 @@ def identification_tables(result: Identification) -> list[Table]:
     return tables
 
 
+def _narrow(title: str, columns: tuple[str, ...]) -> Table:
+    """A table that keeps to 80 columns: the first one left, no lines between."""
+    table = Table(title=title, box=box.SIMPLE_HEAD, pad_edge=False, padding=0)
+    for i, column in enumerate(columns):
+        table.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
+    return table
+
+
 def _axis_table(result: Identification) -> Table | None:
     """Compliance axes beside the Mozzi axes of their modes, all in the link's frame."""
     if not result.axes:
         return None
-    table = Table(
-        title="Structural compliance (link frame): the model's axis, and the modes' Mozzi axes"
+    table = _narrow(
+        "Structural compliance (link frame): the model's axis, the modes' Mozzi axes",
+        ("axis", "f Hz", "k, c", "direction", "point mm", "off deg, mm"),
     )
-    for column in ("axis", "f Hz", "k", "± scatter", "± model", "c", "direction", "point mm"):
-        table.add_column(column, justify="left" if column == "axis" else "right")
-    table.add_column("off deg, mm", justify="right")
-    table.add_column("expected bias deg, mm, k", justify="right")
     for axis in result.axes:
         table.add_row(
-            f"{axis.link}: released in the model",
+            axis.link,
             f"{axis.f_hz:.2f}",
-            f"{axis.k_n_m_per_rad:.0f}",
-            f"{axis.k_std:.0f}",
-            f"{axis.k_std_model:.0f}",
-            f"{axis.c_n_m_s_per_rad:.2f}",
-            _vector(axis.direction_link, 3),
-            _vector(1e3 * axis.near_point_link_m, 1),
+            f"{axis.k_n_m_per_rad:.0f}\n± {axis.k_std:.0f}\nmodel ± {axis.k_std_model:.0f}\n"
+            f"c {axis.c_n_m_s_per_rad:.2f}",
+            _vector(axis.direction_link, 2),
+            _vector(1e3 * axis.near_point_link_m, 0),
         )
         for row in axis.mozzi:
             table.add_row(
-                f"{row.posture}: all points, Eq. (1)",
+                row.posture,
                 f"{row.f_hz:.2f}",
-                f"{row.k_eq1_n_m_per_rad:.0f}",
-                "",
-                "",
-                f"{row.c_eq2_n_m_s_per_rad:.2f}",
-                _vector(row.line.direction_link, 3),
-                _vector(1e3 * row.line.point_link_m, 1),
-                f"{row.line.off_deg:.1f}, {row.line.off_mm:.0f}",
-                f"{row.predicted_bias_deg:.1f}, {row.predicted_bias_mm:.0f}, "
-                f"{100 * row.predicted_bias_k:+.0f} %",
+                f"{row.k_eq1_n_m_per_rad:.0f}\nbias {100 * row.predicted_bias_k:+.0f} %\n"
+                f"c {row.c_eq2_n_m_s_per_rad:.2f}",
+                _vector(row.line.direction_link, 2),
+                _vector(1e3 * row.line.point_link_m, 0),
+                f"{row.line.off_deg:.1f}, {row.line.off_mm:.0f}\n"
+                f"bias {row.predicted_bias_deg:.1f}, {row.predicted_bias_mm:.0f}",
             )
             if row.triplets is not None and row.triplet_line is not None:
                 table.add_row(
-                    f"  {row.triplets.n_triplets} triplets, ± "
-                    f"{row.triplets.angle_rms_deg:.1f} deg, "
-                    f"{1e3 * row.triplets.distance_rms_m:.0f} mm",
-                    *[""] * 5,
-                    _vector(row.triplet_line.direction_link, 3),
-                    _vector(1e3 * row.triplet_line.point_link_m, 1),
+                    f"{row.triplets.n_triplets} triplets",
+                    "",
+                    f"± {row.triplets.angle_rms_deg:.1f} deg\n"
+                    f"± {1e3 * row.triplets.distance_rms_m:.0f} mm",
+                    _vector(row.triplet_line.direction_link, 2),
+                    _vector(1e3 * row.triplet_line.point_link_m, 0),
                     f"{row.triplet_line.off_deg:.1f}, {row.triplet_line.off_mm:.0f}",
                 )
     table.caption = (
-        "A mode in which joints turn too has another Mozzi axis than the compliance: the expected "
-        "bias is what the fitted model gives for the same computation."
+        "First the axis released in the model; then, by posture, the mode's Mozzi axis over all "
+        "points, k (N m/rad) and c by Eqs. (1) and (2). A mode in which joints turn too has "
+        "another Mozzi axis than the compliance: 'bias' is what the fitted model expects of the "
+        "same computation."
     )
     return table
 

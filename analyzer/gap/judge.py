@@ -26,7 +26,7 @@ _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 class Thresholds:
     """Calibrated on seeds that no study uses (`docs/theory-gap.md`)."""
 
-    clear: float = 25.0  # nats of evidence over the present hypothesis
+    clear: float = 45.0  # nats of evidence over the present hypothesis
     apart: float = 20.0  # nats to the next rival
     ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
     outside_misfit: float = 0.90  # above this something is missing
