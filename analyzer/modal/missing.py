@@ -35,7 +35,8 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
 
     The misfit over its standard deviation, squared, is averaged over all FRFs and over lines one
     bandwidth wide. A hint is given where that exceeds 1.5 times its median, and its median by six
-    times the scatter that noise would give it.
+    times the scatter that noise would give it. Within a bandwidth of the band's edges none is
+    given: there no peak can be told from the slope of what lies outside.
 
     Parameters
     ----------
@@ -86,15 +87,17 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
         k = int(np.argmax(np.where(stands_out, ratio, 0.0)))
         own = slice(int(low[k]), int(high[k]))
         peak = int(low[k]) + int(np.argmax(power[own]))
+        at_edge = peak < high[0] or peak >= low[-1]
         near = [m for m in model.modes if abs(m.f_hz - freq[peak]) < m.damping_ratio * m.f_hz]
-        hints.append(
-            MissingModeHint(
-                f_hz=float(freq[peak]),
-                ratio=float(ratio[k]),
-                share=float(np.sqrt(power[own].sum() / max(size[own].sum(), 1e-300))),
-                beside_hz=near[0].f_hz if near else None,
+        if not at_edge:  # what rises towards an edge is a mode outside the band, if any
+            hints.append(
+                MissingModeHint(
+                    f_hz=float(freq[peak]),
+                    ratio=float(ratio[k]),
+                    share=float(np.sqrt(power[own].sum() / max(size[own].sum(), 1e-300))),
+                    beside_hz=near[0].f_hz if near else None,
+                )
             )
-        )
         # One hint covers the slopes on either side down to where the misfit is usual again.
         first, last = k, k
         while first > 0 and stands_out[first - 1]:

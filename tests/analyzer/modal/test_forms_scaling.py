@@ -164,6 +164,18 @@ def test_the_misfit_says_where_a_mode_is_missing():
         assert hint.beside_hz is None
 
 
+def test_a_misfit_that_rises_to_the_band_s_edge_is_no_missing_mode():
+    made = eight_modes(np.random.default_rng(7))
+    model = fit_modes(made.frf)
+    rms = np.sqrt(np.mean(np.abs(made.frf.values) ** 2, axis=-1, keepdims=True))
+    slope = rms * (made.frf.freq_hz[0] / made.frf.freq_hz)
+    inside = rms / (1.0 + 1j * (made.frf.freq_hz - 200.0) / 4.0)
+    for added, places in ((slope, []), (slope + inside, [200.0])):
+        frf = dataclasses.replace(made.frf, values=made.frf.values + added)
+        found = [hint.f_hz for hint in missing_mode_hints(frf, model)]
+        assert found == pytest.approx(places, abs=2.0)  # half the added peak's width
+
+
 def test_amplitude_at_every_resonance_survives_the_round_trip_from_hits():
     rng = np.random.default_rng(8)
     shapes = unit_mass_shapes(rng, 7)
