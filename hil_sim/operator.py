@@ -180,7 +180,10 @@ def _direction_of(value: object) -> Array:
 
 
 def _numbers(value: object, n: int, what: str) -> Array:
-    is_list = isinstance(value, list) and len(value) == n
-    if is_list and all(isinstance(x, int | float) and abs(x) < 1e6 for x in value):  # type: ignore[attr-defined]
+    if (
+        isinstance(value, list)
+        and len(value) == n
+        and all(isinstance(x, int | float) and abs(x) < 1e6 for x in value)
+    ):
         return np.array(value, dtype=np.float64)
     raise PlantError(f"{what}: wanted a list of {n} numbers, got {value!r}")

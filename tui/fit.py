@@ -83,8 +83,8 @@ def fit_session(
     session = settings.applied_to(session)
     superset = Superset(session.header.arm)
     table = Table(title="Modes")
-    for column in ("posture", "f Hz", "±", "damping %", "±", "MPC", "joint share", ""):
-        table.add_column(column, justify="right")
+    for column in ("posture", "f Hz", "±", "damping\n%", "±", "MPC", "joint\nshare", ""):
+        table.add_column(column, justify="right", no_wrap=True)
     frfs = estimate_frfs(session, superset)
     if not frfs:
         raise EstimateError(
