@@ -248,10 +248,6 @@ def _inertia_changes(
 ) -> Array:
     """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
     z = np.array([values[name] for name in names])
-    start, _ = ordinary.link_inertia(link, z)
-    changes = []
-    for i in range(len(names)):
-        moved = z.copy()
-        moved[i] += _INERTIA_STEP
-        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
-    return np.stack(changes)
+    beside = np.concatenate([z[None], z + _INERTIA_STEP * np.eye(len(names))])
+    inertias, _ = ordinary.link_inertias([link] * len(beside), beside)
+    return np.asarray((inertias[1:] - inertias[0]) / _INERTIA_STEP)
