@@ -79,41 +79,6 @@ class PosedModel:
         dy : (n_parameters, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        y, dy, _, _ = self._derivatives(hypothesis, lines, space, values)
-        return y, dy
-
-    def interface_columns(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-        names: Sequence[str],
-        pairs: Sequence[tuple[int, int]],
-    ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Derivatives, and those by the compliance matrix of some locked coordinates.
-
-        Returns
-        -------
-        y : (m, 3, L), dy : (n_parameters, m, 3, L)
-        columns : (n_pairs, m, 3, L)
-            By an element a, b of the compliance matrix of the coordinates `names`, both
-            triangles' mean.
-        """
-        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
-        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
-        columns = [
-            0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs
-        ]
-        return y, dy, np.stack(columns)
-
-    def _derivatives(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-    ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
         offset = hypothesis.ordinary.encoder(values)
         geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
@@ -132,7 +97,27 @@ class PosedModel:
         ):
             if name in space.index:
                 dy[space.index[name]] = derivative * space.std[space.index[name]]
-        return y, dy, assembly, found
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, m, 3, L) by the compliance matrix of some locked coordinates.
+
+        Of an element a, b of that of the coordinates `names`: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
+        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
+        return np.stack(
+            [0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs]
+        )
 
     def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
         for i, joint in enumerate(posed.ordinary.arm.joints):
