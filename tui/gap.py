@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -76,13 +77,17 @@ def replace_text(path: Path, text: str) -> None:
         ) from problem
 
 
-def gap_json(result: GapResult) -> dict[str, Any]:
-    """The result as plain values."""
+def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:
+    """The result as plain values, and the files of `keep_gap`; no arm file is null."""
     found = asdict(result)
     found["verdict"] = result.verdict.value
-    for effect in found["effects"]:
-        effect["std"] = {name: value["std"] for name, value in effect["parameters"].items()}
-    return found
+    for row in (*found["effects"], *found["rivals"]):
+        intervals = row.pop("parameters")
+        row["parameters"] = {name: value["value"] for name, value in intervals.items()}
+        row["std"] = {name: value["std"] for name, value in intervals.items()}
+        row["interval_95"] = {name: [v["low"], v["high"]] for name, v in intervals.items()}
+    files = {"arm_file": None, **{key: str(path) for key, path in written.items()}}
+    return found | files
 
 
 def gap_tables(result: GapResult) -> list[Table]:

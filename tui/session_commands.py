@@ -215,7 +215,7 @@ def gap_command(
     if html is not None:
         replace_text(html, gap_page(outcome.result, session.name))
     if as_json:
-        _print_json(gap_json(outcome.result) | {key: str(path) for key, path in written.items()})
+        _print_json(gap_json(outcome.result, written))
         return
     out.print(outcome.result.summary, markup=False)
     out.print(f"where: {outcome.result.interface}", markup=False)
