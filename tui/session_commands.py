@@ -23,7 +23,8 @@ from protocols.session.hdf5 import read_session
 from tui.arm_commands import comma_numbers
 from tui.fit import FitSettings, fit_lines, fit_session
 from tui.gap import gap_json, gap_tables, keep_gap, replace_text
-from tui.gap_study import run_study, seal_hashes, study_summary, study_tables
+from tui.gap_study import run_study, seal_hashes
+from tui.gap_study_summary import study_summary, study_tables
 from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables

@@ -196,12 +196,15 @@ def _axes_of_bearings(
 ) -> list[Fit]:
     """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
     ordinary = present.ordinary
+    taken = {instance.key for instance in present.instances}
     found = []
     for fit in fits:
         bearing = fit.hypothesis.instances[-1]
         if bearing.effect.name != "bearing":
             continue
         link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
+        if ("link_axis", ordinary.arm.joints[link].link.name) in taken:
+            continue
         size = np.array([fit.values[name] for name in bearing.sizes])
         turn = across(np.asarray(ordinary.arm.joints[link].axis))
         values = {k: v for k, v in fit.values.items() if k not in bearing.owned}
