@@ -18,6 +18,7 @@ from tui.review.gap_pane import read_gap
 from tui.review.gap_text import gap_view
 from tui.review.identify_text import identification_view
 from tui.review.next_test import next_test_plan
+from tui.review.picked_file import picked_path
 
 GAP = {
     "verdict": "named",
@@ -231,3 +232,39 @@ def test_identify_runs_beside_the_app_and_its_result_stays(drive, screen_text):
         assert "note: done" in screen_text(app)
 
     drive(steps)
+
+
+def test_identify_takes_the_poles_picked_by_hand_and_only_saved_ones(drive, screen_text):
+    code = (
+        "import json, sys; print(json.dumps({'joints': [], 'structural': [], 'validation': [], "
+        "'notes': [' '.join(sys.argv[1:])]}))"
+    )
+
+    async def steps(app, pilot):
+        pane = app.query_one("#identify-main")
+        pane._command = python(code)
+        await pilot.press("7")
+        assert "the automatic modes of all postures" in screen_text(app)
+        assert "--picked" not in pane.arguments()
+        await pilot.press("3", "x")
+        await pilot.press("7", "enter")
+        assert "refit the picks first" in last_told(app)
+        await pilot.press("3", "r")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        await pilot.press("7", "enter")
+        assert "save the picks first" in last_told(app)
+        assert app.state.identification is None
+        await pilot.press("s")
+        await pilot.pause()
+        assert "picked by hand in test 1" in screen_text(app)
+        await pilot.press("enter")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        assert str(picked_path(app.path)) in app.state.identification["notes"][0]
+
+    drive(steps, size=(160, 45))
+
+
+def last_told(app):
+    return list(app._notifications)[-1].message
