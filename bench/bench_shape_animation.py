@@ -15,7 +15,6 @@ import json
 import os
 import pty
 import select
-import signal
 import statistics
 import struct
 import subprocess
@@ -43,14 +42,31 @@ class Window:
     """A pseudo-terminal that counts whole pictures."""
 
     def __init__(self, command: list[str], columns: int, rows: int) -> None:
-        self.pid, self._fd = pty.fork()
-        if self.pid == 0:
-            os.chdir(ROOT)
-            words = {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "TERM": "xterm-256color"}
-            os.execvpe(command[0], command, {**os.environ, **words})
-        fcntl.ioctl(self._fd, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        self._fd, theirs = pty.openpty()
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        words = {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "TERM": "xterm-256color"}
+        self._process = subprocess.Popen(
+            command,
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            cwd=ROOT,
+            env={**os.environ, **words},
+            start_new_session=True,
+        )
+        os.close(theirs)
         self._tail = b""
         self.n_bytes = 0
+
+    def cpu_s(self) -> float:
+        """Return the processor time of the app."""
+        return cpu_s(self._process.pid)
+
+    def close(self) -> None:
+        """End the app."""
+        self._process.kill()
+        self._process.wait()
+        os.close(self._fd)
 
     def press(self, keys: bytes) -> None:
         """Press keys."""
@@ -106,19 +122,17 @@ def main() -> int:
             endless = "while True: pass"
             busy += [subprocess.Popen([sys.executable, "-c", endless]) for _ in range(wanted.busy)]
             window.pictures_s(SETTLE_S)
-            begun_cpu_s, begun_s, begun_bytes = (
-                cpu_s(window.pid),
-                time.monotonic(),
-                window.n_bytes,
-            )
+            begun_cpu_s, begun_s = window.cpu_s(), time.monotonic()
+            begun_bytes = window.n_bytes
             at_s = window.pictures_s(wanted.seconds)
             passed_s = time.monotonic() - begun_s
-            used_s = cpu_s(window.pid) - begun_cpu_s
+            used_s = window.cpu_s() - begun_cpu_s
             n_bytes = window.n_bytes - begun_bytes
         finally:
             for process in busy:
                 process.kill()
-            os.kill(window.pid, signal.SIGTERM)
+                process.wait()
+            window.close()
     gaps_ms = sorted(1e3 * (b - a) for a, b in pairwise(at_s))
     found = {
         "columns": wanted.columns,
