@@ -72,7 +72,7 @@ def left_line(state: RunState) -> Text:
     text = Text(no_wrap=True, overflow="ellipsis")
     text.append(f"{hits_left(state)} hits left, {time_words(seconds_left(state))}", style="bold")
     if state.phase is Phase.SESSION:
-        text.append("   arrows: choose a point  Enter: go there  g: back", style=DIM)
+        text.append("  arrows, Enter: go there  g: back", style=DIM)
     return text
 
 
