@@ -19,6 +19,7 @@ from analyzer.report import gap_page, gap_path, read_gap, write_report
 from hil_sim.study import draw_study
 from hil_sim.study.catalogue import FIRST
 from protocols.arm.files import load_arm
+from protocols.errors import SessionError
 from protocols.frf_records import FrfEstimator
 from protocols.session.hdf5 import read_session
 from tui.arm_commands import comma_numbers
@@ -30,6 +31,7 @@ from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables
 from tui.results import identification_json, identification_tables
+from tui.review.picked_file import read_picked
 from tui.workspace import workspace_section
 
 __all__ = ["app"]
@@ -105,6 +107,10 @@ def identify_command(
     joints: Annotated[
         str | None, typer.Option(help="Joints for eq13, by name or number, e.g. 1,3; else all.")
     ] = None,
+    picked: Annotated[
+        Path | None,
+        typer.Option(help="Poles picked by hand in `armodal review`: SESSION.picked.json."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Identify joint stiffness, damping and structural axes.
@@ -113,7 +119,10 @@ def identify_command(
     """
     measured = read_session(session)
     chosen = chosen_for(method, joints, measured.header.arm)
-    result = identify(measured, _say)
+    if picked is not None and not picked.exists():
+        raise SessionError(f"{picked} is not there; `armodal review` writes it with the key s")
+    poles = {} if picked is None else read_picked(picked, measured)
+    result = identify(measured, _say, picked=poles)
     beside = None if chosen is None else penalty_of_session(measured, result, chosen)
     if as_json:
         value = identification_json(measured, result)
