@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from support.decoders import Decoder, check
 from support.fuzz_c import C_DECODER, fuzz_c
