@@ -125,7 +125,7 @@ class HostEnd:
         """Nothing is held."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Epoch:
     """Samples since one START: what the converter gave, and when."""
 
