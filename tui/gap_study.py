@@ -24,6 +24,7 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.score import (
     instance_of_truth,
     mark,
+    ordinary_beside,
     size_found,
     size_of_truth,
 )
@@ -125,6 +126,7 @@ def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> l
         if value is None or ours is None:
             continue
         found, low, high = size_found(ours)
+        value += ordinary_beside(true, truth["plant"])
         rows.append({"name": true["name"], "true": value, "found": found, "low": low, "high": high})
     return rows
 

@@ -27,6 +27,7 @@ __all__ = [
     "equivalents",
     "instance_of_truth",
     "mark",
+    "ordinary_beside",
     "rate",
     "size_found",
     "size_of_truth",
@@ -171,6 +172,30 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
     }
     found = sizes.get(effect["name"])
     return None if found is None else float(found())
+
+
+def ordinary_beside(effect: Mapping[str, Any], plant: Mapping[str, Any]) -> float:
+    """What the plant has of the same kind anyway: nobody can tell it from what was hidden.
+
+    Parameters
+    ----------
+    plant
+        Its tables, with what was hidden in their effects.
+    """
+    p, place, name = effect["parameters"], effect["place"], effect["name"]
+    same = [e for e in plant["effects"] if e["kind"] == name]
+    if name == "encoder_offset":
+        total = sum(e["offset_deg"] for e in same if e["joint"] == place)
+        return -float(np.deg2rad(total - p["offset_deg"]))
+    if name == "delay":
+        total = sum(e["delay_s"] * (-1.0 if "hammer" in e["channels"] else 1.0) for e in same)
+        return float(total - p["delay_s"] * (-1.0 if place == "hammer" else 1.0))
+    if name == "hammer_gain":
+        return float(np.log1p(plant["hammer"]["gain_error"]))
+    if name == "channel_gain" and place == "all":
+        axis = "xyz".index(p["axis"])
+        return float(np.log(plant["accelerometer"]["response"][axis][axis]))
+    return 0.0
 
 
 def size_found(effect: EffectFound) -> tuple[float, float, float]:
