@@ -62,13 +62,15 @@ class System:
     force: Array  # (n_hits, 3)
     log_scale: float  # of all responses
     delay_s: float  # of the responses behind the force
+    sensor_mass_kg: float
 
 
 @dataclass
 class Assembly:
     """A posture being put together; effects add to it.
 
-    `compliance_of` and `loss_of` map a parameter to its coordinate: their derivatives are known.
+    `compliance_of`, `loss_of`, `terms_of` and `stretches_of` say where a parameter acts linearly:
+    those derivatives are known.
     """
 
     geometry: PostureGeometry
@@ -77,17 +79,23 @@ class Assembly:
     names: dict[str, int] = field(default_factory=dict)
     compliance: list[float] = field(default_factory=list)
     compliance_loss_s: list[float] = field(default_factory=list)
-    compliance_of: dict[str, int] = field(default_factory=dict)  # by parameter
+    # By parameter: its coordinates, and which part of its compliance each has.
+    compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)
+    terms_of: dict[str, list[tuple[str, int, int, float]]] = field(default_factory=dict)
+    stretches: list[tuple[str, Array, float]] = field(default_factory=list)
+    stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
+    # Coordinates inside a link: how its own mass moves with them, and the points that do not.
+    inside: dict[int, tuple[int, Array, npt.NDArray[np.int64]]] = field(default_factory=dict)
     link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
     mix: Array | None = None
     force: Array | None = None
-    sensor_mass_kg: float | None = None
+    sensor_mass_kg: float = 0.0  # beside what the file gives
     log_scale: float = 0.0
     delay_s: float = 0.0
 
@@ -104,19 +112,49 @@ class Assembly:
         loss_s: float,
         parameter: str,
         loss_parameter: str | None = None,
+        *,
+        part: float = 1.0,
     ) -> int:
-        """Add a coordinate, named as its parameter, that gives way by the parameter's value."""
-        at = self._add(parameter, column, compliance, loss_s)
-        self.compliance_of[parameter] = at
+        """Add a coordinate, named as its parameter, that gives way by a part of its value."""
+        at = self._add(parameter, column, part * compliance, loss_s)
+        self.compliance_of.setdefault(parameter, []).append((at, part))
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
 
-    def add_term(self, kind: str, i: int, j: int, value: float) -> None:
-        """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways."""
-        self.terms.append((kind, i, j, value))
-        if i != j:
-            self.terms.append((kind, j, i, value))
+    def add_term(
+        self,
+        kind: str,
+        i: int,
+        j: int,
+        value: float,
+        *,
+        parameter: str | None = None,
+        slope: float = 1.0,
+    ) -> None:
+        """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways.
+
+        A `parameter` changes it by `slope` a unit.
+        """
+        for a, b in {(i, j), (j, i)}:
+            self.terms.append((kind, a, b, value))
+            if parameter is not None:
+                self.terms_of.setdefault(parameter, []).append((kind, a, b, slope))
+
+    def add_stretch(
+        self, kind: str, row: Array, value: float, *, parameter: str, slope: float
+    ) -> None:
+        """Add a spring or damper that stretches by row (n so far,) times the coordinates."""
+        self.stretches.append((kind, row, value))
+        self.stretches_of.setdefault(parameter, []).append((kind, row, slope))
+
+    def joint_row(self, joint: str) -> Array:
+        """Return (n so far,) what stretches a joint's spring."""
+        row = np.zeros(len(self.columns))
+        row[self.names[joint]] = 1.0
+        if joint in self.stretched_by:
+            row[self.stretched_by[joint]] = -1.0
+        return row
 
     def unit(self, column: int) -> Array:
         """Return the superset motion of one of its columns."""
@@ -158,6 +196,8 @@ class Assembly:
         T = np.stack(self.columns, axis=1)
         n = T.shape[1]
         link_motion = geometry.link_jacobian @ T
+        for at, (link, twist, _) in self.inside.items():
+            link_motion[link, :, at] = twist
         inertia = np.stack(self.link_inertia)
         flat = link_motion.reshape(-1, n)
         matrices = {
@@ -172,7 +212,12 @@ class Assembly:
         matrices["mass"] += base.T @ self.base_inertia @ base
         for kind, i, j, value in self.terms:
             matrices[kind][i, j] += value
-        J = geometry.point_jacobian[lines.sensor_point] @ T
+        for kind, row, value in self.stretches:
+            matrices[kind][: row.size, : row.size] += value * np.outer(row, row)
+        points = geometry.point_jacobian @ T
+        for at, (_, _, still) in self.inside.items():
+            points[still, :, at] = 0.0
+        J = points[lines.sensor_point]
         R = geometry.point_rotation[lines.sensor_point]
         # a - g seen in axes turned by theta changes by theta x g.
         gx, gy, gz = geometry.gravity_m_s2
@@ -187,8 +232,9 @@ class Assembly:
             seen=R.swapaxes(1, 2) @ J[:, :3],
             tilted=R.swapaxes(1, 2) @ weighed,
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
-            hit=geometry.point_jacobian[lines.hit_point][:, :3] @ T,
+            hit=points[lines.hit_point][:, :3],
             force=lines.hit_direction if self.force is None else self.force,
             log_scale=self.log_scale,
             delay_s=self.delay_s,
+            sensor_mass_kg=lines.sensor_mass_kg + self.sensor_mass_kg,
         )

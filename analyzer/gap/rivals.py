@@ -15,6 +15,7 @@ from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan_postures import scan_compensators
 from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
@@ -29,7 +30,8 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
-_ASTRAY = ("bearing", "base", "hysteretic")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass")
+_SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
 
 Progress = Callable[[str], None]
@@ -212,9 +214,9 @@ def _looked_at(
     """Every effect at every place by its linear gain; sensors also beside the first guess."""
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
-    found = scan_instances(
-        stage, base, [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
-    )
+    instances = [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
+    found = scan_instances(stage, base, instances)
+    found += scan_compensators(stage, base, instances)
     axes_taken = [place for name, place in taken if name == "link_axis"]
     found += scan_axes(stage, base, exclude=axes_taken)
     found += scan_sensors(stage, hypothesis, base.values)
@@ -224,7 +226,7 @@ def _looked_at(
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])
-        if not same or candidate.instance.effect.name == "link_axis":
+        if not same or candidate.instance.effect.name in _SEVERAL_STARTS:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)

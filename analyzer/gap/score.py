@@ -142,6 +142,8 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         "payload": lambda: p["mass_kg"],
         "rotor": lambda: p["inertia_kg_m2"],
         "hysteretic": lambda: p["loss_factor"],
+        "sensor_mass": lambda: p["extra_kg"],
+        "load_damping": lambda: 1.0 / p["load_n_m"],
     }
     found = sizes.get(effect["name"])
     return None if found is None else float(found())

@@ -48,8 +48,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 c: float = c,
             ) -> None:
                 at_a, at_b = assembly.names[a], assembly.names[b]
-                assembly.add_term("stiffness", at_a, at_b, values[stiff] * k)
-                assembly.add_term("damping", at_a, at_b, values[lossy] * c)
+                assembly.add_term(
+                    "stiffness", at_a, at_b, values[stiff] * k, parameter=stiff, slope=k
+                )
+                assembly.add_term(
+                    "damping", at_a, at_b, values[lossy] * c, parameter=lossy, slope=c
+                )
 
             found.append(
                 Instance(
