@@ -107,6 +107,29 @@ class PosedModel:
         ]
         return y, dy, np.stack(columns)
 
+    def damping_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        space: Space,
+        values: Mapping[str, float],
+        pairs: Sequence[tuple[str, str]],
+    ) -> tuple[ComplexArray, ComplexArray, ComplexArray, PostureGeometry]:
+        """Derivatives, those by a damping between two joints, and the posture's geometry.
+
+        Returns
+        -------
+        y : (m, 3, L), dy : (n_parameters, m, 3, L)
+        columns : (n_pairs, m, 3, L)
+            By an element of C of two named joints, both triangles' mean.
+        """
+        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
+        at = [(assembly.names[a], assembly.names[b]) for a, b in pairs]
+        columns = [
+            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
+        ]
+        return y, dy, np.stack(columns), assembly.geometry
+
     def _derivatives(
         self,
         hypothesis: Hypothesis,

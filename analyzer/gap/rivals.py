@@ -15,6 +15,7 @@ from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan_dampers import scan_dampers
 from analyzer.gap.scan_postures import scan_compensators
 from analyzer.gap.sensors import scan_sensors
 
@@ -31,6 +32,7 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass")
+_SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
 
@@ -215,8 +217,10 @@ def _looked_at(
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
     instances = [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
-    found = scan_instances(stage, base, instances)
+    plain = [i for i in instances if i.effect.name not in _SOUGHT]
+    found = scan_instances(stage, base, plain)
     found += scan_compensators(stage, base, instances)
+    found += scan_dampers(stage, base, instances)
     axes_taken = [place for name, place in taken if name == "link_axis"]
     found += scan_axes(stage, base, exclude=axes_taken)
     found += scan_sensors(stage, hypothesis, base.values)
