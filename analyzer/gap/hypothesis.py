@@ -101,7 +101,9 @@ class PosedModel:
             triangles' mean.
         """
         y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
-        left, right = found.through_compliances([assembly.compliance_of[name][0][0] for name in names])
+        left, right = found.through_compliances(
+            [assembly.compliance_of[name][0][0] for name in names]
+        )
         columns = [
             0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs
         ]

@@ -43,7 +43,11 @@ def scan_compensators(
         joint = next(i for i, j in enumerate(arm.joints) if j.name == instance.place)
         at = fit.space.index[f"ln k {instance.place}"]
         believed = arm.joints[joint].stiffness
-        scale = 0.0 if believed is None else believed.value / np.exp(fit.values[f"ln k {instance.place}"])
+        scale = (
+            0.0
+            if believed is None
+            else believed.value / np.exp(fit.values[f"ln k {instance.place}"])
+        )
         q = np.array([lines.joints_rad[joint] for lines in stage.lines])
         grid = [(angle, ratio) for ratio in _RATIOS for angle in _ANGLES]
         w = np.stack([gravity_compensator.share(q + a, r) for a, r in grid])

@@ -143,6 +143,10 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         "rotor": lambda: p["inertia_kg_m2"],
         "hysteretic": lambda: p["loss_factor"],
         "sensor_mass": lambda: p["extra_kg"],
+        "link_bending": lambda: 1.0 / p["bending_stiffness_n_m2"],
+        "link_torsion": lambda: 1.0 / p["torsional_stiffness_n_m2"],
+        "wrist_coupling": lambda: p["ratio"],
+        "nonproportional": lambda: p["damping_n_s_per_m"],
         "load_damping": lambda: 1.0 / p["load_n_m"],
     }
     found = sizes.get(effect["name"])

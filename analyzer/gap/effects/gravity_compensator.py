@@ -84,9 +84,7 @@ def _beside(ordinary: Ordinary, i: int) -> Instance:
         phi = float(assembly.lines.joints_rad[i]) + values[angle]
         part = float(share(phi, float(np.exp(values[ratio])))) * k
         at, tau = assembly.names[joint.name], values[loss]
-        assembly.add_term(
-            "stiffness", at, at, values[stiff] * part, parameter=stiff, slope=part
-        )
+        assembly.add_term("stiffness", at, at, values[stiff] * part, parameter=stiff, slope=part)
         c = values[stiff] * part * tau
         assembly.add_term("damping", at, at, c, parameter=stiff, slope=part * tau)
         assembly.terms_of.setdefault(loss, []).append(("damping", at, at, values[stiff] * part))

@@ -60,7 +60,9 @@ def _at(ordinary: Ordinary, i: int) -> Instance:
         load = abs(gravity_load(assembly.geometry, links, column))
         c = float(np.exp(values[f"ln c {joint}"]))
         row = assembly.joint_row(joint)
-        assembly.add_stretch("damping", row, values[name] * load * c, parameter=name, slope=load * c)
+        assembly.add_stretch(
+            "damping", row, values[name] * load * c, parameter=name, slope=load * c
+        )
         # The joint's own damping is a factor of it.
         assembly.stretches_of.setdefault(f"ln c {joint}", []).append(
             ("damping", row, values[name] * load * c)

@@ -75,12 +75,13 @@ def given_way(
     word: str,
     material: float,
 ) -> Instance:
-    """A link whose whole compliance about each direction is spread over its length.
+    """A link whose compliance about each direction is spread over its length, 1/EI or 1/GJ.
 
     Of the link's own mass only what is beyond a hinge moves with it, and points before it do not.
     """
     gamma, loss = f"{word} compliance {line.name}", f"{word} loss {line.name}"
     columns = ordinary.superset.interface_columns(line.link)
+    part = line.length_m / _SLICES
     hinges = []
     points = [
         (i, float(point.position_m @ line.along))
@@ -96,17 +97,20 @@ def given_way(
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         for column, own, still in hinges:
             at = assembly.add_compliance(
-                column, values[gamma], values[loss], gamma, loss, part=1.0 / _SLICES
+                column, values[gamma], values[loss], gamma, loss, part=part
             )
             assembly.inside[at] = (line.link, own, still)
 
     return Instance(
         effect=words,
         place=line.name,
-        parameters=(compliance_parameter(gamma, ordinary), loss_parameter(loss)),
+        parameters=(
+            compliance_parameter(gamma, ordinary, scale=1.0 / line.length_m),
+            loss_parameter(loss),
+        ),
         builder=build,
         size=gamma,
-        material=material * ordinary.compliance,
+        material=material * ordinary.compliance / line.length_m,
     )
 
 

@@ -18,12 +18,12 @@ WORDS = EffectWords(
     changes="the driven link turns back by a ratio of what the driving joint's spring gives way",
     signature="where the joint before gives way, the last link turns about its own axis with it",
     confused_with=("coupling", "released_joint"),
+    contains=("released_joint",),  # the driven drive's own spring
     told_by="a point off the last axis on the last link; postures that turn the last joint",
     remedy="put the coupling ratio of the wrist's gears into the model; the maker's manual has it",
 )
 _MATERIAL = 0.1
 _STD = 1.0
-_BESIDE = 0.02  # of a released joint's prior: the driven drive's own compliance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -37,7 +37,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
 
 
 def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
-    """With x the driver's turn the driven link turns by -ratio x, and a little by its own spring.
+    """With x the driver's turn the driven link turns by -ratio x, and beside by its own spring.
 
     Two joints with springs are a coupling: the same terms of K.
     """
@@ -56,7 +56,7 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
         place=f"{a} and {b}",
         parameters=(
             Parameter(name=name, mean=0.0, std=_STD),
-            compliance_parameter(own, ordinary, scale=_BESIDE),
+            compliance_parameter(own, ordinary),
             loss_parameter(loss),
         ),
         builder=build,
