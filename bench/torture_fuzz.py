@@ -104,6 +104,7 @@ def main() -> int:
     parser.add_argument("--child")
     given = parser.parse_args()
     keep = given.keep or Path(tempfile.mkdtemp(prefix="armodal-fuzz-"))
+    keep.mkdir(parents=True, exist_ok=True)
     n_bytes = int(given.bytes)
     if given.child:
         return child(given.child, n_bytes, given.seed, keep)

@@ -50,7 +50,7 @@ class System:
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)
     stiffness: Array  # (n, n)
-    loss: Array  # (n, n): K + i loss
+    loss: Array  # (n, n): K + L(s) loss, `response.hysteresis`
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     link_motion: Array  # (n_links, 6, n)

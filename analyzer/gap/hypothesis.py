@@ -16,7 +16,7 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.response import Change, Response, respond
+from analyzer.gap.response import Change, Response, hysteresis, respond
 from analyzer.gap.space import Space
 
 __all__ = ["Hypothesis", "PosedModel"]
@@ -180,16 +180,16 @@ class _Posed:
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
         """Stiffness with its hysteretic part, damping, and the common loss."""
         s = self.found.lines.s_rad_s
-        loss = self.values["loss"]
+        loss, turn = self.values["loss"], hysteresis(s)
         by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
             row = self.assembly.joint_row(name)
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
             by_stiffness = k * self.found.by_stretch(row, 1.0)
-            yield f"ln k {name}", (1.0 + 1j * loss) * by_stiffness
+            yield f"ln k {name}", (1.0 + loss * turn) * by_stiffness
             yield f"ln c {name}", c * self.found.by_stretch(row, s)
-            by_loss = by_loss + 1j * by_stiffness
+            by_loss = by_loss + turn * by_stiffness
         yield "loss", by_loss
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:

@@ -9,7 +9,7 @@ a little hysteresis, and a transverse compliance of every joint up to a hard lim
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,7 @@ _BEARING_MEAN, _BEARING_STD, _BEARING_LIMIT = 0.006, 0.0045, 0.025
 _BEARING_LOSS_S = 2e-5
 _LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
 _DELAY_STD_S = 20e-6
+_FARTHEST = 5.0  # prior deviations
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
 
@@ -110,7 +111,7 @@ class Ordinary:
                 Parameter(name=f"aim {side} {name}", mean=0.0, std=tolerances.hit_direction_rad)
                 for side in "ab"
             ]
-        return tuple(found)
+        return tuple(_within_reason(p) for p in found)
 
     def encoder(self, values: Mapping[str, float]) -> Array:
         """Return (n_joints,) what the arm's angles are beyond what was read."""
@@ -172,6 +173,16 @@ class Ordinary:
 
 _FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
 _INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def _within_reason(parameter: Parameter) -> Parameter:
+    """An error that nobody would call ordinary any more is not tried: it only leads astray."""
+    reach = _FARTHEST * parameter.std
+    return replace(
+        parameter,
+        low=max(parameter.low, parameter.mean - reach),
+        high=min(parameter.high, parameter.mean + reach),
+    )
 
 
 def _log(name: str, believed: Estimate | None, least: float) -> Parameter:
