@@ -109,8 +109,9 @@ class Response:
 
     def _weight(self, kind: str) -> ComplexArray:
         s = self.lines.s_rad_s
-        power = {"mass": s**2, "damping": s, "stiffness": s**0, "loss": 1j * s**0}[kind]
-        return np.asarray(power[:, None, None])
+        one = np.ones_like(s)
+        weight = {"mass": s**2, "damping": s, "stiffness": one, "loss": hysteresis(s)}[kind]
+        return np.asarray(weight[:, None, None])
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
         """Derivatives (k, m, 3, L) by the compliances of k coordinates."""

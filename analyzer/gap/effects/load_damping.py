@@ -90,4 +90,4 @@ def _largest_load(ordinary: Ordinary, i: int) -> float:
         j.link.mass_kg * (r + float(np.linalg.norm(j.link.center_m)))
         for j, r in zip(joints, reach, strict=True)
     )
-    return 0.5 * g * far
+    return 0.5 * g * float(far)
