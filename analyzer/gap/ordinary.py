@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,7 @@ from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.space import Parameter
 from protocols.arm.records import Arm, Estimate
+from protocols.arrays import frozen_array
 
 __all__ = ["Ordinary", "across"]
 
@@ -36,10 +38,16 @@ _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
 def across(axis: Array) -> Array:
     """Return (3, 2) two unit vectors that complete a unit axis to a frame."""
+    return _across(*np.asarray(axis, dtype=np.float64).tolist())
+
+
+@lru_cache(maxsize=256)  # the same axes are asked for thousands of times in a fit
+def _across(x: float, y: float, z: float) -> Array:
+    axis = np.array([x, y, z])
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     first = np.cross(axis, helper)
     first = first / np.linalg.norm(first)
-    return np.stack([first, np.cross(axis, first)], axis=1)
+    return frozen_array(np.stack([first, np.cross(axis, first)], axis=1), np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

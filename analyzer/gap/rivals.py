@@ -23,9 +23,17 @@ __all__ = ["Rivals", "find_rivals"]
 
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
-_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 9, 4, 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 18, 9, 4, 4
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
-_MOST_AXES = 6
+# Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
+_AT_MOST = {
+    "link_axis": 6,
+    "gravity_compensator": 2,
+    "link_bending": 2,
+    "link_torsion": 2,
+    "load_damping": 2,
+    "nonproportional": 2,
+}
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
 _BELIEVABLE = (
     4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
@@ -241,13 +249,12 @@ def _looked_at(
 
 def _most_promising(candidates: Sequence[Candidate], worth: float) -> list[Candidate]:
     chosen: list[Candidate] = []
-    axes = 0
+    taken: dict[str, int] = {}
     for candidate in candidates:
         if candidate.gain < worth or len(chosen) == _LOOKED_AT:
             break
-        if candidate.instance.effect.name == "link_axis":
-            axes += 1
-            if axes > _MOST_AXES:
-                continue
-        chosen.append(candidate)
+        name = candidate.instance.effect.name
+        taken[name] = taken.get(name, 0) + 1
+        if taken[name] <= _AT_MOST.get(name, _LOOKED_AT):
+            chosen.append(candidate)
     return chosen
