@@ -19,7 +19,7 @@ import numpy.typing as npt
 from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "System", "skew", "spatial_inertia"]
+__all__ = ["Assembly", "Pieces", "System", "skew", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
 
@@ -44,6 +44,31 @@ def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Ar
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pieces:
+    """A link's mass in P pieces along a line, each moving by itself."""
+
+    shares: Array  # (P,) of the mass
+    offsets_m: Array  # (P, 3) of each centre from the link's; their mean by mass is zero
+    motion: Array  # (P, 6, n)
+
+    def split(self, inertia: Array) -> Array:
+        """(P, 6, 6) spatial inertias of the pieces: together they are the link's.
+
+        Linear in the link's: what the offsets add to the tensor, the pieces themselves have less.
+        """
+        mass = inertia[0, 0]
+        moment = inertia[3:, :3]  # the cross product with the first moment
+        apart = [skew(offset) for offset in self.offsets_m]
+        spread = -mass * np.sum([w * o @ o for w, o in zip(self.shares, apart, strict=True)], 0)
+        found = np.tile(inertia, (len(apart), 1, 1))
+        for piece, o in zip(found, apart, strict=True):
+            piece[3:, :3] += mass * o
+            piece[:3, 3:] -= mass * o
+            piece[3:, 3:] -= moment @ o + o @ moment + mass * o @ o + spread
+        return np.asarray(self.shares[:, None, None] * found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class System:
     """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
 
@@ -54,6 +79,7 @@ class System:
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     link_motion: Array  # (n_links, 6, n)
+    pieces: dict[int, Pieces]  # of links that give way along their length
     moved: Array  # (m, 3, n) the sensor's motion in base
     seen: Array  # (m, 3, n) the sensor's motion along its axes
     tilted: Array  # (m, 3, n) what gravity adds on them
@@ -88,8 +114,10 @@ class Assembly:
     terms_of: dict[str, list[tuple[str, int, int, float]]] = field(default_factory=dict)
     stretches: list[tuple[str, Array, float]] = field(default_factory=list)
     stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
-    # Coordinates inside a link: how its own mass moves with them, and the points that do not.
-    inside: dict[int, tuple[int, Array, npt.NDArray[np.int64]]] = field(default_factory=dict)
+    # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates between pieces:
+    # the link, how many pieces do not move with it, and which points.
+    pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
+    between: dict[int, tuple[int, int, npt.NDArray[np.int64]]] = field(default_factory=dict)
     link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
@@ -190,18 +218,37 @@ class Assembly:
         self.compliance_loss_s.append(loss_s)
         return len(self.columns) - 1
 
+    def _motion_of_pieces(self, link: int, motion: Array, n_pieces: int) -> Array:
+        """(P, 6, n): a piece stays where a hinge beyond it turns."""
+        found = np.tile(motion, (n_pieces, 1, 1))
+        for at, (own, before, _) in self.between.items():
+            if own == link:
+                found[:before, :, at] = 0.0
+        return found
+
     def system(self) -> System:
         """Put the matrices together."""
         geometry, lines = self.geometry, self.lines
         T = np.stack(self.columns, axis=1)
         n = T.shape[1]
         link_motion = geometry.link_jacobian @ T
-        for at, (link, twist, _) in self.inside.items():
-            link_motion[link, :, at] = twist
         inertia = np.stack(self.link_inertia)
-        flat = link_motion.reshape(-1, n)
+        pieces = {
+            link: Pieces(
+                shares=shares,
+                offsets_m=offsets,
+                motion=self._motion_of_pieces(link, link_motion[link], len(shares)),
+            )
+            for link, (shares, offsets) in self.pieces.items()
+        }
+        whole = [i for i in range(len(inertia)) if i not in pieces]
+        flat = link_motion[whole].reshape(-1, n)
+        mass = flat.T @ (inertia[whole] @ link_motion[whole]).reshape(-1, n)
+        for link, piece in pieces.items():
+            flat = piece.motion.reshape(-1, n)
+            mass = mass + flat.T @ (piece.split(inertia[link]) @ piece.motion).reshape(-1, n)
         matrices = {
-            "mass": flat.T @ (inertia @ link_motion).reshape(-1, n),
+            "mass": mass,
             "damping": np.zeros((n, n)),
             "stiffness": T.T
             @ np.tensordot(np.stack(self.link_moments), geometry.gravity_per_mass, axes=2)
@@ -215,7 +262,7 @@ class Assembly:
         for kind, row, value in self.stretches:
             matrices[kind][: row.size, : row.size] += value * np.outer(row, row)
         points = geometry.point_jacobian @ T
-        for at, (_, _, still) in self.inside.items():
+        for at, (_, _, still) in self.between.items():
             points[still, :, at] = 0.0
         J = points[lines.sensor_point]
         R = geometry.point_rotation[lines.sensor_point]
@@ -228,6 +275,7 @@ class Assembly:
             compliance=np.array(self.compliance),
             compliance_loss_s=np.array(self.compliance_loss_s),
             link_motion=link_motion,
+            pieces=pieces,
             moved=J[:, :3],
             seen=R.swapaxes(1, 2) @ J[:, :3],
             tilted=R.swapaxes(1, 2) @ weighed,

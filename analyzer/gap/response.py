@@ -153,7 +153,14 @@ class Response:
 
         Gravity's stiffness is taken as it is: its part is far below the inertia's own.
         """
-        J = self.system.link_motion[link]
+        pieces = self.system.pieces.get(link)
+        if pieces is None:
+            return self._by_inertia(self.system.link_motion[link], changes)
+        split = np.stack([pieces.split(change) for change in changes], axis=1)
+        parts = [self._by_inertia(J, own) for J, own in zip(pieces.motion, split, strict=True)]
+        return np.asarray(np.sum(parts, axis=0))
+
+    def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
         L, m, n = self.x.shape
         k = len(changes)
         V = self.x.reshape(-1, n) @ J.T  # (L m, 6)

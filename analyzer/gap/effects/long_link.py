@@ -12,6 +12,7 @@ from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
 
 __all__ = ["LongLink", "given_way", "long_links"]
 
@@ -19,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 _LEAST_M = 0.2  # shorter links are stiff
 _SLICES = 3  # three hinges at 1/6, 1/2, 5/6 give a tip wrench's deflection to 3 %
-_ROD = 0.7  # of a link's inertia across its line that its spread along the line makes
+_SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,9 +78,12 @@ def given_way(
 ) -> Instance:
     """A link whose compliance about each direction is spread over its length, 1/EI or 1/GJ.
 
-    Of the link's own mass only what is beyond a hinge moves with it, and points before it do not.
+    The link's mass is in pieces between the hinges, spread evenly over a part of its length about
+    its centre; points go with the piece they stand on.
     """
-    gamma, loss = f"{word} compliance {line.name}", f"{word} loss {line.name}"
+    gamma, loss, spread = (
+        f"{word} {what} {line.name}" for what in ("compliance", "loss", "spread")
+    )
     columns = ordinary.superset.interface_columns(line.link)
     part = line.length_m / _SLICES
     hinges = []
@@ -88,18 +92,22 @@ def given_way(
         for i, point in enumerate(ordinary.arm.points)
         if ordinary.superset.point_link[i] == line.link
     ]
-    for s, twist in line.twists(directions):
+    for number, (s, twist) in enumerate(line.twists(directions)):
         column = np.zeros(ordinary.superset.n)
         column[columns] = twist
         still = np.array([i for i, at in points if at < s], dtype=np.int64)
-        hinges.append((column, _of_own_mass(ordinary, line, s, twist[3:]), still))
+        hinges.append((column, 1 + number // len(directions), still))
+    edges = np.array([0.0, *line.places_m, line.length_m])
+    shares = np.diff(edges) / line.length_m
+    middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        for column, own, still in hinges:
+        assembly.pieces[line.link] = shares, values[spread] * np.outer(middles, line.along)
+        for column, before, still in hinges:
             at = assembly.add_compliance(
                 column, values[gamma], values[loss], gamma, loss, part=part
             )
-            assembly.inside[at] = (line.link, own, still)
+            assembly.between[at] = (line.link, before, still)
 
     return Instance(
         effect=words,
@@ -107,30 +115,9 @@ def given_way(
         parameters=(
             compliance_parameter(gamma, ordinary, scale=1.0 / line.length_m),
             loss_parameter(loss),
+            Parameter(name=spread, mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
         ),
         builder=build,
         size=gamma,
         material=material * ordinary.compliance / line.length_m,
     )
-
-
-def _of_own_mass(ordinary: Ordinary, line: LongLink, s: float, direction: Array) -> Array:
-    """Twist (6,) of the whole link with the momentum of what lies beyond a hinge at s.
-
-    The link's mass is taken as a rod along the line about the centre, as long as its inertia
-    across the line says.
-    """
-    body = ordinary.arm.joints[line.link].link
-    own = body.inertia_kg_m2
-    across = 0.5 * float(np.trace(own) - line.along @ own @ line.along)
-    half = float(np.sqrt(3.0 * _ROD * across / body.mass_kg))
-    center = float(body.center_m @ line.along)
-    start, end = center - half, center + half
-    share = float(np.clip((end - s) / (2.0 * half), 0.0, 1.0))
-    beyond = 0.5 * (end + np.clip(s, start, end))  # where its centre lies
-    # share (beyond - s) is its first moment about the hinge; the link's is (center - place).
-    off = body.center_m - center * line.along
-    moved = share * np.cross(direction, off + (beyond - s) * line.along)
-    turned = share * direction
-    # The linear part is that of the link's origin.
-    return np.concatenate([moved - np.cross(turned, body.center_m), turned])

@@ -7,6 +7,7 @@ import pytest
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import added_effects, instances_of_file
+from analyzer.gap.assembly import Pieces, skew, spatial_inertia
 from analyzer.gap.effects.gravity_compensator import share
 from analyzer.gap.effects.load_damping import gravity_load
 from analyzer.gap.effects.long_link import LongLink, long_links
@@ -21,6 +22,7 @@ from protocols.arm.files import arm_from_texts, load_arm
 from protocols.arm.rewrite import text_with_effects
 from tests.support.gap_results import made_result
 
+INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 
 
@@ -174,7 +176,7 @@ def test_long_links_are_those_that_bend(ordinary):
 
 
 def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
-    """Points of the link beyond the hinge follow it; what the own mass does lies between."""
+    """A point or a piece follows the hinges before it; the pieces together are the link."""
     instance = instance_of(ordinary, "link_bending", "lower_arm")
     hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
     values = start_of(hypothesis) | {instance.size: 1e-5}
@@ -189,9 +191,30 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
         for k in hinges:
             moves = bool(np.any(system.moved[m, :, k] != 0.0))
             assert moves == (at >= line.places_m[(k - hinges.start) // 2])
-    turned = np.linalg.norm(system.link_motion[1, 3:, n - 6 :], axis=0)
-    assert np.all((turned > 0.0) & (turned < 1.0))
-    assert np.all(np.diff(turned[::2]) < 0.0)  # less of the mass lies beyond each further hinge
+    pieces = system.pieces[1]
+    still = ~pieces.motion[..., n - 6 :].any(axis=1)  # (pieces, hinges)
+    np.testing.assert_array_equal(still.sum(axis=0), [1, 1, 2, 2, 3, 3])
+    np.testing.assert_allclose(pieces.split(INERTIA).sum(axis=0), INERTIA, atol=1e-12)
+
+
+def test_pieces_of_a_rod_are_rods_where_they_lie():
+    """A straight rod of 6 kg and 0.6 m in four pieces, each its own m (c^2 + l^2 / 12)."""
+    along = np.array([1.0, 0.0, 0.0])
+    shares = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
+    edges = np.concatenate([[0.0], np.cumsum(shares)]) * 0.6
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    whole = spatial_inertia(6.0, 0.3 * along, np.diag([0.0, 1.0, 1.0]) * 6.0 * 0.6**2 / 12.0)
+    pieces = Pieces(
+        shares=shares, offsets_m=np.outer(middles - 0.3, along), motion=np.zeros((4, 6, 1))
+    )
+    total = 0.0
+    for piece, share, middle in zip(pieces.split(whole), shares, middles, strict=True):
+        np.testing.assert_allclose(piece[0, 0], 6.0 * share)
+        np.testing.assert_allclose(piece[3:, :3], 6.0 * share * skew(middle * along), atol=1e-12)
+        total += piece[5, 5] - 6.0 * share * middle**2
+    # Their own inertia: what the rod has less what its pieces' centres make, shared by mass.
+    own = np.sum(6.0 * shares * (0.6 * shares) ** 2 / 12.0)
+    assert total == pytest.approx(own)
 
 
 @pytest.mark.parametrize("near", [FLOOR, 0])
