@@ -208,10 +208,10 @@ def test_pieces_of_a_rod_are_rods_where_they_lie():
         shares=shares, offsets_m=np.outer(middles - 0.3, along), motion=np.zeros((4, 6, 1))
     )
     total = 0.0
-    for piece, share, middle in zip(pieces.split(whole), shares, middles, strict=True):
-        np.testing.assert_allclose(piece[0, 0], 6.0 * share)
-        np.testing.assert_allclose(piece[3:, :3], 6.0 * share * skew(middle * along), atol=1e-12)
-        total += piece[5, 5] - 6.0 * share * middle**2
+    for piece, part, middle in zip(pieces.split(whole), shares, middles, strict=True):
+        np.testing.assert_allclose(piece[0, 0], 6.0 * part)
+        np.testing.assert_allclose(piece[3:, :3], 6.0 * part * skew(middle * along), atol=1e-12)
+        total += piece[5, 5] - 6.0 * part * middle**2
     # Their own inertia: what the rod has less what its pieces' centres make, shared by mass.
     own = np.sum(6.0 * shares * (0.6 * shares) ** 2 / 12.0)
     assert total == pytest.approx(own)
