@@ -42,7 +42,7 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
-_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending")
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these

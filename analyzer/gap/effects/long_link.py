@@ -102,7 +102,9 @@ def given_way(
     middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        assembly.pieces[line.link] = shares, values[spread] * np.outer(middles, line.along)
+        # A link that both bends and twists is in the same pieces.
+        offsets = values[spread] * np.outer(middles, line.along)
+        assembly.pieces.setdefault(line.link, (shares, offsets))
         for column, before, still in hinges:
             at = assembly.add_compliance(
                 column, values[gamma], values[loss], gamma, loss, part=part

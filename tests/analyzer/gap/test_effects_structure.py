@@ -197,6 +197,27 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
     np.testing.assert_allclose(pieces.split(INERTIA).sum(axis=0), INERTIA, atol=1e-12)
 
 
+def test_what_is_not_there_changes_nothing(ordinary, lines, posed):
+    """All other effects beside a bending link, their sizes at zero."""
+    bending = instance_of(ordinary, "link_bending", "lower_arm")
+    alone = Hypothesis(ordinary=ordinary, instances=(bending,))
+    values = start_of(alone) | {bending.size: 1e-5, "bending spread lower_arm": 0.2}
+    others = [
+        i
+        for i in all_instances(ordinary)
+        if i.parameters and not i.relaxes and i.effect.name != "base" and i.key != bending.key
+    ]
+    beside = Hypothesis(ordinary=ordinary, instances=(bending, *others))
+    space = beside.space()
+    zero = {n: 0.0 for i in others for n in (i.size, *i.sizes)}
+    every = space.values(space.start()) | zero | values
+    np.testing.assert_allclose(
+        posed.response(beside, lines, every).values,
+        posed.response(alone, lines, values).values,
+        rtol=1e-8,
+    )
+
+
 def test_pieces_of_a_rod_are_rods_where_they_lie():
     """A straight rod of 6 kg and 0.6 m in four pieces, each its own m (c^2 + l^2 / 12)."""
     along = np.array([1.0, 0.0, 0.0])
