@@ -79,66 +79,6 @@ class PosedModel:
         dy : (n_parameters, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        y, dy, _, _ = self._derivatives(hypothesis, lines, space, values)
-        return y, dy
-
-    def interface_columns(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-        names: Sequence[str],
-        pairs: Sequence[tuple[int, int]],
-    ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Derivatives, and those by the compliance matrix of some locked coordinates.
-
-        Returns
-        -------
-        y : (m, 3, L), dy : (n_parameters, m, 3, L)
-        columns : (n_pairs, m, 3, L)
-            By an element a, b of the compliance matrix of the coordinates `names`, both
-            triangles' mean.
-        """
-        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
-        left, right = found.through_compliances(
-            [assembly.compliance_of[name][0][0] for name in names]
-        )
-        columns = [
-            0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs
-        ]
-        return y, dy, np.stack(columns)
-
-    def damping_columns(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-        pairs: Sequence[tuple[str, str]],
-    ) -> tuple[ComplexArray, ComplexArray, ComplexArray, PostureGeometry]:
-        """Derivatives, those by a damping between two joints, and the posture's geometry.
-
-        Returns
-        -------
-        y : (m, 3, L), dy : (n_parameters, m, 3, L)
-        columns : (n_pairs, m, 3, L)
-            By an element of C of two named joints, both triangles' mean.
-        """
-        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
-        at = [(assembly.names[a], assembly.names[b]) for a, b in pairs]
-        columns = [
-            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
-        ]
-        return y, dy, np.stack(columns), assembly.geometry
-
-    def _derivatives(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-    ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
         offset = hypothesis.ordinary.encoder(values)
         geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
@@ -157,7 +97,49 @@ class PosedModel:
         ):
             if name in space.index:
                 dy[space.index[name]] += derivative * space.std[space.index[name]]
-        return y, dy, assembly, found
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, m, 3, L) by the compliance matrix of some locked coordinates.
+
+        Of an element a, b of that of the coordinates `names`: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines)
+        left, right = found.through_compliances(
+            [assembly.compliance_of[name][0][0] for name in names]
+        )
+        return np.stack(
+            [0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs]
+        )
+
+    def damping_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        pairs: Sequence[tuple[str, str]],
+    ) -> tuple[ComplexArray, PostureGeometry]:
+        """Derivatives (n_pairs, m, 3, L) by a damping between two joints; posture's geometry.
+
+        Of an element of C of two named joints: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines)
+        at = [(assembly.names[a], assembly.names[b]) for a, b in pairs]
+        columns = [
+            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
+        ]
+        return np.stack(columns), geometry
 
     def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
         for i, joint in enumerate(posed.ordinary.arm.joints):
@@ -276,10 +258,6 @@ def _inertia_changes(
 ) -> Array:
     """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
     z = np.array([values[name] for name in names])
-    start, _ = ordinary.link_inertia(link, z)
-    changes = []
-    for i in range(len(names)):
-        moved = z.copy()
-        moved[i] += _INERTIA_STEP
-        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
-    return np.stack(changes)
+    beside = np.concatenate([z[None], z + _INERTIA_STEP * np.eye(len(names))])
+    inertias, _ = ordinary.link_inertias([link] * len(beside), beside)
+    return np.asarray((inertias[1:] - inertias[0]) / _INERTIA_STEP)

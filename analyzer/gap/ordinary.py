@@ -8,7 +8,7 @@ a little hysteresis, and a transverse compliance of every joint up to a hard lim
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -38,12 +38,12 @@ _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
 def across(axis: Array) -> Array:
     """Return (3, 2) two unit vectors that complete a unit axis to a frame."""
-    return _across(*np.asarray(axis, dtype=np.float64).tolist())
+    return _across(tuple(axis.tolist()))
 
 
-@lru_cache(maxsize=256)  # the same axes are asked for thousands of times in a fit
-def _across(x: float, y: float, z: float) -> Array:
-    axis = np.array([x, y, z])
+@lru_cache(maxsize=1024)
+def _across(of: tuple[float, ...]) -> Array:
+    axis = np.array(of)
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     first = np.cross(axis, helper)
     first = first / np.linalg.norm(first)
@@ -125,18 +125,20 @@ class Ordinary:
         """Return (n_joints,) what the arm's angles are beyond what was read."""
         return np.array([values[f"encoder {joint.name}"] for joint in self.arm.joints])
 
-    def link_inertia(self, link: int, z: Array) -> tuple[Array, Array]:
-        """Return (6, 6) inertia and (4,) mass and first moments of a link.
+    def link_inertias(self, links: Sequence[int], z: Array) -> tuple[Array, Array]:
+        """Return (k, 6, 6) inertias and (k, 4) masses with first moments of k links.
 
-        `z` (10,): relative mass, shift of the centre in m, six relative entries of the tensor.
+        `z` (k, 10): relative mass, shift of the centre in m, six relative entries of the tensor.
         """
-        body = self.arm.joints[link].link
-        mass = body.mass_kg * (1.0 + z[0])
-        center = body.center_m + z[1:4]
-        own = body.inertia_kg_m2
-        size = np.sqrt(np.outer(own.diagonal(), own.diagonal()))
-        inertia = (own + size * z[4:][_FULL]) * (1.0 + z[0])
-        return spatial_inertia(mass, center, inertia), mass * np.append(1.0, center)
+        bodies = [self.arm.joints[link].link for link in links]
+        mass = np.array([body.mass_kg for body in bodies]) * (1.0 + z[:, 0])
+        center = np.array([body.center_m for body in bodies]) + z[:, 1:4]
+        own = np.array([body.inertia_kg_m2 for body in bodies])
+        diagonal = own.diagonal(axis1=1, axis2=2)
+        size = np.sqrt(diagonal[:, :, None] * diagonal[:, None, :])
+        inertia = (own + size * z[:, 4:][:, _FULL]) * (1.0 + z[:, 0])[:, None, None]
+        moments = mass[:, None] * np.concatenate([np.ones((len(z), 1)), center], axis=1)
+        return spatial_inertia(mass, center, inertia), moments
 
     def inertia_names(self, link: int) -> tuple[str, ...]:
         """Return the names of a link's ten inertial parameters."""
@@ -148,11 +150,12 @@ class Ordinary:
         """Begin a posture's equations."""
         assembly = Assembly(geometry=geometry, lines=lines)
         arm, superset = self.arm, self.superset
+        every = range(len(arm.joints))
+        z = np.array([[values[name] for name in self.inertia_names(i)] for i in every])
+        inertias, moments = self.link_inertias(every, z)
+        assembly.link_inertia += list(inertias)
+        assembly.link_moments += list(moments)
         for i, joint in enumerate(arm.joints):
-            z = np.array([values[name] for name in self.inertia_names(i)])
-            inertia, moments = self.link_inertia(i, z)
-            assembly.link_inertia.append(inertia)
-            assembly.link_moments.append(moments)
             column = assembly.unit(superset.joint_column(i))
             if joint.stiffness is not None:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")

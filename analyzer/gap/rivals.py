@@ -10,10 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
+from analyzer.gap.ordinary import across
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
 from analyzer.gap.scan_dampers import scan_dampers
 from analyzer.gap.scan_postures import scan_compensators
@@ -92,6 +96,8 @@ def find_rivals(
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
         coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
         coarse += _from_the_start(broad, present, looked_at, postures, start or {})
+        coarse.sort(key=lambda f: f.cost)
+        coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
         best = []
         for f in coarse[:_COARSE]:
@@ -195,6 +201,35 @@ def _from_the_start(
         richer = replace(present, instances=(*present.instances, instance))
         fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
     return fits
+
+
+def _axes_of_bearings(
+    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
+) -> list[Fit]:
+    """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
+    ordinary = present.ordinary
+    taken = {instance.key for instance in present.instances}
+    found = []
+    for fit in fits:
+        bearing = fit.hypothesis.instances[-1]
+        if bearing.effect.name != "bearing":
+            continue
+        link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
+        if ("link_axis", ordinary.arm.joints[link].link.name) in taken:
+            continue
+        size = np.array([fit.values[name] for name in bearing.sizes])
+        turn = across(np.asarray(ordinary.arm.joints[link].axis))
+        values = {k: v for k, v in fit.values.items() if k not in bearing.owned}
+        for signs in ((1.0, 1.0), (1.0, -1.0)):
+            direction = turn @ (np.sqrt(size) * signs)
+            direction = direction / np.linalg.norm(direction)
+            axis = link_axis.at_axis(ordinary, link, direction, np.zeros(3))
+            richer = replace(present, instances=(*present.instances, axis))
+            start = {**values, axis.size: float(np.sum(size))}
+            found.append(
+                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4)
+            )
+    return found
 
 
 def _key(fit: Fit) -> tuple[str, str]:

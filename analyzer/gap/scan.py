@@ -100,8 +100,7 @@ def scan_axes(
 ) -> list[Candidate]:
     """The most promising lines of every link's interface, best first."""
     ordinary = fit.hypothesis.ordinary
-    joints = ordinary.arm.joints
-    links = [i for i, joint in enumerate(joints) if joint.link.name not in exclude]
+    links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
     found: list[Candidate] = []
     for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
         gains, lines = _best_lines(gram, slope, ordinary, link)
@@ -203,34 +202,32 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
 
 
 def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tuple[Array, Array]]:
-    """Projected Gram matrix (21, 21) and slope (21,) of every interface's columns."""
+    """Projected Gram matrix (21, 21) and slope (21,) of each interface's columns."""
     ordinary = fit.hypothesis.ordinary
-    probes = [_probe(ordinary, link) for link in links]
-    wide = replace(
-        fit.hypothesis, instances=(*fit.hypothesis.instances, *(probe for probe, _ in probes))
-    )
-    names = [name for _, own in probes for name in own]
-    pairs = [(6 * i + a, 6 * i + b) for i in range(len(links)) for a, b in _PAIRS]
     std = compliance_parameter("", ordinary).std
+    probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
-    gradient = np.zeros(n + len(pairs))
-    curvature = np.zeros((n + len(pairs),) * 2)
-    values = {**fit.values, **dict.fromkeys(names, 0.0)}
+    size = n + len(links) * len(_PAIRS)
+    gradient, curvature = np.zeros(size), np.zeros((size, size))
     for p, lines in enumerate(stage.lines):
-        y, dy, columns = stage.models[p].interface_columns(
-            wide, lines, fit.space, values, names, pairs
-        )
-        part = stage.weighings[p].quadratic(y, np.concatenate([dy, columns * std]))
+        model = stage.models[p]
+        y, dy = model.derivatives(fit.hypothesis, lines, fit.space, fit.values)
+        rows = [dy]
+        for probe, names in probes:
+            wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
+            values = {**fit.values, **dict.fromkeys(names, 0.0)}
+            rows.append(std * model.interface_columns(wide, lines, values, names, _PAIRS))
+        part = stage.weighings[p].quadratic(y, np.concatenate(rows))
         gradient += part.gradient
         curvature += part.curvature
     free = np.flatnonzero(fit.free)
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
-    B = curvature[np.ix_(free, np.arange(n, n + len(pairs)))]
-    left = curvature[n:, n:] - B.T @ np.linalg.solve(A, B)
     found = []
     for i in range(len(links)):
-        own = slice(len(_PAIRS) * i, len(_PAIRS) * (i + 1))
-        found.append((left[own, own], gradient[n:][own]))
+        own = np.arange(n + i * len(_PAIRS), n + (i + 1) * len(_PAIRS))
+        B = curvature[np.ix_(free, own)]
+        gram = curvature[np.ix_(own, own)] - B.T @ np.linalg.solve(A, B)
+        found.append((gram, gradient[own]))
     return found
 
 

@@ -53,8 +53,10 @@ def scan_dampers(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[
     n = len(fit.space)
     gradients, curvatures, geometries = [], [], []
     for p, lines in enumerate(stage.lines):
-        y, dy, columns, geometry = stage.models[p].damping_columns(
-            fit.hypothesis, lines, fit.space, fit.values, [(names[a], names[b]) for a, b in pairs]
+        model = stage.models[p]
+        y, dy = model.derivatives(fit.hypothesis, lines, fit.space, fit.values)
+        columns, geometry = model.damping_columns(
+            fit.hypothesis, lines, fit.values, [(names[a], names[b]) for a, b in pairs]
         )
         twice = np.array([1.0 if a == b else 2.0 for a, b in pairs])
         scaled = columns * (std * twice)[:, None, None, None]

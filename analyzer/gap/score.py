@@ -15,10 +15,22 @@ import numpy as np
 from scipy import stats
 
 from analyzer.gap import effects
-from analyzer.gap.effects.effect import EffectWords
+from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.library import all_instances
+from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.records import EffectFound, GapResult, Verdict
 
-__all__ = ["Marked", "Rate", "equivalents", "mark", "rate", "size_found", "size_of_truth"]
+__all__ = [
+    "Marked",
+    "Rate",
+    "equivalents",
+    "instance_of_truth",
+    "mark",
+    "rate",
+    "size_found",
+    "size_of_truth",
+]
 
 OUTCOMES = ("right", "ambiguous with the truth", "unsure", "missed", "outside", "wrong name")
 
@@ -112,6 +124,20 @@ def _same_place(true: Any, ours: str) -> bool:
     whole = {"all", "hammer", "accelerometer", "base"}
     places = true if isinstance(true, list) else [true]
     return all(p in ours or p in whole for p in places) or not ours
+
+
+def instance_of_truth(ordinary: Ordinary, effect: Mapping[str, Any]) -> Instance | None:
+    """The library's instance of a true effect; None where only a search could place it."""
+    name, place = effect["name"], effect["place"]
+    if name == "link_axis":
+        links = [joint.link.name for joint in ordinary.arm.joints]
+        p = effect["parameters"]
+        direction, point = np.asarray(p["direction"]), np.asarray(p["point_m"])
+        return link_axis.at_axis(ordinary, links.index(place), direction, point)
+    places = [place] if isinstance(place, str) else place
+    fitting = [i for i in all_instances(ordinary) if i.effect.name == name]
+    found = [i for i in fitting if not i.place or set(i.place.split(" and ")) == set(places)]
+    return found[0] if len(found) == 1 or (found and not found[0].place) else None
 
 
 def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> float | None:
