@@ -141,8 +141,8 @@ def _posture(table: PostureTable, path: str, arm: Arm, origin: str) -> PlannedPo
         links = [joint.link.name for joint in arm.joints]
         if table.known_mass.link not in links:
             wanted = f"a link of the arm: {', '.join(links)}"
-            got = table.known_mass.link
-            refuse(PlanError, origin, f"{path}.known_mass.link", wanted=wanted, got=got)
+            named = table.known_mass.link
+            refuse(PlanError, origin, f"{path}.known_mass.link", wanted=wanted, got=named)
         mass = KnownMass(
             link=table.known_mass.link,
             mass_kg=table.known_mass.mass_kg,

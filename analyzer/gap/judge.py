@@ -76,6 +76,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         if r is not best
         and r.evidence - best.evidence < thresholds.apart * phi
         and not _same(best, r)
+        and not _is_no_more_than(r, best)
     ]
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)
@@ -91,6 +92,13 @@ def _same(one: Fit, other: Fit) -> bool:
     if a.key == b.key or _one_line(one, other) or _one_line(other, one):
         return True
     return b.effect.name in a.effect.equivalent or a.effect.name in b.effect.equivalent
+
+
+def _is_no_more_than(rival: Fit, best: Fit) -> bool:
+    """Whether a rival holds the best inside it, and nothing else that matters."""
+    a, b = _added(rival), _added(best)
+    inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
+    return inside and not a.is_material(rival.values)
 
 
 def _one_line(axis: Fit, joint: Fit) -> bool:

@@ -19,15 +19,25 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import across
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan_dampers import scan_dampers
+from analyzer.gap.scan_postures import scan_compensators
 from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
 
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
-_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 20, 9, 4, 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
-_MOST_AXES = 6
+# Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
+_AT_MOST = {
+    "link_axis": 6,
+    "gravity_compensator": 2,
+    "link_bending": 2,
+    "link_torsion": 2,
+    "load_damping": 2,
+    "nonproportional": 2,
+}
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
 _BELIEVABLE = (
     4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
@@ -36,7 +46,9 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
-_ASTRAY = ("bearing", "base", "hysteretic")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending")
+_SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
+_SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
 
 Progress = Callable[[str], None]
@@ -251,9 +263,11 @@ def _looked_at(
     """Every effect at every place by its linear gain; sensors also beside the first guess."""
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
-    found = scan_instances(
-        stage, base, [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
-    )
+    instances = [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
+    plain = [i for i in instances if i.effect.name not in _SOUGHT]
+    found = scan_instances(stage, base, plain)
+    found += scan_compensators(stage, base, instances)
+    found += scan_dampers(stage, base, instances)
     axes_taken = [place for name, place in taken if name == "link_axis"]
     found += scan_axes(stage, base, exclude=axes_taken)
     found += scan_sensors(stage, hypothesis, base.values)
@@ -263,7 +277,7 @@ def _looked_at(
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])
-        if not same or candidate.instance.effect.name == "link_axis":
+        if not same or candidate.instance.effect.name in _SEVERAL_STARTS:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)
@@ -285,13 +299,12 @@ def _most_promising(
         first = list(kinds.values())
         worthy = first + [c for c in worthy if c not in first]
     chosen: list[Candidate] = []
-    axes = 0
+    taken: dict[str, int] = {}
     for candidate in worthy:
         if len(chosen) == _LOOKED_AT:
             break
-        if candidate.instance.effect.name == "link_axis":
-            axes += 1
-            if axes > _MOST_AXES:
-                continue
-        chosen.append(candidate)
+        name = candidate.instance.effect.name
+        taken[name] = taken.get(name, 0) + 1
+        if taken[name] <= _AT_MOST.get(name, _LOOKED_AT):
+            chosen.append(candidate)
     return chosen
