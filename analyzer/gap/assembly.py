@@ -57,11 +57,13 @@ class System:
     moved: Array  # (m, 3, n) the sensor's motion in base
     seen: Array  # (m, 3, n) the sensor's motion along its axes
     tilted: Array  # (m, 3, n) what gravity adds on them
+    turned: Array  # (m, 3, n) the sensor's rotation along them
     mix: Array  # (m, 3, 3) from true axes to recorded channels
     hit: Array  # (n_hits, 3, n) motion of the hit points in base
     force: Array  # (n_hits, 3)
     log_scale: float  # of all responses
     delay_s: float  # of the responses behind the force
+    decay_rad_s: float  # by which all records fall that nobody wrote down
 
 
 @dataclass
@@ -90,6 +92,10 @@ class Assembly:
     sensor_mass_kg: float | None = None
     log_scale: float = 0.0
     delay_s: float = 0.0
+    decay_rad_s: float = 0.0
+    # (m,) point where each mounting truly was; None: as recorded.
+    sensor_point: npt.NDArray[np.int64] | None = None
+    shifts_m: dict[int, Array] = field(default_factory=dict)  # of points, along sensor axes there
 
     def add_spring(self, name: str, column: Array, stiffness: float, damping: float) -> int:
         """Add a coordinate on a spring."""
@@ -172,8 +178,9 @@ class Assembly:
         matrices["mass"] += base.T @ self.base_inertia @ base
         for kind, i, j, value in self.terms:
             matrices[kind][i, j] += value
-        J = geometry.point_jacobian[lines.sensor_point] @ T
-        R = geometry.point_rotation[lines.sensor_point]
+        points = lines.sensor_point if self.sensor_point is None else self.sensor_point
+        J = self._point_motion(points) @ T
+        R = geometry.point_rotation[points]
         # a - g seen in axes turned by theta changes by theta x g.
         gx, gy, gz = geometry.gravity_m_s2
         weighed = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]]) @ J[:, 3:]
@@ -186,9 +193,20 @@ class Assembly:
             moved=J[:, :3],
             seen=R.swapaxes(1, 2) @ J[:, :3],
             tilted=R.swapaxes(1, 2) @ weighed,
+            turned=R.swapaxes(1, 2) @ J[:, 3:],
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
-            hit=geometry.point_jacobian[lines.hit_point][:, :3] @ T,
+            hit=self._point_motion(lines.hit_point)[:, :3] @ T,
             force=lines.hit_direction if self.force is None else self.force,
             log_scale=self.log_scale,
             delay_s=self.delay_s,
+            decay_rad_s=self.decay_rad_s,
         )
+
+    def _point_motion(self, points: npt.NDArray[np.int64]) -> Array:
+        """(k, 6, N) Jacobians of points, those that stand elsewhere shifted."""
+        motion = self.geometry.point_jacobian[points]
+        for point, shift in self.shifts_m.items():
+            arm = skew(self.geometry.point_rotation[point] @ shift)
+            rows = points == point
+            motion[rows, :3] -= arm @ motion[rows, 3:]
+        return motion

@@ -214,6 +214,7 @@ def _by_effects(
 ) -> Iterator[tuple[str, ComplexArray]]:
     """What effects bring beside compliances, by differences of the equations."""
     known = {**posed.assembly.compliance_of, **posed.assembly.loss_of}
+    lines = posed.assembly.lines
     for instance in hypothesis.instances:
         for parameter in instance.parameters:
             if parameter.name in known:
@@ -222,7 +223,11 @@ def _by_effects(
             if posed.values[parameter.name] + step > parameter.high:
                 step = -step
             changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
-            other = _assembled(hypothesis, geometry, posed.found.lines, changed).system()
+            other = _assembled(hypothesis, geometry, lines, changed).system()
+            if other.decay_rad_s != posed.system.decay_rad_s:
+                there = respond(other, lines, sensor_mass_kg=posed.found.sensor_mass_kg)
+                yield parameter.name, (there.values - posed.found.values) / step
+                continue
             yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
 
 
