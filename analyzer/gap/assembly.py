@@ -11,6 +11,7 @@ model. Frames: superset, linear first.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -84,6 +85,10 @@ class Assembly:
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)
+    # What a joint's stiffness and damping are multiplied by beside their parameters, and what a
+    # parameter adds to the logarithms of both.
+    factors: dict[str, tuple[float, float]] = field(default_factory=dict)
+    log_slopes: dict[str, tuple[str, float, float]] = field(default_factory=dict)
     link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
@@ -117,6 +122,26 @@ class Assembly:
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
+
+    def multiply_spring(
+        self, joint: str, values: Mapping[str, float], log_k: float, log_c: float
+    ) -> None:
+        """Multiply a joint's stiffness, its loss with it, and its damping."""
+        k, c = (float(np.exp(values[f"ln {what} {joint}"])) for what in "kc")
+        old_k, old_c = self.factors.get(joint, (1.0, 1.0))
+        new_k, new_c = old_k * float(np.exp(log_k)), old_c * float(np.exp(log_c))
+        self.factors[joint] = new_k, new_c
+        link, rotor = self.names[joint], self.stretched_by.get(joint)
+        more_k, more_c = k * (new_k - old_k), c * (new_c - old_c)
+        for kind, more in (
+            ("stiffness", more_k),
+            ("loss", more_k * values["loss"]),
+            ("damping", more_c),
+        ):
+            self.add_term(kind, link, link, more)
+            if rotor is not None:
+                self.add_term(kind, rotor, rotor, more)
+                self.add_term(kind, rotor, link, -more)
 
     def add_term(self, kind: str, i: int, j: int, value: float) -> None:
         """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways."""

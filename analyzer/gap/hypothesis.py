@@ -157,6 +157,7 @@ class _Posed:
         s = self.found.lines.s_rad_s
         loss = self.values["loss"]
         by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
             row = np.zeros(self.system.mass.shape[0])
@@ -164,10 +165,17 @@ class _Posed:
             if name in self.assembly.stretched_by:
                 row[self.assembly.stretched_by[name]] = -1.0
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
-            by_stiffness = k * self.found.by_stretch(row, 1.0)
-            yield f"ln k {name}", (1.0 + 1j * loss) * by_stiffness
-            yield f"ln c {name}", c * self.found.by_stretch(row, s)
+            more_k, more_c = self.assembly.factors.get(name, (1.0, 1.0))
+            by_stiffness = k * more_k * self.found.by_stretch(row, 1.0)
+            by_spring[name] = (
+                (1.0 + 1j * loss) * by_stiffness,
+                c * more_c * self.found.by_stretch(row, s),
+            )
+            yield f"ln k {name}", by_spring[name][0]
+            yield f"ln c {name}", by_spring[name][1]
             by_loss = by_loss + 1j * by_stiffness
+        for parameter, (name, by_k, by_c) in self.assembly.log_slopes.items():
+            yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
         yield "loss", by_loss
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
@@ -213,7 +221,11 @@ def _by_effects(
     hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
 ) -> Iterator[tuple[str, ComplexArray]]:
     """What effects bring beside compliances, by differences of the equations."""
-    known = {**posed.assembly.compliance_of, **posed.assembly.loss_of}
+    known = {
+        *posed.assembly.compliance_of,
+        *posed.assembly.loss_of,
+        *posed.assembly.log_slopes,
+    }
     lines = posed.assembly.lines
     for instance in hypothesis.instances:
         for parameter in instance.parameters:

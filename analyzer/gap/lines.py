@@ -17,18 +17,21 @@ import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
 from analyzer.modal.frf import posture_frf
+from analyzer.modal.noise import smooth_lines
 from protocols.arrays import frozen_array
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
 from protocols.session.records import Hit, Session
 
-__all__ = ["Annealing", "PostureLines", "own_lines", "shifted_lines"]
+__all__ = ["Annealing", "PostureLines", "has_levels", "own_lines", "shifted_lines"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
 _NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
+_LEAST_RATIO = 1.5  # of peak forces, to be two levels
+_SMOOTHED = 2  # lines to each side
 _TAPER = 0.1  # of the band, cosine, at its upper end
 
 
@@ -58,32 +61,87 @@ class PostureLines:
     values: ComplexArray  # (n_mountings, 3, n_lines) m/(N s^2)
     variance: Array  # (n_mountings, 3, n_lines): E|error of values|^2
     sensor_mass_kg: float
+    level: float = 0.0  # ln of these hits' peak force, from the middle of all
 
 
-def own_lines(superset: Superset, session: Session, stage: Annealing) -> tuple[PostureLines, ...]:
+def own_lines(
+    superset: Superset, session: Session, stage: Annealing, *, by_level: bool = False
+) -> tuple[PostureLines, ...]:
     """Lines of every posture of a session with records of its own hits.
+
+    Parameters
+    ----------
+    by_level
+        Lines of every posture twice: of its soft and of its hard hits. Half of their difference
+        counts as variance: single hits go astray, and a spring of one stiffness a level is only
+        nearly what depends on the level at every moment.
 
     Raises
     ------
     EstimateError
         If a posture has no joint angles, or a point lacks one of its three axes.
     """
+    hits = [hit for hit in session.hits if hit.verdict.accepted]
+    if not by_level:
+        return _lines_of(superset, session, hits, stage, level=0.0)
+    soft, hard = _soft_and_hard(hits)
+    level = [float(np.mean([np.log(hit.verdict.peak_n) for hit in own])) for own in (soft, hard)]
+    middle = sum(level) / 2.0
+    softly = _lines_of(superset, session, soft, stage, level=level[0] - middle)
+    strongly = _lines_of(superset, session, hard, stage, level=level[1] - middle)
+    result: list[PostureLines] = []
+    for one, other in zip(softly, strongly, strict=True):
+        between = smooth_lines(np.abs(one.values - other.values) ** 2 / 2.0, _SMOOTHED)
+        result += [replace(of, variance=of.variance + between) for of in (one, other)]
+    return tuple(result)
+
+
+def has_levels(session: Session) -> bool:
+    """Whether every point was hit clearly harder and clearly softer in every posture."""
+    soft, hard = _soft_and_hard([hit for hit in session.hits if hit.verdict.accepted])
+    if not soft or len(soft) != len(hard):
+        return False
+    ratios = [h.verdict.peak_n / s.verdict.peak_n for s, h in zip(soft, hard, strict=True)]
+    return min(ratios) > _LEAST_RATIO
+
+
+def _soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:
+    """The softest and the hardest third, at least one, of the hits at each point."""
+    groups: dict[tuple[object, ...], list[Hit]] = {}
+    for hit in hits:
+        direction = tuple(np.round(hit.hit_direction, 6).tolist())
+        key = (hit.posture, hit.sensor_point, hit.hit_point, direction)
+        groups.setdefault(key, []).append(hit)
+    soft: list[Hit] = []
+    hard: list[Hit] = []
+    for group in groups.values():
+        group.sort(key=lambda hit: hit.verdict.peak_n)
+        n = max(len(group) // 3, 1)
+        if len(group) < 2 * n:
+            return [], []
+        soft += group[:n]
+        hard += group[-n:]
+    return soft, hard
+
+
+def _lines_of(
+    superset: Superset, session: Session, chosen: Sequence[Hit], stage: Annealing, *, level: float
+) -> tuple[PostureLines, ...]:
     plan = session.header.plan
-    hits = tuple(_from_the_hit(hit) for hit in session.hits if hit.verdict.accepted)
+    hits = tuple(_from_the_hit(hit) for hit in chosen)
     duration = max((len(hit.counts) for hit in hits), default=0) / float(plan.sampling.rate_hz)
     windows = replace(plan.windows, exponential_end=float(np.exp(-stage.sigma_rad_s * duration)))
     header = replace(session.header, plan=replace(plan, windows=windows))
     changed = replace(session, header=header, hits=hits)
     result = []
-    for name in dict.fromkeys(hit.posture for hit in session.hits if hit.verdict.accepted):
-        joints = _joints(session, name)
-        dynamics = superset.posture(joints)
+    for name in dict.fromkeys(hit.posture for hit in chosen):
+        dynamics = superset.posture(_joints(session, name))
 
         def axes(point: str, rotation: Array = dynamics.point_rotation) -> Array:
             return np.asarray(rotation[superset.point_index[point]])
 
         frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
-        result.append(_thinned(superset, frf, stage, plan.sensor.mass_kg))
+        result.append(replace(_thinned(superset, frf, stage, plan.sensor.mass_kg), level=level))
     return tuple(result)
 
 
