@@ -47,6 +47,7 @@ class Ordinary:
 
     superset: Superset
     postures: tuple[str, ...]
+    levelled: bool = False  # whether soft and hard hits are told apart
 
     @property
     def arm(self) -> Arm:
