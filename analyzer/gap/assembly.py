@@ -24,23 +24,34 @@ __all__ = ["Assembly", "System", "skew", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
 
+# v @ _CROSS holds the nine entries of the matrix of v x.
+_CROSS = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]
+)
+
 
 def skew(v: Array) -> Array:
-    """Return the matrix of v x."""
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+    """Return the matrices (..., 3, 3) of v x, v (..., 3)."""
+    return np.asarray((v @ _CROSS).reshape(*np.shape(v)[:-1], 3, 3))
 
 
-def spatial_inertia(mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> Array:
-    """(6, 6) inertia of a body about the origin of its frame, linear first.
+def spatial_inertia(mass_kg: float | Array, center_m: Array, inertia_kg_m2: Array) -> Array:
+    """(..., 6, 6) inertia of bodies about the origin of their frame, linear first.
 
-    Featherstone, Rigid Body Dynamics Algorithms (2008), Eq. (2.63), halves exchanged.
+    Featherstone, Rigid Body Dynamics Algorithms (2008), Eq. (2.63), halves exchanged. Masses
+    (...), centres (..., 3) and tensors (..., 3, 3) about the centre.
     """
     cross = skew(center_m)
-    result = np.zeros((6, 6))
-    result[:3, :3] = mass_kg * np.eye(3)
-    result[:3, 3:] = -mass_kg * cross
-    result[3:, :3] = mass_kg * cross
-    result[3:, 3:] = inertia_kg_m2 - mass_kg * cross @ cross
+    mass = np.asarray(mass_kg)[..., None, None]
+    result = np.empty((*cross.shape[:-2], 6, 6))
+    result[..., :3, :3] = mass * np.eye(3)
+    result[..., :3, 3:] = -mass * cross
+    result[..., 3:, :3] = mass * cross
+    result[..., 3:, 3:] = inertia_kg_m2 - mass * cross @ cross
     return result
 
 
@@ -51,7 +62,7 @@ class System:
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)
     stiffness: Array  # (n, n)
-    loss: Array  # (n, n): K + i loss
+    loss: Array  # (n, n): K + L(s) loss, `response.hysteresis`
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     link_motion: Array  # (n_links, 6, n)

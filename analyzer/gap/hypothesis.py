@@ -16,7 +16,7 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.response import Change, Response, respond
+from analyzer.gap.response import Change, Response, hysteresis, respond
 from analyzer.gap.space import Space
 
 __all__ = ["Hypothesis", "PosedModel"]
@@ -79,41 +79,6 @@ class PosedModel:
         dy : (n_parameters, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        y, dy, _, _ = self._derivatives(hypothesis, lines, space, values)
-        return y, dy
-
-    def interface_columns(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-        names: Sequence[str],
-        pairs: Sequence[tuple[int, int]],
-    ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Derivatives, and those by the compliance matrix of some locked coordinates.
-
-        Returns
-        -------
-        y : (m, 3, L), dy : (n_parameters, m, 3, L)
-        columns : (n_pairs, m, 3, L)
-            By an element a, b of the compliance matrix of the coordinates `names`, both
-            triangles' mean.
-        """
-        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
-        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
-        columns = [
-            0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs
-        ]
-        return y, dy, np.stack(columns)
-
-    def _derivatives(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-    ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
         offset = hypothesis.ordinary.encoder(values)
         geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
@@ -132,7 +97,27 @@ class PosedModel:
         ):
             if name in space.index:
                 dy[space.index[name]] = derivative * space.std[space.index[name]]
-        return y, dy, assembly, found
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, m, 3, L) by the compliance matrix of some locked coordinates.
+
+        Of an element a, b of that of the coordinates `names`: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
+        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
+        return np.stack(
+            [0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs]
+        )
 
     def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
         for i, joint in enumerate(posed.ordinary.arm.joints):
@@ -155,7 +140,7 @@ class _Posed:
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
         """Stiffness with its hysteretic part, damping, and the common loss."""
         s = self.found.lines.s_rad_s
-        loss = self.values["loss"]
+        loss, turn = self.values["loss"], hysteresis(s)
         by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
@@ -168,12 +153,12 @@ class _Posed:
             more_k, more_c = self.assembly.factors.get(name, (1.0, 1.0))
             by_stiffness = k * more_k * self.found.by_stretch(row, 1.0)
             by_spring[name] = (
-                (1.0 + 1j * loss) * by_stiffness,
+                (1.0 + loss * turn) * by_stiffness,
                 c * more_c * self.found.by_stretch(row, s),
             )
             yield f"ln k {name}", by_spring[name][0]
             yield f"ln c {name}", by_spring[name][1]
-            by_loss = by_loss + 1j * by_stiffness
+            by_loss = by_loss + turn * by_stiffness
         for parameter, (name, by_k, by_c) in self.assembly.log_slopes.items():
             yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
         yield "loss", by_loss
@@ -265,10 +250,6 @@ def _inertia_changes(
 ) -> Array:
     """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
     z = np.array([values[name] for name in names])
-    start, _ = ordinary.link_inertia(link, z)
-    changes = []
-    for i in range(len(names)):
-        moved = z.copy()
-        moved[i] += _INERTIA_STEP
-        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
-    return np.stack(changes)
+    beside = np.concatenate([z[None], z + _INERTIA_STEP * np.eye(len(names))])
+    inertias, _ = ordinary.link_inertias([link] * len(beside), beside)
+    return np.asarray((inertias[1:] - inertias[0]) / _INERTIA_STEP)

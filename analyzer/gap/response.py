@@ -11,6 +11,10 @@ acceleration, tilt of gravity included, and for any parameter
 
     d(o x) = do x - (o E H) dZ x + (o E H) db ,        Z = H^-1 + m s^2 U U' .
 
+A loss factor eta is causal, constant at every frequency, and leaves k as it is at a reference:
+
+    k (1 + eta L(s)),    L(s) = (2 / pi) ln(s / w_r),    L(i w) = i + (2 / pi) ln(w / w_r) .
+
 A compliance gamma with loss tau changes H by w w' d(gamma / (1 + tau s)), w the motion per unit
 torque inside that compliance: also at gamma = 0.
 """
@@ -27,10 +31,18 @@ import numpy.typing as npt
 from analyzer.gap.assembly import System
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Change", "Response", "respond"]
+__all__ = ["Change", "Response", "hysteresis", "respond"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+
+_REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has its stiffness k
+
+
+def hysteresis(s: ComplexArray) -> ComplexArray:
+    """What a unit loss factor adds to a unit stiffness at s, in rad/s."""
+    return np.asarray((2.0 / np.pi) * np.log(s / _REFERENCE_RAD_S))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,7 +173,7 @@ class Response:
             (change.mass, s**2),
             (change.damping, s),
             (change.stiffness, np.ones_like(s)),
-            (change.loss, np.full_like(s, 1j)),
+            (change.loss, hysteresis(s)),
         ):
             if matrix is not None:
                 dZx += power[:, None, None] * (flat @ matrix.T).reshape(L, m, n)
@@ -208,7 +220,8 @@ def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Re
     Z = (
         (s**2)[:, None, None] * system.mass
         + s[:, None, None] * system.damping
-        + (system.stiffness + 1j * system.loss)
+        + system.stiffness
+        + hysteresis(s)[:, None, None] * system.loss
     )
     A = scale[:, :, None] * Z
     A[:, soft, soft] += 1.0

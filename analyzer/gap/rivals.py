@@ -25,6 +25,9 @@ _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 9, 4, 4
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MOST_AXES = 6
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
+_BELIEVABLE = (
+    4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
+)
 _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is not worth a fit
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
@@ -66,7 +69,7 @@ def find_rivals(
     at_middle = _further(middle, base, postures, 5)
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
-    if per_line < _NEAR:
+    if per_line < _NEAR and at_sharp.farthest < _BELIEVABLE:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
         first = _first_steps(sharp, at_sharp, looked_at, _WORTH_SHARP, postures, start or {})

@@ -23,7 +23,6 @@ from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.compliance import compliance_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
@@ -101,14 +100,10 @@ def scan_axes(
 ) -> list[Candidate]:
     """The most promising lines of every link's interface, best first."""
     ordinary = fit.hypothesis.ordinary
+    links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
     found: list[Candidate] = []
-    for link, joint in enumerate(ordinary.arm.joints):
-        if joint.link.name in exclude:
-            continue
-        probe, names = _probe(ordinary, link)
-        wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
-        J, r_dot = _interface_products(stage, fit, wide, names)
-        gains, lines = _best_lines(J, r_dot, ordinary, link)
+    for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
+        gains, lines = _best_lines(gram, slope, ordinary, link)
         for gain, (direction, point) in list(zip(gains, lines, strict=True))[:keep]:
             instance = link_axis.at_axis(ordinary, link, direction, point)
             found.append(Candidate(instance=instance, gain=gain))
@@ -206,28 +201,34 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
     return Instance(effect=words, place="", parameters=parameters, builder=build), names
 
 
-def _interface_products(
-    stage: Stage, fit: Fit, wide: Hypothesis, names: Sequence[str]
-) -> tuple[Array, Array]:
-    """Projected Gram matrix (21, 21) and slope (21,) of the interface's columns."""
+def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tuple[Array, Array]]:
+    """Projected Gram matrix (21, 21) and slope (21,) of each interface's columns."""
     ordinary = fit.hypothesis.ordinary
     std = compliance_parameter("", ordinary).std
+    probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
-    gradient = np.zeros(n + len(_PAIRS))
-    curvature = np.zeros((n + len(_PAIRS),) * 2)
-    values = {**fit.values, **dict.fromkeys(names, 0.0)}
+    size = n + len(links) * len(_PAIRS)
+    gradient, curvature = np.zeros(size), np.zeros((size, size))
     for p, lines in enumerate(stage.lines):
-        y, dy, pairs = stage.models[p].interface_columns(
-            wide, lines, fit.space, values, names, _PAIRS
-        )
-        part = stage.weighings[p].quadratic(y, np.concatenate([dy, pairs * std]))
+        model = stage.models[p]
+        y, dy = model.derivatives(fit.hypothesis, lines, fit.space, fit.values)
+        rows = [dy]
+        for probe, names in probes:
+            wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
+            values = {**fit.values, **dict.fromkeys(names, 0.0)}
+            rows.append(std * model.interface_columns(wide, lines, values, names, _PAIRS))
+        part = stage.weighings[p].quadratic(y, np.concatenate(rows))
         gradient += part.gradient
         curvature += part.curvature
     free = np.flatnonzero(fit.free)
-    own = np.arange(n, n + len(_PAIRS))
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
-    B = curvature[np.ix_(free, own)]
-    return curvature[np.ix_(own, own)] - B.T @ np.linalg.solve(A, B), gradient[own]
+    found = []
+    for i in range(len(links)):
+        own = np.arange(n + i * len(_PAIRS), n + (i + 1) * len(_PAIRS))
+        B = curvature[np.ix_(free, own)]
+        gram = curvature[np.ix_(own, own)] - B.T @ np.linalg.solve(A, B)
+        found.append((gram, gradient[own]))
+    return found
 
 
 def _best_lines(
