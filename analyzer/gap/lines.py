@@ -63,6 +63,13 @@ class PostureLines:
     sensor_mass_kg: float
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
 
+    @property
+    def title(self) -> str:
+        """Return the posture, and which of its hits where they are told apart."""
+        if self.level == 0.0:
+            return self.name
+        return f"{self.name}, {'soft' if self.level < 0.0 else 'hard'} hits"
+
 
 def own_lines(
     superset: Superset, session: Session, stage: Annealing, *, by_level: bool = False
@@ -83,7 +90,8 @@ def own_lines(
     """
     hits = [hit for hit in session.hits if hit.verdict.accepted]
     if not by_level:
-        return _lines_of(superset, session, hits, stage, level=0.0)
+        all_hits = _lines_of(superset, session, hits, stage, level=0.0)
+        return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
     soft, hard = _soft_and_hard(hits)
     level = [float(np.mean([np.log(hit.verdict.peak_n) for hit in own])) for own in (soft, hard)]
     middle = sum(level) / 2.0
@@ -122,6 +130,33 @@ def _soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:
         soft += group[:n]
         hard += group[-n:]
     return soft, hard
+
+
+def _widened(
+    superset: Superset, of_postures: Sequence[PostureLines], hits: Sequence[Hit]
+) -> tuple[PostureLines, ...]:
+    """Variance where one of several hits outweighs the others and its own error stays.
+
+    With weights w (sums to 1) relative errors of single hits scatter by 1 - sum w^2 about the mean,
+    and leave sum w^2 in it; the estimate takes all hits to be alike.
+    """
+    forces: dict[tuple[str, int, int], list[float]] = {}
+    for hit in hits:
+        at = superset.point_index[hit.sensor_point], superset.point_index[hit.hit_point]
+        forces.setdefault((hit.posture, *at), []).append(hit.verdict.peak_n)
+    result = []
+    for lines in of_postures:
+        factors = np.ones(len(lines.sensor_point))
+        for m, (point, hit_point) in enumerate(
+            zip(lines.sensor_point, lines.hit_point[lines.hit], strict=True)
+        ):
+            power = np.array(forces[lines.name, int(point), int(hit_point)]) ** 2
+            left = float(np.sum((power / power.sum()) ** 2))
+            if power.size > 1:
+                factors[m] = (power.size - 1) * left / (1.0 - left)
+        widened = lines.variance * np.maximum(factors, 1.0)[:, None, None]
+        result.append(replace(lines, variance=widened))
+    return tuple(result)
 
 
 def _lines_of(
