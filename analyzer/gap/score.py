@@ -142,7 +142,10 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         "payload": lambda: p["mass_kg"],
         "rotor": lambda: p["inertia_kg_m2"],
         "hysteretic": lambda: p["loss_factor"],
+        "hit_direction": lambda: np.deg2rad(p["turn_deg"][0]),
     }
+    if "by_m" in p:
+        sizes["wrong_point"] = lambda: p["by_m"][0]
     found = sizes.get(effect["name"])
     return None if found is None else float(found())
 

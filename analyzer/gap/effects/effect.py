@@ -11,7 +11,7 @@ from analyzer.gap.space import Parameter, Space
 if TYPE_CHECKING:
     from analyzer.gap.assembly import Assembly
 
-__all__ = ["EffectWords", "Instance"]
+__all__ = ["Describer", "EffectWords", "Instance"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.effect import Describer, EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
-__all__ = ["WORDS", "beside", "exchanged", "instances", "stood_at"]
+__all__ = ["WORDS", "beside", "exchanged", "instances", "of_file", "stood_at"]
 
 WORDS = EffectWords(
     name="wrong_point",
@@ -42,7 +42,12 @@ def exchanged(ordinary: Ordinary, first: str, second: str) -> Instance:
         points[was_a], points[was_b] = b, a
         assembly.sensor_point = points
 
-    return Instance(effect=WORDS, place=f"points {first} and {second} exchanged", builder=build)
+    return Instance(
+        effect=WORDS,
+        place=f"points {first} and {second} exchanged",
+        builder=build,
+        describe=_saying({"exchanged": first, "with": second}),
+    )
 
 
 def stood_at(ordinary: Ordinary, point: str, other: str, posture: str | None = None) -> Instance:
@@ -58,7 +63,13 @@ def stood_at(ordinary: Ordinary, point: str, other: str, posture: str | None = N
         assembly.sensor_point = points
 
     where = "" if posture is None else f" in posture {posture}"
-    return Instance(effect=WORDS, place=f"point {point} was {other}{where}", builder=build)
+    words: dict[str, object] = {"point": point, "was": other}
+    return Instance(
+        effect=WORDS,
+        place=f"point {point} was {other}{where}",
+        builder=build,
+        describe=_saying(words if posture is None else words | {"posture": posture}),
+    )
 
 
 def beside(ordinary: Ordinary, point: str) -> Instance:
@@ -74,7 +85,7 @@ def beside(ordinary: Ordinary, point: str) -> Instance:
         assembly.shifts_m[index] = record.R_link_sensor.T @ shift(values)
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
-        return {"link": record.link, "by_m": shift(values).tolist()}
+        return {"point": point, "by_m": shift(values).tolist()}
 
     return Instance(
         effect=WORDS,
@@ -86,6 +97,30 @@ def beside(ordinary: Ordinary, point: str) -> Instance:
         sizes=tuple(names),
         material=_MATERIAL_M,
     )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the instance that an arm file describes; None where its words or points are not known.
+
+    The shift of a point is a parameter and not read here.
+    """
+    known = {key: str(value) for key, value in description.items() if isinstance(value, str)}
+    points = [known[key] for key in ("exchanged", "with", "point", "was") if key in known]
+    if any(point not in ordinary.superset.point_index for point in points):
+        return None
+    if "exchanged" in known and "with" in known:
+        return exchanged(ordinary, known["exchanged"], known["with"])
+    if "point" in known and "was" in known:
+        return stood_at(ordinary, known["point"], known["was"], known.get("posture"))
+    return beside(ordinary, known["point"]) if "point" in known else None
+
+
+def _saying(words: dict[str, object]) -> Describer:
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        del values
+        return words
+
+    return describe
 
 
 def _points(assembly: Assembly) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
