@@ -37,7 +37,9 @@ class Builder(Protocol):
 class Describer(Protocol):
     """Says where and how an instance stands, in the arm file's words."""
 
-    def __call__(self, values: Mapping[str, float]) -> dict[str, object]: ...
+    def __call__(self, values: Mapping[str, float]) -> dict[str, object]:
+        """Return entries of a description."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
