@@ -7,39 +7,74 @@ what ordinary errors leave is even in it: much smaller changes are seen.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from analyzer.gap.effects import backlash, friction, microslip, softening
+import numpy as np
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.effects.level import any_change
 from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.lines import PostureLines, between
 from analyzer.gap.scan import scan_instances
+from analyzer.gap.weigh import Discrepancy
 
-__all__ = ["depends_on_level"]
+__all__ = ["told_apart"]
 
 _LEAST_GAIN = 12.0  # of cost by the linear look
 
 
-def depends_on_level(
-    broad: Stage, sharper: Stage, present: Hypothesis, start: Mapping[str, float]
-) -> bool:
-    """Whether a joint's stiffness or damping changes with the level beyond doubt worth a search.
+def told_apart(
+    superset: Superset,
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    start: Mapping[str, float],
+    discrepancy: Discrepancy,
+) -> tuple[Stage, ...] | None:
+    """Stages of soft and of hard hits, weighed anew; None where the level tells nothing.
+
+    First all of the difference between soft and hard hits counts as variance; then, once every
+    joint may change with the level, only what that leaves: aims of single hits, and what a spring
+    and a damper at each level are not.
 
     Parameters
     ----------
-    broad, sharper
-        Stages of lines of soft and of hard hits.
+    stages
+        Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
     present
         A hypothesis about levelled lines (`Ordinary.levelled`).
     """
+    broad, middle, _ = stages
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
-    fit = fit_hypothesis(sharper, present, start=fit.values, max_iterations=4)
-    ordinary = present.ordinary
-    instances = [
-        instance
-        for effect in (backlash, friction, microslip, softening)
-        for instance in effect.instances(ordinary)
-    ]
-    taken = {instance.key for instance in present.instances}
-    rest = [instance for instance in instances if instance.key not in taken]
-    looked_at = scan_instances(sharper, fit, rest)
-    return bool(looked_at) and looked_at[0].gain > _LEAST_GAIN
+    fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
+    changes = any_change(present.ordinary)
+    if scan_instances(middle, fit, changes)[0].gain < _LEAST_GAIN:
+        return None
+    any_level = replace(present, instances=(*present.instances, *changes))
+    free = fit_hypothesis(middle, any_level, start=fit.values, max_iterations=8)
+    return tuple(
+        Stage(
+            superset, _weighed_anew(stage, any_level, free.values), discrepancy, models=stage.models
+        )
+        for stage in stages
+    )
+
+
+def _weighed_anew(
+    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
+) -> list[PostureLines]:
+    found: list[PostureLines] = []
+    for p in range(0, len(stage.lines), 2):
+        soft, hard = stage.lines[p : p + 2]
+        change = [
+            stage.models[i].response(hypothesis, stage.lines[i], values).values for i in (p, p + 1)
+        ]
+        less = between(soft.values - hard.values)
+        more = between(soft.values - hard.values - (change[0] - change[1]))
+        # Both were added to: what is left is positive but for rounding.
+        found += [
+            replace(lines, variance=np.maximum(lines.variance - less, 0.0) + more)
+            for lines in (soft, hard)
+        ]
+    return found

@@ -23,7 +23,7 @@ from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
 from protocols.session.records import Hit, Session
 
-__all__ = ["Annealing", "PostureLines", "has_levels", "own_lines", "shifted_lines"]
+__all__ = ["Annealing", "PostureLines", "between", "has_levels", "own_lines", "shifted_lines"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -99,9 +99,14 @@ def own_lines(
     strongly = _lines_of(superset, session, hard, stage, level=level[1] - middle)
     result: list[PostureLines] = []
     for one, other in zip(softly, strongly, strict=True):
-        between = smooth_lines(np.abs(one.values - other.values) ** 2 / 2.0, _SMOOTHED)
-        result += [replace(of, variance=of.variance + between) for of in (one, other)]
+        more = between(one.values - other.values)
+        result += [replace(of, variance=of.variance + more) for of in (one, other)]
     return tuple(result)
+
+
+def between(difference: ComplexArray) -> Array:
+    """Variance (..., n_lines) of each of two whose difference is given."""
+    return smooth_lines(np.abs(difference) ** 2 / 2.0, _SMOOTHED)
 
 
 def has_levels(session: Session) -> bool:

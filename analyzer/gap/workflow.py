@@ -17,7 +17,7 @@ from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hypothesis import Hypothesis, PosedModel
 from analyzer.gap.judge import Judged, Thresholds, judge, scale
-from analyzer.gap.levels import depends_on_level
+from analyzer.gap.levels import told_apart
 from analyzer.gap.lines import Annealing, PostureLines, has_levels, own_lines, shifted_lines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
@@ -86,10 +86,11 @@ def find_gap(
     present = Hypothesis(ordinary=ordinary, instances=from_file)
     if single_hits and has_levels(session):
         tell("soft hits beside hard ones")
-        told_apart = replace(present, ordinary=replace(ordinary, levelled=True))
-        by_level = _stages(superset, session, frfs, models=stages[-1].models, by_level=True)
-        if depends_on_level(by_level[0], by_level[1], told_apart, start):
-            stages, present = by_level, told_apart
+        levelled = replace(present, ordinary=replace(ordinary, levelled=True))
+        apart = _stages(superset, session, frfs, models=stages[-1].models, by_level=True)
+        by_level = told_apart(superset, apart, levelled, start, Discrepancy())
+        if by_level is not None:
+            stages, present = by_level, levelled
             notes.append("the response depends on the hits' level: soft and hard were kept apart")
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []

@@ -22,7 +22,7 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
-__all__ = ["LEAST_BY_C", "LEAST_BY_K", "Slope", "level_instances"]
+__all__ = ["LEAST_BY_C", "LEAST_BY_K", "Slope", "any_change", "level_instances"]
 
 LEAST_BY_K = 0.01  # per unit of ln level: 3 % of k from a hit to one twenty times as hard
 LEAST_BY_C = 0.05
@@ -91,3 +91,15 @@ def level_instances(
             )
         )
     return tuple(found)
+
+
+def any_change(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """Stiffness and damping of each elastic joint by the level, either way: no effect, a look."""
+    return level_instances(
+        ordinary,
+        EffectWords(name="level", title="Depends on the level", changes="", signature=""),
+        by_k=Slope(sense=1.0, std=0.3, low=-1.0, high=1.0),
+        by_c=Slope(sense=1.0, std=0.5, low=-2.0, high=2.0),
+        size="k",
+        material=0.0,
+    )
