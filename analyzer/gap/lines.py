@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.hit_levels import has_levels, soft_and_hard, weight_factors
 from analyzer.modal.frf import posture_frf
 from analyzer.modal.noise import smooth_lines
 from protocols.arrays import frozen_array
@@ -23,14 +24,13 @@ from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
 from protocols.session.records import Hit, Session
 
-__all__ = ["Annealing", "PostureLines", "between", "has_levels", "own_lines", "shifted_lines"]
+__all__ = ["Annealing", "PostureLines", "between", "own_lines", "shifted_lines"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
 _NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
-_LEAST_RATIO = 1.5  # of peak forces, to be two levels
 _SMOOTHED = 2  # lines to each side
 _TAPER = 0.1  # of the band, cosine, at its upper end
 
@@ -92,7 +92,7 @@ def own_lines(
     if not by_level:
         all_hits = _lines_of(superset, session, hits, stage, level=0.0)
         return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
-    soft, hard = _soft_and_hard(hits)
+    soft, hard = soft_and_hard(hits)
     level = [float(np.mean([np.log(hit.verdict.peak_n) for hit in own])) for own in (soft, hard)]
     middle = sum(level) / 2.0
     softly = _lines_of(superset, session, soft, stage, level=level[0] - middle)
@@ -109,58 +109,23 @@ def between(difference: ComplexArray) -> Array:
     return smooth_lines(np.abs(difference) ** 2 / 2.0, _SMOOTHED)
 
 
-def has_levels(session: Session) -> bool:
-    """Whether every point was hit clearly harder and clearly softer in every posture."""
-    soft, hard = _soft_and_hard([hit for hit in session.hits if hit.verdict.accepted])
-    if not soft or len(soft) != len(hard):
-        return False
-    ratios = [h.verdict.peak_n / s.verdict.peak_n for s, h in zip(soft, hard, strict=True)]
-    return min(ratios) > _LEAST_RATIO
-
-
-def _soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:
-    """The softest and the hardest third, at least one, of the hits at each point."""
-    groups: dict[tuple[object, ...], list[Hit]] = {}
-    for hit in hits:
-        direction = tuple(np.round(hit.hit_direction, 6).tolist())
-        key = (hit.posture, hit.sensor_point, hit.hit_point, direction)
-        groups.setdefault(key, []).append(hit)
-    soft: list[Hit] = []
-    hard: list[Hit] = []
-    for group in groups.values():
-        group.sort(key=lambda hit: hit.verdict.peak_n)
-        n = max(len(group) // 3, 1)
-        if len(group) < 2 * n:
-            return [], []
-        soft += group[:n]
-        hard += group[-n:]
-    return soft, hard
-
-
 def _widened(
     superset: Superset, of_postures: Sequence[PostureLines], hits: Sequence[Hit]
 ) -> tuple[PostureLines, ...]:
-    """Variance where one of several hits outweighs the others and its own error stays.
-
-    With weights w (sums to 1) relative errors of single hits scatter by 1 - sum w^2 about the mean,
-    and leave sum w^2 in it; the estimate takes all hits to be alike.
-    """
-    forces: dict[tuple[str, int, int], list[float]] = {}
-    for hit in hits:
-        at = superset.point_index[hit.sensor_point], superset.point_index[hit.hit_point]
-        forces.setdefault((hit.posture, *at), []).append(hit.verdict.peak_n)
+    """Lines whose variance allows for one hit outweighing the others."""
+    factor_of = weight_factors(hits)
+    ids = [point.id for point in superset.arm.points]
     result = []
     for lines in of_postures:
-        factors = np.ones(len(lines.sensor_point))
-        for m, (point, hit_point) in enumerate(
-            zip(lines.sensor_point, lines.hit_point[lines.hit], strict=True)
-        ):
-            power = np.array(forces[lines.name, int(point), int(hit_point)]) ** 2
-            left = float(np.sum((power / power.sum()) ** 2))
-            if power.size > 1:
-                factors[m] = (power.size - 1) * left / (1.0 - left)
-        widened = lines.variance * np.maximum(factors, 1.0)[:, None, None]
-        result.append(replace(lines, variance=widened))
+        factors = np.array(
+            [
+                factor_of[lines.name, ids[point], ids[hit_point]]
+                for point, hit_point in zip(
+                    lines.sensor_point, lines.hit_point[lines.hit], strict=True
+                )
+            ]
+        )
+        result.append(replace(lines, variance=lines.variance * factors[:, None, None]))
     return tuple(result)
 
 

@@ -15,10 +15,11 @@ from analyzer.gap.add import instances_of_file
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
+from analyzer.gap.hit_levels import has_levels
 from analyzer.gap.hypothesis import Hypothesis, PosedModel
 from analyzer.gap.judge import Judged, Thresholds, judge, scale
 from analyzer.gap.levels import told_apart
-from analyzer.gap.lines import Annealing, PostureLines, has_levels, own_lines, shifted_lines
+from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
 from analyzer.gap.records import (

@@ -8,9 +8,10 @@ import pytest
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import file_key, instances_of_file
 from analyzer.gap.effects import backlash, friction, microslip, softening
+from analyzer.gap.hit_levels import has_levels, weight_factors
 from analyzer.gap.hypothesis import Hypothesis, PosedModel
 from analyzer.gap.library import all_instances
-from analyzer.gap.lines import Annealing, PostureLines, has_levels, own_lines
+from analyzer.gap.lines import Annealing, PostureLines, own_lines
 from analyzer.gap.ordinary import Ordinary
 from hil_sim.study import make_case
 from protocols.arm.files import load_arm
@@ -215,3 +216,21 @@ def test_soft_and_hard_hits_make_lines_of_their_own():
 
 def test_a_plain_session_has_no_levels():
     assert not has_levels(make_case(seed=3001, arm="rv4frl").session())
+
+
+def test_a_mean_that_one_hit_rules_has_that_hit_s_error():
+    """Ten thousand averages of three hits with relative errors, weighted as H1 weighs them."""
+    rng = np.random.default_rng(7)
+    peaks = np.array([15.0, 45.0, 130.0])
+    session = make_case(seed=3001, arm="rv4frl").session()
+    hits = [
+        replace(hit, verdict=replace(hit.verdict, peak_n=float(peak)))
+        for hit, peak in zip(session.hits[:3], peaks, strict=True)
+    ]
+    w = peaks**2 / np.sum(peaks**2)
+    errors = rng.standard_normal((10_000, 3))
+    mean = errors @ w
+    scatter = ((errors - mean[:, None]) ** 2 @ w) / 2
+    (factor,) = weight_factors(hits).values()
+    # 10 000 draws: a per cent or two each.
+    assert factor == pytest.approx(np.var(mean) / np.mean(scatter), rel=0.05)
