@@ -31,8 +31,13 @@ FRAMES_AT_ONCE = 4096
 
 _BUILT_IN = ("socketcan", "udp_multicast", "virtual")  # no bit rate of their own
 _SILENT: dict[str, dict[str, Any]] = {
+    "cantact": {"monitor": True},
     "kvaser": {"driver_mode": False},
+    "nixnet": {"listen_only": True},
     "pcan": {"state": can.BusState.PASSIVE},
+    "seeedstudio": {"operation_mode": "silent"},
+    "systec": {"state": can.BusState.PASSIVE},
+    "vector": {"listen_only": True},
 }
 
 
@@ -125,11 +130,13 @@ class SlcanListener:
         self._fetched: list[tuple[float, bytes]] = []
         for command in listen_only_commands(bitrate):
             self._command(command)
+        # A line was perhaps under way when the port was opened: nobody listened yet.
+        self._faults_before = self._parser.faults
 
     @property
     def faults(self) -> int:
-        """Lines that were no frame."""
-        return self._parser.faults
+        """Lines that were no frame, since the adapter confirmed to listen."""
+        return self._parser.faults - self._faults_before
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""

@@ -10,10 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
+from analyzer.gap.ordinary import across
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
 from analyzer.gap.sensors import scan_sensors
 
@@ -21,7 +25,7 @@ __all__ = ["Rivals", "find_rivals"]
 
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
-_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 9, 4, 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 20, 9, 4, 4
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MOST_AXES = 6
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
@@ -72,15 +76,19 @@ def find_rivals(
     if per_line < _NEAR and at_sharp.farthest < _BELIEVABLE:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
-        first = _first_steps(sharp, at_sharp, looked_at, _WORTH_SHARP, postures, start or {})
+        chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)
+        first = _first_steps(sharp, at_sharp, chosen, postures, start or {})
         # The best after two steps, and those that promise most: some need more than two.
         promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
-        coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
+        chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+        coarse = _first_steps(broad, base, chosen, postures, start or {})
         coarse += _from_the_start(broad, present, looked_at, postures, start or {})
+        coarse.sort(key=lambda f: f.cost)
+        coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
         best = []
         for f in coarse[:_COARSE]:
@@ -108,15 +116,14 @@ def find_rivals(
 def _first_steps(
     stage: Stage,
     base: Fit,
-    looked_at: Sequence[Candidate],
-    worth: float,
+    candidates: Sequence[Candidate],
     postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
     """The first steps of each promising candidate, best cost first."""
     present = base.hypothesis
     fits = []
-    for candidate in _most_promising(looked_at, worth):
+    for candidate in candidates:
         begin = base.values
         if candidate.instance.effect.name in _MISREAD and not candidate.begin:
             begin = start or {}  # the fit without it went astray
@@ -186,6 +193,35 @@ def _from_the_start(
     return fits
 
 
+def _axes_of_bearings(
+    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
+) -> list[Fit]:
+    """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
+    ordinary = present.ordinary
+    taken = {instance.key for instance in present.instances}
+    found = []
+    for fit in fits:
+        bearing = fit.hypothesis.instances[-1]
+        if bearing.effect.name != "bearing":
+            continue
+        link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
+        if ("link_axis", ordinary.arm.joints[link].link.name) in taken:
+            continue
+        size = np.array([fit.values[name] for name in bearing.sizes])
+        turn = across(np.asarray(ordinary.arm.joints[link].axis))
+        values = {k: v for k, v in fit.values.items() if k not in bearing.owned}
+        for signs in ((1.0, 1.0), (1.0, -1.0)):
+            direction = turn @ (np.sqrt(size) * signs)
+            direction = direction / np.linalg.norm(direction)
+            axis = link_axis.at_axis(ordinary, link, direction, np.zeros(3))
+            richer = replace(present, instances=(*present.instances, axis))
+            start = {**values, axis.size: float(np.sum(size))}
+            found.append(
+                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4)
+            )
+    return found
+
+
 def _key(fit: Fit) -> tuple[str, str]:
     return fit.hypothesis.instances[-1].key
 
@@ -234,11 +270,25 @@ def _looked_at(
     return sorted(every, key=lambda c: -c.gain)
 
 
-def _most_promising(candidates: Sequence[Candidate], worth: float) -> list[Candidate]:
+def _most_promising(
+    candidates: Sequence[Candidate], worth: float, *, each_kind: bool
+) -> list[Candidate]:
+    """The best by linear gain; with `each_kind` the best place of every effect first.
+
+    A linear look about a fit that went astray promises some effects more than there is to gain.
+    """
+    worthy = [c for c in candidates if c.gain >= worth]
+    if each_kind:
+        # A gain of the whole sensor widens a prior, one at a point is a parameter more.
+        kinds: dict[tuple[str, bool], Candidate] = {}
+        for c in worthy:
+            kinds.setdefault((c.instance.effect.name, bool(c.instance.relaxes)), c)
+        first = list(kinds.values())
+        worthy = first + [c for c in worthy if c not in first]
     chosen: list[Candidate] = []
     axes = 0
-    for candidate in candidates:
-        if candidate.gain < worth or len(chosen) == _LOOKED_AT:
+    for candidate in worthy:
+        if len(chosen) == _LOOKED_AT:
             break
         if candidate.instance.effect.name == "link_axis":
             axes += 1

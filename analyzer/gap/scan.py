@@ -155,33 +155,36 @@ def _gain(
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
-    """Cost gained when priors become wide; size and its standard deviation then."""
+    """Cost gained when priors become wide; size and its standard deviation then.
+
+    The fit's own slope, where it has not converged or rests at a limit, counts with both priors.
+    """
     A = fit.curvature + np.eye(len(fit.u))
-    gain, size, size_std = 0.0, float("nan"), float("nan")
+    wide, slope = A.copy(), fit.slope.copy()
+    free = fit.free.copy()
+    gain = 0.0
     for name, prior in instance.relaxes.items():
         i = fit.space.index[name]
         narrow = fit.space.std[i]
         keep = (narrow / prior.std) ** 2
         u = fit.u[i] + (fit.space.mean[i] - prior.mean) / narrow
-        free = fit.free.copy()
+        wide[i, i] += keep - 1.0
+        slope[i] += keep * u - fit.u[i]
         free[i] = True
-        where = np.flatnonzero(free)
-        B = A[np.ix_(free, free)].copy()
-        at = int(np.flatnonzero(where == i)[0])
-        B[at, at] -= 1.0 - keep
-        unit = np.zeros(len(where))
-        unit[at] = 1.0
-        variance = float(np.linalg.solve(B, unit)[at])
-        gain += 0.5 * (1.0 - keep) * u * u + 0.5 * ((1.0 - keep) * u) ** 2 * variance
-        step = (1.0 - keep) * u * variance
-        if not fit.free[i]:  # it rests at its limit: what the data would push it beyond
-            slope = float(fit.slope[i])
-            gain += 0.5 * slope * slope * variance
-            step -= slope * variance
-        if name == instance.size:
-            size = float(fit.space.mean[i] + narrow * (fit.u[i] + step))
-            size_std = float(narrow * np.sqrt(variance))
-    return gain, size, size_std
+        gain += 0.5 * (fit.u[i] ** 2 - keep * u**2)
+    was = np.flatnonzero(fit.free)
+    gain -= 0.5 * float(fit.slope[was] @ np.linalg.solve(A[np.ix_(was, was)], fit.slope[was]))
+    now = np.flatnonzero(free)
+    inverse = np.linalg.inv(wide[np.ix_(now, now)])
+    step = -inverse @ slope[now]
+    gain -= 0.5 * float(step @ slope[now])
+    if instance.size not in fit.space.index:
+        return gain, float("nan"), float("nan")
+    i = fit.space.index[instance.size]
+    at = int(np.flatnonzero(now == i)[0])
+    unit = float(fit.space.std[i])
+    size = float(fit.space.mean[i]) + unit * float(fit.u[i] + step[at])
+    return gain, size, unit * float(np.sqrt(inverse[at, at]))
 
 
 def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
