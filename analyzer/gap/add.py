@@ -112,7 +112,7 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
         if described is not None:
             return described
     # What depends on the level is in the file whether or not this session has levels.
-    for instance in all_instances(replace(ordinary, levelled=True)):
+    for instance in all_instances(replace(ordinary, level_span=1.0)):
         if instance.effect.name == effect.name and effect.place in (instance.place, "whole arm"):
             return instance
     raise ArmError(

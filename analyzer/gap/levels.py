@@ -43,7 +43,7 @@ def told_apart(
     stages
         Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
     present
-        A hypothesis about levelled lines (`Ordinary.levelled`).
+        A hypothesis about levelled lines (`Ordinary.level_span`).
     """
     broad, middle, _ = stages
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7)

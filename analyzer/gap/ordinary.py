@@ -56,7 +56,8 @@ class Ordinary:
 
     superset: Superset
     postures: tuple[str, ...]
-    levelled: bool = False  # whether soft and hard hits are told apart
+    # ln of hard over soft hits' force, halved, where they are told apart; else zero.
+    level_span: float = 0.0
 
     @property
     def arm(self) -> Arm:

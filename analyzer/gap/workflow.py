@@ -87,8 +87,9 @@ def find_gap(
     present = Hypothesis(ordinary=ordinary, instances=from_file)
     if single_hits and has_levels(session):
         tell("soft hits beside hard ones")
-        levelled = replace(present, ordinary=replace(ordinary, levelled=True))
         apart = _stages(superset, session, frfs, models=stages[-1].models, by_level=True)
+        span = max(lines.level for lines in apart[-1].lines)
+        levelled = replace(present, ordinary=replace(ordinary, level_span=span))
         by_level = told_apart(superset, apart, levelled, start, Discrepancy())
         if by_level is not None:
             stages, present = by_level, levelled

@@ -56,6 +56,8 @@ class Instance:
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
     size_offset: float = 0.0  # of the size: what the null has anyway
+    # By ordinary parameter: what else it may be, either way, per unit of an own one.
+    reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
     @property

@@ -26,6 +26,7 @@ __all__ = ["LEAST_BY_C", "LEAST_BY_K", "Slope", "any_change", "level_instances"]
 
 LEAST_BY_K = 0.01  # per unit of ln level: 3 % of k from a hit to one twenty times as hard
 LEAST_BY_C = 0.05
+_REACH = 2.0  # times as far from the middle level as was measured: k there is the joint's too
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +52,7 @@ def level_instances(
     size
         "k" or "c": which of both says how large it is.
     """
-    if not ordinary.levelled:
+    if not ordinary.level_span:
         return ()
     found = []
     for i in ordinary.elastic:
@@ -88,6 +89,7 @@ def level_instances(
                 builder=build,
                 size=names[size],
                 material=material,
+                reaches={f"ln k {joint}": (names["k"], _REACH * ordinary.level_span)},
             )
         )
     return tuple(found)

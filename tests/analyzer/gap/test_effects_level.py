@@ -47,7 +47,7 @@ def hard(superset):
 
 @pytest.fixture(scope="module")
 def ordinary(superset):
-    return Ordinary(superset=superset, postures=("p",), levelled=True)
+    return Ordinary(superset=superset, postures=("p",), level_span=1.1)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def posed(superset):
 
 
 def test_without_levels_there_are_no_effects_of_them(ordinary):
-    names = {i.effect.name for i in all_instances(replace(ordinary, levelled=False))}
+    names = {i.effect.name for i in all_instances(replace(ordinary, level_span=0.0))}
     assert not names & {kind.WORDS.name for kind in KINDS}
 
 
