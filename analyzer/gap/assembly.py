@@ -11,6 +11,7 @@ model. Frames: superset, linear first.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -94,12 +95,14 @@ class System:
     moved: Array  # (m, 3, n) the sensor's motion in base
     seen: Array  # (m, 3, n) the sensor's motion along its axes
     tilted: Array  # (m, 3, n) what gravity adds on them
+    turned: Array  # (m, 3, n) the sensor's rotation along them
     mix: Array  # (m, 3, 3) from true axes to recorded channels
     hit: Array  # (n_hits, 3, n) motion of the hit points in base
     force: Array  # (n_hits, 3)
     log_scale: float  # of all responses
     delay_s: float  # of the responses behind the force
     sensor_mass_kg: float
+    decay_rad_s: float  # by which all records fall that nobody wrote down
 
 
 @dataclass
@@ -129,6 +132,10 @@ class Assembly:
     # the link, how many pieces do not move with it, and which points.
     pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
     between: dict[int, tuple[int, int, npt.NDArray[np.int64]]] = field(default_factory=dict)
+    # What a joint's stiffness and damping are multiplied by beside their parameters, and what a
+    # parameter adds to the logarithms of both.
+    factors: dict[str, tuple[float, float]] = field(default_factory=dict)
+    log_slopes: dict[str, tuple[str, float, float]] = field(default_factory=dict)
     link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
@@ -137,6 +144,10 @@ class Assembly:
     sensor_mass_kg: float = 0.0  # beside what the file gives
     log_scale: float = 0.0
     delay_s: float = 0.0
+    decay_rad_s: float = 0.0
+    # (m,) point where each mounting truly was; None: as recorded.
+    sensor_point: npt.NDArray[np.int64] | None = None
+    shifts_m: dict[int, Array] = field(default_factory=dict)  # of points, along sensor axes there
 
     def add_spring(self, name: str, column: Array, stiffness: float, damping: float) -> int:
         """Add a coordinate on a spring."""
@@ -160,6 +171,26 @@ class Assembly:
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
+
+    def multiply_spring(
+        self, joint: str, values: Mapping[str, float], log_k: float, log_c: float
+    ) -> None:
+        """Multiply a joint's stiffness, its loss with it, and its damping."""
+        k, c = (float(np.exp(values[f"ln {what} {joint}"])) for what in "kc")
+        old_k, old_c = self.factors.get(joint, (1.0, 1.0))
+        new_k, new_c = old_k * float(np.exp(log_k)), old_c * float(np.exp(log_c))
+        self.factors[joint] = new_k, new_c
+        link, rotor = self.names[joint], self.stretched_by.get(joint)
+        more_k, more_c = k * (new_k - old_k), c * (new_c - old_c)
+        for kind, more in (
+            ("stiffness", more_k),
+            ("loss", more_k * values["loss"]),
+            ("damping", more_c),
+        ):
+            self.add_term(kind, link, link, more)
+            if rotor is not None:
+                self.add_term(kind, rotor, rotor, more)
+                self.add_term(kind, rotor, link, -more)
 
     def add_term(
         self,
@@ -272,11 +303,9 @@ class Assembly:
             matrices[kind][i, j] += value
         for kind, row, value in self.stretches:
             matrices[kind][: row.size, : row.size] += value * np.outer(row, row)
-        points = geometry.point_jacobian @ T
-        for at, (_, _, still) in self.between.items():
-            points[still, :, at] = 0.0
-        J = points[lines.sensor_point]
-        R = geometry.point_rotation[lines.sensor_point]
+        where = lines.sensor_point if self.sensor_point is None else self.sensor_point
+        J = self._point_motion(where, T)
+        R = geometry.point_rotation[where]
         # a - g seen in axes turned by theta changes by theta x g.
         gx, gy, gz = geometry.gravity_m_s2
         weighed = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]]) @ J[:, 3:]
@@ -290,10 +319,23 @@ class Assembly:
             moved=J[:, :3],
             seen=R.swapaxes(1, 2) @ J[:, :3],
             tilted=R.swapaxes(1, 2) @ weighed,
+            turned=R.swapaxes(1, 2) @ J[:, 3:],
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
-            hit=points[lines.hit_point][:, :3],
+            hit=self._point_motion(lines.hit_point, T)[:, :3],
             force=lines.hit_direction if self.force is None else self.force,
             log_scale=self.log_scale,
             delay_s=self.delay_s,
+            decay_rad_s=self.decay_rad_s,
             sensor_mass_kg=lines.sensor_mass_kg + self.sensor_mass_kg,
         )
+
+    def _point_motion(self, points: npt.NDArray[np.int64], T: Array) -> Array:
+        """(k, 6, n) motion of points, those that stand elsewhere shifted."""
+        motion = self.geometry.point_jacobian[points] @ T
+        for at, (_, _, still) in self.between.items():
+            motion[np.isin(points, still), :, at] = 0.0
+        for point, shift in self.shifts_m.items():
+            arm = skew(self.geometry.point_rotation[point] @ shift)
+            rows = points == point
+            motion[rows, :3] -= arm @ motion[rows, 3:]
+        return motion

@@ -47,7 +47,7 @@ def posture_gap(
     allowed = float(np.sqrt(np.mean(2.0 / weighing.scale**2)))
     modes = () if measured is None else match_modes(measured, response.system)
     return PostureGap(
-        posture=lines.name,
+        posture=lines.title,
         held_out=held_out,
         frf_error=float(np.sqrt(np.mean(np.abs(left) ** 2))) / size,
         floor=allowed / size,
@@ -157,7 +157,7 @@ def disagreement_map(
             for m, point in enumerate(lines.sensor_point):
                 found += [
                     Disagreement(
-                        posture=lines.name,
+                        posture=lines.title,
                         point=points[point],
                         axis=axis,
                         band_hz=(float(low), float(high)),

@@ -164,14 +164,22 @@ class _Posed:
         s = self.found.lines.s_rad_s
         loss, turn = self.values["loss"], hysteresis(s)
         by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
             row = self.assembly.joint_row(name)
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
-            by_stiffness = k * self.found.by_stretch(row, 1.0)
-            yield f"ln k {name}", (1.0 + loss * turn) * by_stiffness
-            yield f"ln c {name}", c * self.found.by_stretch(row, s)
+            more_k, more_c = self.assembly.factors.get(name, (1.0, 1.0))
+            by_stiffness = k * more_k * self.found.by_stretch(row, 1.0)
+            by_spring[name] = (
+                (1.0 + loss * turn) * by_stiffness,
+                c * more_c * self.found.by_stretch(row, s),
+            )
+            yield f"ln k {name}", by_spring[name][0]
+            yield f"ln c {name}", by_spring[name][1]
             by_loss = by_loss + turn * by_stiffness
+        for parameter, (name, by_k, by_c) in self.assembly.log_slopes.items():
+            yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
         yield "loss", by_loss
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
@@ -218,7 +226,7 @@ def _by_effects(
     hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
 ) -> Iterator[tuple[str, ComplexArray]]:
     """What effects bring beside compliances, by differences of the equations."""
-    assembly, found = posed.assembly, posed.found
+    assembly, found, lines = posed.assembly, posed.found, posed.assembly.lines
     for name, terms in assembly.terms_of.items():
         yield name, np.sum([v * found.by_term(kind, i, j) for kind, i, j, v in terms], axis=0)
     for name, rows in assembly.stretches_of.items():
@@ -228,6 +236,7 @@ def _by_effects(
         *assembly.loss_of,
         *assembly.terms_of,
         *assembly.stretches_of,
+        *assembly.log_slopes,
     }
     for instance in hypothesis.instances:
         for parameter in instance.parameters:
@@ -237,7 +246,11 @@ def _by_effects(
             if posed.values[parameter.name] + step > parameter.high:
                 step = -step
             changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
-            other = _assembled(hypothesis, geometry, posed.found.lines, changed).system()
+            other = _assembled(hypothesis, geometry, lines, changed).system()
+            if other.decay_rad_s != posed.system.decay_rad_s:
+                there = respond(other, lines)
+                yield parameter.name, (there.values - posed.found.values) / step
+                continue
             yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
 
 

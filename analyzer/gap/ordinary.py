@@ -56,6 +56,8 @@ class Ordinary:
 
     superset: Superset
     postures: tuple[str, ...]
+    # ln of hard over soft hits' force, halved, where they are told apart; else zero.
+    level_span: float = 0.0
 
     @property
     def arm(self) -> Arm:

@@ -22,7 +22,7 @@ torque inside that compliance: also at gamma = 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -175,6 +175,16 @@ class Response:
         mine = (self.lines.hit == hit).astype(np.float64)
         return _last((self.Y @ b) * mine[:, None])
 
+    def by_shift(self) -> ComplexArray:
+        """Derivatives (3, m, 3, L) by a shift of each mounting along its own sensor's axes.
+
+        The accelerometer's mass is taken to stay where it is.
+        """
+        turn = np.matmul(self.system.turned, self.x[..., None])[..., 0]  # (L, m, 3)
+        scale = (self.factor * self.lines.s_rad_s**2)[:, None, None]
+        moved = [np.cross(turn, axis) * scale for axis in np.eye(3)]
+        return np.stack([_last(np.matmul(self.system.mix, a[..., None])[..., 0]) for a in moved])
+
     def by_change(self, change: Change) -> ComplexArray:
         """Derivative by a parameter that changes the system as told."""
         system, s = self.system, self.lines.s_rad_s
@@ -222,7 +232,9 @@ def _last(y: ComplexArray) -> ComplexArray:
 
 
 def respond(system: System, lines: PostureLines) -> Response:
-    """Solve a system on its lines."""
+    """Solve a system on its lines, as far from them as a hidden window moved them."""
+    if system.decay_rad_s:
+        lines = replace(lines, s_rad_s=lines.s_rad_s + system.decay_rad_s)
     s = lines.s_rad_s
     n = system.mass.shape[0]
     m = len(lines.sensor_point)

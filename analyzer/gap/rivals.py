@@ -46,6 +46,7 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
+_MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 _ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending")
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
@@ -136,7 +137,7 @@ def _first_steps(
     fits = []
     for candidate in candidates:
         begin = base.values
-        if candidate.instance.effect.name in ("flipped_axis", "swapped_axes"):
+        if candidate.instance.effect.name in _MISREAD and not candidate.begin:
             begin = start or {}  # the fit without it went astray
         richer = replace(present, instances=(*present.instances, candidate.instance))
         if candidate.begin:

@@ -68,7 +68,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
         names = [p.name for p in instance.parameters]
         own = np.array([space.index[n] for n in names])
         sizes = (instance.size, *instance.sizes)
-        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
+        one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
         gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided)
         at = names.index(instance.size)
         unit = space.std[own]

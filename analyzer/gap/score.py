@@ -181,7 +181,10 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         "gravity_compensator": compensator,
         "nonproportional": lambda: p["damping_n_s_per_m"],
         "load_damping": lambda: 1.0 / p["load_n_m"],
+        "hit_direction": lambda: np.deg2rad(p["turn_deg"][0]),
     }
+    if "by_m" in p:
+        sizes["wrong_point"] = lambda: p["by_m"][0]
     found = sizes.get(effect["name"])
     return None if found is None else float(found())
 
