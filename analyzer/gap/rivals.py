@@ -27,9 +27,9 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
-_FROM_START = 14
+_FROM_START, _BETTER_HALF = 10, 10
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
-_FEW_PARAMETERS, _SOME_STEPS, _MANY_STEPS = 6, 4, 12
+_FEW_PARAMETERS, _MANY_STEPS = 6, 12
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 # Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
 _AT_MOST = {
@@ -204,11 +204,15 @@ def _from_the_start(
     fits = []
     for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        steps = _MANY_STEPS if len(instance.parameters) > _FEW_PARAMETERS else _SOME_STEPS
+        steps = _MANY_STEPS if len(instance.parameters) > _FEW_PARAMETERS else _FIRST_STEPS
         fits.append(
             fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
         )
-    return fits
+    fits.sort(key=lambda f: f.cost)
+    return [
+        *(_further(stage, f, postures, _FIRST_STEPS) for f in fits[:_BETTER_HALF]),
+        *fits[_BETTER_HALF:],
+    ]
 
 
 def _axes_of_bearings(
