@@ -87,7 +87,8 @@ def find_rivals(
     at_middle = _further(middle, base, postures, 5)
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
-    if per_line < _NEAR and at_sharp.farthest < _BELIEVABLE:
+    lost = at_sharp.farthest > _BELIEVABLE
+    if per_line < _NEAR and not lost:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
         chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)
@@ -97,10 +98,11 @@ def find_rivals(
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
-        looked_at = _looked_at(broad, base, start or {}, from_start=True)
-        chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
-        coarse = _first_steps(broad, base, chosen, postures, start or {})
-        coarse += _from_the_start(broad, present, postures, start or {})
+        looked_at, coarse = _from_the_start(broad, present, postures, start or {}, alone=lost)
+        if not lost:
+            looked_at = _looked_at(broad, base, start or {}, from_start=True)
+            chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+            coarse += _first_steps(broad, base, chosen, postures, start or {})
         coarse.sort(key=lambda f: f.cost)
         coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
@@ -189,11 +191,17 @@ def _from_the_start(
     present: Hypothesis,
     postures: Sequence[int] | None,
     start: dict[str, float],
-) -> list[Fit]:
-    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back."""
+    *,
+    alone: bool,
+) -> tuple[list[Candidate], list[Fit]]:
+    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
+
+    Where they stand alone, more of them and further.
+    """
     first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
     looked_at = _looked_at(stage, first, start, from_start=False)
-    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)[:_FROM_START]
+    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+    chosen = chosen[: _LOOKED_AT if alone else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
     known = {instance.key for instance in (*present.instances, *instances)}
     instances += [
@@ -209,10 +217,9 @@ def _from_the_start(
             fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
         )
     fits.sort(key=lambda f: f.cost)
-    return [
-        *(_further(stage, f, postures, _FIRST_STEPS) for f in fits[:_BETTER_HALF]),
-        *fits[_BETTER_HALF:],
-    ]
+    better = len(fits) if alone else _BETTER_HALF
+    further = [_further(stage, f, postures, _FIRST_STEPS) for f in fits[:better]]
+    return looked_at, [*further, *fits[better:]]
 
 
 def _axes_of_bearings(
