@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
-from pathlib import Path
 
 import pytest
 from made import (
@@ -16,7 +14,6 @@ from made import (
     HIT_EVENTS,
     LAB_EVENTS,
     OPENED,
-    PLAN,
     SESSION_EVENTS,
     judged,
     mass_hit,
@@ -24,66 +21,25 @@ from made import (
     reading,
     trial,
 )
-from textual.pilot import Pilot
+from stage import Stage, play
 
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
 from daq.events import Failed, Finished, LossNoted
 from daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from protocols.session.journal_payloads import CALIBRATION
 from protocols.session.records import Loss
-from tui.run.app import RunApp
-from tui.run.conductor import RunOptions
 from tui.run.happenings import (
     HandAtWork,
     HandIdle,
-    Happening,
     MassChosen,
     SafeConfirmed,
     SensorsConfirmed,
     SessionWanted,
 )
-from tui.run.place import SessionPlace
 from tui.run.screens.step import Pane
 from tui.run.state import Phase
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
-NOW_S = 100.0
-
-
-class Stage:
-    """An app whose process is a list of what it was told."""
-
-    def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
-        place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
-        self.app = RunApp(RunOptions(place=place, **options), clock=lambda: NOW_S)
-        self.sent: list[object] = []
-        self.app.conductor._engine.send = self.sent.append
-
-    async def tell(self, pilot: Pilot[int], *events: Happening) -> None:
-        for event in events:
-            self.app.conductor.tell(event)
-        await self.settle(pilot)
-
-    async def settle(self, pilot: Pilot[int]) -> None:
-        self.app.redraw()
-        await pilot.pause()
-        self.app._stale = True
-        self.app.redraw()
-        await pilot.pause()
-
-    def text(self) -> str:
-        panes = [pane for pane in self.app.screen.query(Pane) if pane.display]
-        return "\n".join(pane.plain for pane in panes)
-
-
-def play(
-    stage: Stage, body: Callable[[Pilot[int]], Awaitable[None]], size: tuple[int, int] = (120, 36)
-) -> None:
-    async def run() -> None:
-        async with stage.app.run_test(size=size) as pilot:
-            await body(pilot)
-
-    asyncio.run(run())
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -26,7 +26,7 @@ class PointScreen(StepScreen):
     """Sensor and hammer go to their points."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "turn(-1)", "Turn"),
+        Binding("left", "turn(-1)", "Turn", key_display="←→"),
         Binding("right", "turn(1)", "Turn picture", show=False),
     ]
 
