@@ -32,9 +32,7 @@ def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_pa
     plan = load_plan(PLAN_NAME, arm)
     with (
         start_laboratory("rv4frl", seed=2, time_scale=TIME_SCALE) as laboratory,
-        closing(
-            ScriptedOperator(laboratory.operator, arm, plan, time_scale=TIME_SCALE)
-        ) as hand,
+        closing(ScriptedOperator(laboratory.operator, arm, plan, time_scale=TIME_SCALE)) as hand,
     ):
 
         def fault(name: str, *, active: bool) -> None:

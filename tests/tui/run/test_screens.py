@@ -381,3 +381,15 @@ def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tm
         assert any("test 1  0 of 18" in row for row in rows())
 
     play(stage, body, (80, 20))
+
+
+def test_a_screen_whose_panes_are_being_taken_away_is_left_alone(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await stage.app.screen.query_one("#safety").remove()
+        await stage.tell(pilot, judged(1))  # nothing is raised
+        assert stage.app.state.last_hit is not None
+
+    play(stage, body)
