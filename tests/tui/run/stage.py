@@ -23,7 +23,8 @@ class Stage:
 
     def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
         place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
-        self.app = RunApp(RunOptions(place=place, **options), clock=lambda: NOW_S)
+        self.now_s = NOW_S
+        self.app = RunApp(RunOptions(place=place, **options), clock=lambda: self.now_s)
         self.sent: list[object] = []
         self.app.conductor._engine.send = self.sent.append
 

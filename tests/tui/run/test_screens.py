@@ -393,3 +393,21 @@ def test_a_screen_whose_panes_are_being_taken_away_is_left_alone(tmp_path):
         assert stage.app.state.last_hit is not None
 
     play(stage, body)
+
+
+@pytest.mark.parametrize("told_meanwhile", [True, False])
+def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_old(
+    tmp_path, told_meanwhile
+):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        conductor = stage.app.conductor
+        waiting = [reading()] if told_meanwhile else []
+        conductor._engine.hear = lambda: [conductor.tell(event) for event in waiting]
+        stage.now_s += 5.0
+        stage.app._tick()
+        assert stage.app.state.safe is told_meanwhile
+
+    play(stage, body)
