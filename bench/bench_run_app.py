@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from support.key_operator import act_until_done
 from support.terminal import Terminal, armodal

@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from bench_run_app import TICKS_HZ, cpu_s
 from support.terminal import Terminal, armodal

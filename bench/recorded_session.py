@@ -61,7 +61,9 @@ def recorded(seed: int, folder: Path) -> RecordingDisk:
             )
             ours, theirs = multiprocessing.Pipe()
             teller = Announcing(theirs, disk.announce, journal)
-            thread = threading.Thread(target=run_acquisition, args=(settings, teller, disk))
+            thread = threading.Thread(
+                target=run_acquisition, args=(settings, teller), kwargs={"files": disk}
+            )
             thread.start()
             end = operate(ours, operator, stop_after=None if resume else HITS * len(POINTS) // 2)
             thread.join()

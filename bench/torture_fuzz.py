@@ -4,9 +4,12 @@ Each decoder runs in a process of its own with its memory bounded and a watchdog
 a crash, a hang, an error that is not an ArmodalError, or memory beyond the bound is a fault. The C
 decoders run under the address and undefined-behaviour sanitizers.
 
-    python bench/torture_fuzz.py [--bytes 50e6] [--only NAME ...] [--seed 1] [--keep FOLDER]
+    python bench/torture_fuzz.py [--bytes 50e6] [--inputs 5000] [--only NAME ...] [--seed 1]
+                                 [--keep FOLDER]
 
-Exit code 1 if there is any fault; the input that made it is kept, and its name printed.
+A decoder gets at least so many bytes and at least so many inputs: of large files few would do for
+the bytes. Exit code 1 if there is any fault, or if a decoder got fewer bytes than are wanted; the
+input that made a fault is kept, and its name printed.
 """
 
 from __future__ import annotations
@@ -21,29 +24,35 @@ import tempfile
 import time
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from figures import Figure, told
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from support.decoders import Decoder, check
 from support.fuzz_c import C_DECODER, fuzz_c
 from support.fuzz_material import decoders_in
 
+WANTED_BYTES = 50_000_000  # of each decoder
 MEMORY_BOUND = 1536 * 2**20  # of the whole process, the libraries (0.3 GB) counted in
 HANGS_AFTER_S = 20.0  # far beyond the slowest input on a busy machine
 SLOW_S = 2.0  # of processor time on one input
 MOST_FAULTS = 10
 
 
-def fuzz(decoder: Decoder, n_bytes: int, rng: np.random.Generator, keep: Path) -> dict[str, object]:
-    """Feed mutated files to a decoder until so many bytes have gone in."""
+def fuzz(
+    decoder: Decoder, n_bytes: int, n_inputs: int, rng: np.random.Generator, keep: Path
+) -> dict[str, Any]:
+    """Feed mutated files to a decoder until so many bytes, and so many inputs, have gone in."""
     kept = keep / (decoder.name.replace(" ", "-") + ".input")
     done = inputs = faults = 0
     slowest_s = 0.0
-    told: list[str] = []
+    words: list[str] = []
     decoder.decode(decoder.seeds[0])
-    while done < n_bytes and faults < MOST_FAULTS:
+    while (done < n_bytes or inputs < n_inputs) and faults < MOST_FAULTS:
         data = decoder.mutate(decoder.seeds[rng.integers(len(decoder.seeds))], rng, decoder.seeds)
         kept.write_bytes(data)
         faulthandler.dump_traceback_later(HANGS_AFTER_S, exit=True)
@@ -59,7 +68,7 @@ def fuzz(decoder: Decoder, n_bytes: int, rng: np.random.Generator, keep: Path) -
         if wrong is not None:
             faults += 1
             kept.with_suffix(f".fault-{faults}").write_bytes(data)
-            told.append(wrong[:300])
+            words.append(wrong[:300])
     faulthandler.cancel_dump_traceback_later()
     kept.unlink(missing_ok=True)
     return {
@@ -68,24 +77,24 @@ def fuzz(decoder: Decoder, n_bytes: int, rng: np.random.Generator, keep: Path) -
         "faults": faults,
         "slowest_s": round(slowest_s, 3),
         "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
-        "told": told,
+        "told": words,
     }
 
 
-def child(name: str, n_bytes: int, seed: int, keep: Path) -> int:
+def child(name: str, n_bytes: int, n_inputs: int, seed: int, keep: Path) -> int:
     """Body of the process of one decoder."""
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as folder:
         decoder = decoders_in(folder)[name]
         resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_BOUND, MEMORY_BOUND))
-        print(json.dumps(fuzz(decoder, n_bytes, np.random.default_rng(seed), keep)))
+        print(json.dumps(fuzz(decoder, n_bytes, n_inputs, np.random.default_rng(seed), keep)))
     return 0
 
 
-def in_process(name: str, n_bytes: int, seed: int, keep: Path) -> dict[str, object]:
+def in_process(name: str, n_bytes: int, n_inputs: int, seed: int, keep: Path) -> dict[str, Any]:
     """Fuzz a decoder in a process of its own; its death is a fault."""
     command = [sys.executable, __file__, "--child", name, "--bytes", str(n_bytes)]
-    command += ["--seed", str(seed), "--keep", str(keep)]
+    command += ["--inputs", str(n_inputs), "--seed", str(seed), "--keep", str(keep)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return dict(json.loads(done.stdout.splitlines()[-1]))
@@ -98,25 +107,26 @@ def in_process(name: str, n_bytes: int, seed: int, keep: Path) -> dict[str, obje
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bytes", type=float, default=50e6)
+    parser.add_argument("--inputs", type=int, default=5000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="*")
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--child")
     given = parser.parse_args()
     keep = given.keep or Path(tempfile.mkdtemp(prefix="armodal-fuzz-"))
+    keep.mkdir(parents=True, exist_ok=True)
     n_bytes = int(given.bytes)
     if given.child:
-        return child(given.child, n_bytes, given.seed, keep)
+        return child(given.child, n_bytes, given.inputs, given.seed, keep)
     with tempfile.TemporaryDirectory() as folder:
         names = [C_DECODER, *decoders_in(folder)]
-    faults = 0
+    figures: list[Figure] = []
     for name in given.only or names:
         begun_s = time.monotonic()
         if name == C_DECODER:
             found = fuzz_c(n_bytes, np.random.default_rng(given.seed))
         else:
-            found = in_process(name, n_bytes, given.seed, keep)
-        faults += int(found["faults"])
+            found = in_process(name, n_bytes, given.inputs, given.seed, keep)
         print(
             f"{name}: {found['bytes']:,} bytes in {found['inputs']:,} inputs, "
             f"{found['faults']} faults, slowest {found['slowest_s']} s, "
@@ -125,9 +135,24 @@ def main() -> int:
         )
         for line in found["told"]:
             print(f"  {line}", flush=True)
-    if faults:
-        print(f"inputs kept in {keep}")
-    return 1 if faults else 0
+        figures += figures_of(name, found)
+    if any(keep.iterdir()):
+        print(f"inputs that made a fault are kept in {keep}")
+    return told(figures)
+
+
+def figures_of(name: str, found: dict[str, Any]) -> list[Figure]:
+    """Return a decoder's bytes and faults as rows of the table."""
+    n_bytes, faults = int(found["bytes"]), int(found["faults"])
+    return [
+        Figure(
+            f"fuzzed bytes, {name}, in {found['inputs']:,} inputs",
+            f"{n_bytes:,}",
+            f"{WANTED_BYTES:,}",
+            n_bytes >= WANTED_BYTES,
+        ),
+        Figure(f"... faults, {name}", str(faults), "0", faults == 0),
+    ]
 
 
 if __name__ == "__main__":

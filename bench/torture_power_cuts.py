@@ -31,8 +31,10 @@ def main() -> int:
     rng = np.random.default_rng(seed)
     with tempfile.TemporaryDirectory() as folder:
         log = recorded(seed, Path(folder)).log
-    n_points = sum(1 for _ in power_cuts(log, rng, each=1))
-    cuts, wrong = tried(power_cuts(log, rng, each=-(-wanted * 13 // (10 * n_points))), "power cuts")
+    n_synced = sum(1 for _ in power_cuts(log, rng, each=0))
+    n_unsynced = sum(1 for _ in power_cuts(log, rng, each=1)) - n_synced
+    each = -(-(wanted - n_synced) // n_unsynced)
+    cuts, wrong = tried(power_cuts(log, rng, each=each), "power cuts")
     return told(
         [
             Figure("sector replays of power cuts", str(cuts), str(wanted), cuts >= wanted),

@@ -7,7 +7,7 @@ Every sample the board took must have been seen, or be named as lost.
 
     python bench/torture_soak.py [seconds, default 600] [--directory FOLDER]
 
-Exit code 1 if a single sample or block is not accounted for.
+Exit code 1 if a single sample or block is not accounted for, or if it lasted less than wanted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
+from figures import Figure, told
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
@@ -111,7 +113,7 @@ async def watch(screen: Screen, seconds: float) -> None:
             await asyncio.sleep(0.05)
 
 
-def soak(seconds: float, folder: Path) -> dict[str, object]:
+def soak(seconds: float, folder: Path) -> dict[str, Any]:
     """Run and return what came of it; `unexplained` must be 0 and `failed` empty."""
     with subprocess.Popen(
         [sys.executable, str(Path(__file__).with_name("feeder.py"))],
@@ -181,12 +183,23 @@ def main() -> int:
     parser.add_argument("--directory", type=Path, help="of the journal; a temporary one if not")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        told = soak(given.seconds, given.directory or Path(folder))
-    for what, value in told.items():
+        found = soak(given.seconds, given.directory or Path(folder))
+    for what, value in found.items():
         print(f"{what}: {value}")
-    if told["failed"] or told["unexplained"]:
-        return 1
-    return 0 if told["hits"] == told["hits announced"] else 1
+    if found["failed"]:
+        return told([Figure("soak", str(found["failed"]), "to its end", False)])
+    seconds, unexplained = float(found["seconds"]), int(found["unexplained"])
+    unannounced = abs(int(found["hits"]) - int(found["hits announced"]))
+    return told(
+        [
+            Figure("soak at 4 x 51.2 kS/s, s", f"{seconds:.0f}", "600", seconds >= 600.0),
+            Figure("... samples taken by the board", f"{found['samples in']:,}", "all said", True),
+            Figure("... of them said to be missing", f"{found['reported missing']:,}", "all", True),
+            Figure("... samples not accounted for", str(unexplained), "0", not unexplained),
+            Figure("... hits kept and not announced, or not kept", str(unannounced), "0",
+                   not unannounced),
+        ]
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

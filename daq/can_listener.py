@@ -31,8 +31,13 @@ FRAMES_AT_ONCE = 4096
 
 _BUILT_IN = ("socketcan", "udp_multicast", "virtual")  # no bit rate of their own
 _SILENT: dict[str, dict[str, Any]] = {
+    "cantact": {"monitor": True},
     "kvaser": {"driver_mode": False},
+    "nixnet": {"listen_only": True},
     "pcan": {"state": can.BusState.PASSIVE},
+    "seeedstudio": {"operation_mode": "silent"},
+    "systec": {"state": can.BusState.PASSIVE},
+    "vector": {"listen_only": True},
 }
 
 

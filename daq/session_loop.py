@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq import session_machine as machine
+from daq.arm_around import ArmAround
 from daq.blocks import CapturedBlock
 from daq.board_session import BoardSession
 from daq.can_listener import CanSource
@@ -27,7 +28,7 @@ from daq.health import HEALTH_EVERY_WALL_S, health_of
 from daq.joint_state import JointState, largest_difference_rad
 from daq.journal_writer import JournalWriter
 from daq.judge import force_column, judge_record
-from daq.judge_posture import judge_posture, with_posture
+from daq.judge_posture import with_posture
 from daq.losses import LossTally
 from daq.session_machine import PromptKind, SessionState
 from daq.settings import AcquisitionSettings
@@ -43,10 +44,7 @@ POSTURE_EVERY_WALL_S = 0.05
 PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
-SILENCE_S, SILENT_CYCLES = 0.1, 4.0  # of the bus during a hit: no arm goes and returns so fast
 NOTE_LENGTH = 4096  # of a sentence in the journal
-SILENCE_WALL_S = 0.1  # the bus's process may be held up for so long
-AFTER_WALL_S = 0.15  # the bus's process is given at least so long for a newer angle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,7 +88,7 @@ class SessionLoop:
         self._outbox = outbox
         self._state = state
         self._next_hit = next_hit
-        self._turn_s = turn_s
+        self._arm = ArmAround(settings, clock, joints, turn_s)
         self._armed: _Armed | None = None
         self._waiting: deque[CapturedBlock] = deque()
         self._asked: machine.Prompt | None = None
@@ -226,16 +224,13 @@ class SessionLoop:
             self._change(self._state, now_s)
         if posture is None:
             return
-        if reading.joints_rad is not None:
-            off_rad = largest_difference_rad(reading.joints_rad, posture.joints_rad)
-            if self._state.kind is not PromptKind.POSTURE:
-                if off_rad > posture.tolerance_rad:
-                    self._change(machine.posture_left(self._state), now_s)
-            elif off_rad <= posture.tolerance_rad and reading.held:
-                spread_rad = self._joints.spread_rad(now_s - self._settings.still_s)
-                if spread_rad is not None and spread_rad <= self._moved_rad(posture.tolerance_rad):
-                    self._mark(MarkKind.POSTURE, now_s)
-                    self._change(machine.posture_reached(self._state), now_s)
+        off = self._arm.is_off(posture, reading)
+        if self._state.kind is not PromptKind.POSTURE:
+            if off:
+                self._change(machine.posture_left(self._state), now_s)
+        elif off is False and reading.held and self._arm.is_still(posture, now_s):
+            self._mark(MarkKind.POSTURE, now_s)
+            self._change(machine.posture_reached(self._state), now_s)
 
     def _judge_blocks(self, now_s: float) -> None:
         while (block := self._board.captured(now_s)) is not None:
@@ -270,39 +265,11 @@ class SessionLoop:
             lead = block.info.trigger_sample - block.info.first_sample
             start_s = trigger_s - lead / self._rate_hz
             end_s = start_s + (block.info.length + delay) / self._rate_hz
-            after = self._after(block, end_s, now_s)
+            after = self._arm.after(block, end_s, now_s)
             if after is None:
                 return
             self._waiting.popleft()
-            self._judge(block, trigger_s, self._joints.reading_before(start_s), after, now_s)
-
-    def _after(self, block: CapturedBlock, end_s: float, now_s: float) -> JointReading | None:
-        """Return angles from after the block, None while there is hope for them."""
-        after = self._joints.reading_after(end_s + self._turn_s)
-        if after is not None:
-            return after
-        hope_s = max(self._settings.settle_s, AFTER_WALL_S / self._clock.wall_s(1.0))
-        if now_s - max(block.last_data_s, end_s) < hope_s:
-            return None
-        last = self._joints.reading(now_s)
-        return JointReading(
-            joints_rad=None,
-            drive_state=last.drive_state,
-            held=last.held,
-            age_s=max(last.age_s, hope_s),
-            host_s=now_s,
-        )
-
-    def _silence(self, before: JointReading, after: JointReading) -> str:
-        """Say that nothing was known of the arm for too long during a hit; empty if it was."""
-        can = self._settings.arm.can
-        silence_s = self._joints.silence_s(before.host_s, after.host_s)
-        if can is None:
-            return ""
-        floor_s = SILENCE_WALL_S / self._clock.wall_s(1.0)
-        if silence_s <= max(SILENCE_S, SILENT_CYCLES / can.rate_hz, floor_s):
-            return ""
-        return f"no joint angles for {silence_s:.3g} s during the hit"
+            self._judge(block, trigger_s, self._arm.before(start_s), after, now_s)
 
     def _set_aside(self, block: CapturedBlock, now_s: float, why: str) -> None:
         self._board.release(block.info.block_id, now_s)
@@ -338,15 +305,7 @@ class SessionLoop:
                 self._settings.limits,
                 exponential_end=plan.windows.exponential_end,
             ),
-            judge_posture(
-                before,
-                after,
-                posture.joints_rad,
-                posture.tolerance_rad,
-                self._moved_rad(posture.tolerance_rad),
-                self._joints.spread_rad(before.host_s, after.host_s),
-                self._silence(before, after),
-            ),
+            self._arm.judged(before, after, posture),
         )
         hit = Hit(
             number=self._next_hit,
@@ -407,9 +366,6 @@ class SessionLoop:
             return False
         self._due[what] = now_s + every_wall_s / self._clock.wall_s(1.0)
         return True
-
-    def _moved_rad(self, tolerance_rad: float) -> float:
-        return self._settings.limits.moved * tolerance_rad
 
     def _mark(self, kind: MarkKind, now_s: float, note: str = "", point: str | None = None) -> None:
         here = self._state.here

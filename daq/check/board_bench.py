@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 from daq.check.probe import BoardProbe, BoardStepError
 from daq.check.stream import Recording, record
@@ -152,19 +153,19 @@ class BoardBench:
         """Mask of all channels."""
         return (1 << len(self.dictionary.channels)) - 1
 
-    def configuration(self, rate_hz: Fraction, **changes: object) -> Configuration:
+    def configuration(self, rate_hz: Fraction, **changes: Any) -> Configuration:
         """Return a modest configuration with the preview on, never triggered by itself."""
-        fields: dict[str, object] = {
-            "rate_hz": rate_hz,
-            "channel_mask": self.all_channels,
-            "trigger_channel": 0,
-            "trigger_level_counts": (1 << 23) - 1,
-            "slope": Slope.RISING,
-            "pretrigger": 0,
-            "block_length": PROBE_BLOCK,
-            "stream": True,
-        }
-        return Configuration(**(fields | changes))  # type: ignore[arg-type]
+        modest = Configuration(
+            rate_hz=rate_hz,
+            channel_mask=self.all_channels,
+            trigger_channel=0,
+            trigger_level_counts=(1 << 23) - 1,
+            slope=Slope.RISING,
+            pretrigger=0,
+            block_length=PROBE_BLOCK,
+            stream=True,
+        )
+        return replace(modest, **changes)
 
     def configure(self, configuration: Configuration) -> tuple[ReplyCode, str]:
         """Try a configuration; return the board's code and reason."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from protocols.board.codec import decode_frame, encode_frame
-from protocols.board.records import Frame, Header
+from protocols.board.records import Frame
 from protocols.errors import FrameError
 
 __all__ = ["BrokenBoard", "altered", "decoded", "stretch"]
@@ -62,9 +63,9 @@ class BrokenBoard:
         return piece
 
 
-def altered(frame: Frame, payload: bytes | None = None, **changes: object) -> Frame:
+def altered(frame: Frame, payload: bytes | None = None, **changes: Any) -> Frame:
     """Return a frame with another payload or other header fields."""
-    header: Header = replace(frame.header, **changes)  # type: ignore[arg-type]
+    header = replace(frame.header, **changes)
     return Frame(header=header, payload=frame.payload if payload is None else payload)
 
 

@@ -82,18 +82,18 @@ def mat_content(path: Path, hints: Hints) -> Content:
 def _load(path: Path) -> dict[str, npt.NDArray[Any]]:
     """Load the variables of a file, their sizes known before."""
     content = read_foreign_bytes(path)
-    data = io.BytesIO(content)
+    data: Any = io.BytesIO(content)  # scipy reads streams too; its type stubs know names only
     if content[124:126] in {b"\x00\x02", b"\x02\x00"} or content[:4] == b"\x89HDF":
         raise ForeignFileError(
             f"{path.name}: wanted a MATLAB file up to version 7.2, got 7.3; save it with '-v7'"
         )
     try:
         names = plain_variables(content)
-        listed = scipy.io.whosmat(data)  # type: ignore[arg-type]  # streams are read too
+        listed = scipy.io.whosmat(data)
         numbers = sum(math.prod(int(n) for n in shape) for _, shape, _ in listed)
         if numbers <= MOST_NUMBERS and len(listed) <= 1000:
             data.seek(0)
-            loaded = scipy.io.loadmat(data, variable_names=names)  # type: ignore[arg-type]
+            loaded = scipy.io.loadmat(data, variable_names=names)
             return {n: np.asarray(v) for n, v in loaded.items() if not n.startswith("__")}
     except Exception as error:  # scipy's reader raises whatever its parser meets
         raise ForeignFileError(

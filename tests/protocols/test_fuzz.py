@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from support.decoders import check, decode_board
+from support.decoders import check
 from support.fuzz_c import c_inputs, compile_fuzz, fuzz_c
+from support.fuzz_lines import decode_board
 from support.fuzz_material import decoders_in
 
 from protocols.errors import ForeignFileError

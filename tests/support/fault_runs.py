@@ -61,7 +61,7 @@ ONCE = frozenset(
         Fault.ARM_TWITCHES,
     }
 )
-MATRIX = tuple(fault for fault in Fault if fault is not Fault.BLOCK_LOSS)
+MATRIX = tuple(Fault)
 # A block begins at most so far from the blow that triggered it: the pulse's rise.
 TRIGGER_REACH = 12
 

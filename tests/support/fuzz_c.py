@@ -5,7 +5,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from support.decoders import board_payloads, board_stream, example_dictionary, mutate_frames
+from support.fuzz_lines import board_payloads, board_stream, example_dictionary, mutate_frames
 from support.mutate import mutated
 
 from protocols.board.messages import encode_dictionary

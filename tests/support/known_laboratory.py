@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2]))  # else tests/protocols is found for protocols
 
 from support.known_arm import KnownArm, KnownBlow, known_truth
 

@@ -5,17 +5,14 @@ queues, so a session of ten lab seconds takes a fraction of a second and is the 
 """
 
 import bisect
-from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from support.known_arm import KnownArm, KnownBlow, known_truth
+from support.known_arm import KnownArm, known_truth
+from support.virtual_operator import CHANNEL_FD, Channel, VirtualOperator
 
 from daq.can_listener import SlcanListener
-from daq.commands import Ready, Stop
-from daq.events import Failed, Finished, HitJudged, Noted, Prompted
-from daq.session_machine import PromptKind
 from daq.surroundings import Surroundings
 from hil_sim.board import Board
 from hil_sim.board_dictionary import board_dictionary
@@ -33,9 +30,7 @@ from protocols.errors import DeviceLostError, PortError
 
 STEP_S = 0.004  # of the laboratory, between two looks at what is due
 WAIT_S = 0.001
-BOARD_FD, CAN_FD, CHANNEL_FD = 1001, 1002, 1003
-PATIENCE_S = 4.0  # until a hit nobody speaks of is repeated
-LONGEST_S = 90.0  # of one acquisition, until the operator gives up
+BOARD_FD, CAN_FD = 1001, 1002
 HANGS_AFTER_S = 150.0
 LINE_HOLDS = 16384  # bytes, as a pseudo-terminal does
 # Room for three blocks of 256 samples of four channels: buffers that can overflow.
@@ -130,7 +125,7 @@ class HostEnd:
         """Nothing is held."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Epoch:
     """Samples since one START: what the converter gave, and when."""
 
@@ -295,102 +290,6 @@ class VirtualClock:
             return self._lab.channel.poll(0)
         line = self._lab.board_line if fd == BOARD_FD else self._lab.can_line
         return line.is_readable()
-
-
-class Channel:
-    """The operator's commands on their way."""
-
-    def __init__(self):
-        self.said = deque()
-
-    def fileno(self):
-        return CHANNEL_FD
-
-    def poll(self, _timeout_s):
-        return bool(self.said)
-
-    def recv(self):
-        return self.said.popleft()
-
-
-class VirtualOperator:
-    """Does what is asked; an outbox on its other side."""
-
-    previews_dropped = 0
-
-    def __init__(self, lab):
-        self._lab = lab
-        self.events = []
-        self.begun_s = lab.wall_s
-        self._due = None  # (lab time, what to do)
-
-    def begin(self):
-        self.begun_s = self._lab.wall_s
-        self._due = None
-
-    def put(self, event):
-        if isinstance(event, Prompted | HitJudged | Failed | Finished | Noted):
-            self.events.append((self._lab.wall_s, event))
-        if isinstance(event, Prompted):
-            self._answer(event.prompt)
-        elif isinstance(event, Failed | Finished):
-            self._due = None
-
-    def finish(self, _timeout_s):
-        return True
-
-    def step(self):
-        now_s = self._lab.wall_s
-        if now_s > self.begun_s + LONGEST_S:
-            self.begun_s, self._due = now_s, None
-            self._lab.channel.said.append(Stop(reason="the operator gives up"))
-        if self._due is not None and now_s >= self._due[0]:
-            _, do = self._due
-            self._due = None
-            do()
-
-    def _after(self, seconds, do):
-        self._due = (self._lab.wall_s + seconds * self._lab.rng.uniform(0.9, 1.1), do)
-
-    def _answer(self, prompt):
-        if prompt.kind is PromptKind.POSTURE:
-            self._after(0.3, lambda: self._go(prompt))
-        elif prompt.kind is PromptKind.POINT:
-            self._after(0.3, lambda: self._mount(prompt))
-        elif prompt.kind is PromptKind.HIT:
-            self._after(0.35, lambda: self._hit(prompt))
-        else:
-            self._due = None
-
-    def _go(self, prompt):
-        self._lab.controller.move_to(prompt.posture.joints_rad)
-        self._after(PATIENCE_S, lambda: self._go(prompt))
-
-    def _mount(self, prompt):
-        self._lab.cell.mount(prompt.sensor_point)
-        self._lab.ledger.note("mount", self._lab.wall_s, point=prompt.sensor_point)
-        self._lab.channel.said.append(Ready())
-        self._after(PATIENCE_S, lambda: self._mount(prompt))
-
-    def _hit(self, prompt):
-        lab = self._lab
-        blow = KnownBlow(peak_counts=int(lab.rng.integers(60_000, 150_000)))
-        at_sample = lab.cell.strike(lab.rng.uniform(1.0, 2.0), blow)
-        if at_sample is not None:
-            lab.n_blows += 1
-            for number, fault, after, n in lab.at_blows:
-                if number == lab.n_blows:
-                    at = max(int(at_sample) + after, 0)
-                    lab.faults.switch(f"{fault}@{at}" + (f"+{n}" if n else ""), active=True)
-            facts = {
-                "at_sample": at_sample,
-                "point": prompt.hit_point,
-                "sensor_point": lab.cell.point,
-                "peak_counts": blow.peak_counts,
-            }
-            lab.epochs[-1].blows.append(facts)
-            lab.ledger.note("hit", lab.wall_s, epoch=len(lab.epochs), **facts)
-        self._after(PATIENCE_S, lambda: self._hit(prompt))
 
 
 def heard_stream(end, session):

@@ -1,0 +1,96 @@
+"""What a session refuses to begin with, and what ends it: one clear message each."""
+
+import dataclasses
+
+from support.acquisition_run import strike
+
+from daq.session_machine import PromptKind
+from protocols.board.messages import encode_dictionary
+from protocols.session.journal import load_journal
+
+
+def test_a_wrong_board_port_is_one_clear_message(lab, start):
+    failed = start(board_port="/dev/there-is-no-such-port").failure()
+    assert failed.kind == "PortError"
+    assert "there is no such device" in failed.message
+    assert not lab.journal.exists()
+
+
+def test_a_device_that_is_no_board_is_one_clear_message(lab, start, monkeypatch):
+    monkeypatch.setattr(lab.board, "received", lambda data: lab.board.write(b"ERROR 42\r\n\x00"))
+    failed = start(reply_timeout_s=0.05).failure()
+    assert "none of them a frame of the armodal board protocol" in failed.message
+    assert not lab.journal.exists()
+
+
+def test_a_board_that_is_mute_is_one_clear_message(lab, start):
+    lab.board.mute = True
+    assert "did not answer HELLO" in start(reply_timeout_s=0.05).failure().message
+
+
+def test_a_dictionary_that_changes_ends_the_session_with_its_hits_safe(lab, start, fakes):
+    run = start()
+    run.ready()
+    strike(lab, fakes["record"]())
+    run.judged()
+    with lab.board.lock:
+        lab.board.dictionary_bytes = encode_dictionary(fakes["dictionary"]("other"))
+    failed = run.failure()
+    assert "describes itself differently" in failed.message
+    assert len(load_journal(failed.journal).hits) == 1
+
+
+def test_a_rebooted_board_ends_the_session(lab, start):
+    run = start()
+    run.prompt(PromptKind.POINT)
+    with lab.board.lock:
+        lab.board.session += 1
+    assert "has restarted" in run.failure().message
+
+
+def test_an_unplugged_board_ends_the_session(lab, start):
+    run = start()
+    run.prompt(PromptKind.POINT)
+    lab.board.unplug()
+    failed = run.failure()
+    assert failed.kind == "DeviceLostError"
+    assert "is gone" in failed.message
+
+
+def test_a_silent_bus_at_the_start_is_one_clear_message(lab, start):
+    lab.controller.silent = True
+    failed = start(can_timeout_s=0.1).failure()
+    assert failed.kind == "CanError"
+    assert "no frame came" in failed.message
+    assert not lab.journal.exists()
+
+
+def test_an_adapter_that_will_not_listen_only_is_not_used(lab, start):
+    lab.controller.refuse = b"L"
+    assert "refused 'L'" in start().failure().message
+
+
+def test_an_existing_journal_is_not_overwritten(lab, start):
+    lab.journal.write_bytes(b"precious")
+    assert "exists already" in start().failure().message
+    assert lab.journal.read_bytes() == b"precious"
+
+
+def test_a_session_of_another_arm_is_not_resumed(lab, start, arm):
+    run = start()
+    run.prompt(PromptKind.POINT)
+    run.end()
+    before = lab.journal.read_bytes()
+    other = dataclasses.replace(arm, sha256="0" * 64)
+    failed = start(resume=True, arm=other).failure()
+    assert failed.kind == "JournalError"
+    assert "is a session of arm" in failed.message
+    assert lab.journal.read_bytes() == before
+
+
+def test_a_session_of_other_sensors_is_not_resumed(lab, start, fakes):
+    run = start()
+    run.prompt(PromptKind.POINT)
+    run.end()
+    lab.board.dictionary_bytes = encode_dictionary(fakes["dictionary"]("other"))
+    assert "describes itself differently" in start(resume=True).failure().message
