@@ -190,16 +190,24 @@ def main() -> int:
         return told([Figure("soak", str(found["failed"]), "to its end", False)])
     seconds, unexplained = float(found["seconds"]), int(found["unexplained"])
     unannounced = abs(int(found["hits"]) - int(found["hits announced"]))
+    taken, missing = int(found["samples in"]), int(found["reported missing"])
     return told(
         [
             Figure("soak at 4 x 51.2 kS/s, s", f"{seconds:.0f}", "600", seconds >= 600.0),
-            Figure("... samples taken by the board", f"{found['samples in']:,}", "all said", True),
-            Figure("... of them said to be missing", f"{found['reported missing']:,}", "all", True),
-            Figure("... samples not accounted for", str(unexplained), "0", not unexplained),
-            Figure("... hits kept and not announced, or not kept", str(unannounced), "0",
-                   not unannounced),
+            Figure(
+                f"... samples not accounted for, of {taken:,} taken, {missing:,} reported missing",
+                f"{unexplained:,}",
+                "0",
+                not unexplained,
+            ),
+            Figure(
+                f"... hits kept and not announced, or not kept, of {found['hits']}",
+                str(unannounced),
+                "0",
+                not unannounced,
+            ),
         ]
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":
