@@ -20,6 +20,7 @@ from contextlib import suppress
 import numpy as np
 from cobs import cobs
 
+from daq.process import ask_for_priority
 from protocols.arm.files import load_arm
 from protocols.board.codec import FrameDecoder, encode_frame
 from protocols.board.messages import (
@@ -254,4 +255,5 @@ class Feeder:
 
 
 if __name__ == "__main__":
+    ask_for_priority()  # a board's converter waits for nobody
     Feeder().run()

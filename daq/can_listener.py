@@ -130,11 +130,13 @@ class SlcanListener:
         self._fetched: list[tuple[float, bytes]] = []
         for command in listen_only_commands(bitrate):
             self._command(command)
+        # A line was perhaps under way when the port was opened: nobody listened yet.
+        self._faults_before = self._parser.faults
 
     @property
     def faults(self) -> int:
-        """Lines that were no frame."""
-        return self._parser.faults
+        """Lines that were no frame, since the adapter confirmed to listen."""
+        return self._parser.faults - self._faults_before
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""

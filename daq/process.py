@@ -6,10 +6,12 @@ program that started it, and it has a session of its own, out of reach of a term
 
 from __future__ import annotations
 
+import os
 import socket
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import IO, Any
@@ -18,7 +20,7 @@ from daq.acquisition import run_acquisition
 from daq.lab_watch import run_lab_watch
 from daq.settings import AcquisitionSettings
 
-__all__ = ["BODIES", "DaqProcess", "start_process"]
+__all__ = ["BODIES", "DaqProcess", "ask_for_priority", "start_process"]
 
 BODIES = {"acquire": run_acquisition, "watch": run_lab_watch}
 LONGEST_LAST_WORD = 4096  # bytes
@@ -71,9 +73,21 @@ def start_process(body: str, settings: AcquisitionSettings) -> DaqProcess:
     return DaqProcess(process=process, channel=channel, stderr=stderr)
 
 
+def ask_for_priority() -> None:
+    """Ask to be run before ordinary work, which need not be granted: all goes on without, too.
+
+    A port's buffer holds some tenths of a second, and on a machine with more work than cores a
+    process can wait longer for its turn than that.
+    """
+    if sys.platform == "linux":
+        with suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+
+
 def main(arguments: list[str]) -> int:
     """Take the settings from the line, and run the body."""
     body, descriptor = arguments
+    ask_for_priority()
     channel: Connection[Any, Any] = Connection(int(descriptor))
     return BODIES[body](channel.recv(), channel)
 

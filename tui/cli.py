@@ -27,6 +27,7 @@ from tui.check import app as check_app
 from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
+from tui.gap import gap_tables
 from tui.results import identification_tables
 from tui.review.command import add_review_command
 from tui.run.command import run_app
@@ -68,11 +69,11 @@ def demo(
     time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = DEMO_TIME_SCALE,
     as_json: Json = False,
 ) -> None:
-    """A whole test in the simulated laboratory: capture, modes, stiffness, report, truth.
+    """A whole test in the simulated laboratory: capture, modes, stiffness, gap, report, truth.
 
     Example: armodal demo --seed 3 --json
     """
-    found, result = run_demo(
+    found, result, gap = run_demo(
         directory, seed=seed, software=SOFTWARE, show=_show, say=_say, time_scale=time_scale
     )
     if as_json:
@@ -87,6 +88,14 @@ def demo(
         f"{found['wall_s']:.0f} s in all, {found['capture_s']:.0f} s of them capture"
     )
     out.print(f"session {found['session']}\nreport  {found['report']}", markup=False)
+    out.print(f"\n{gap.summary}", markup=False)
+    for table in gap_tables(gap):
+        out.print(table)
+    for effect in found["gap"]["effects"]:
+        if "truth_k_n_m_per_rad" in effect:
+            k, truth = effect["k_n_m_per_rad"], effect["truth_k_n_m_per_rad"]
+            out.print(f"its stiffness {k:.0f} N m/rad, in truth {truth:.0f} N m/rad")
+    out.print(f"{found['gap_s']:.0f} s; new arm file {found['gap']['arm_file']}", markup=False)
 
 
 def _truth_table(found: dict[str, Any]) -> Table:

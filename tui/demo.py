@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.records import GapResult
+from analyzer.gap.workflow import find_gap
 from analyzer.identification.identify import estimate_frfs, identify
 from analyzer.identification.records import AxisResult, Identification
 from analyzer.report import write_report
@@ -23,6 +25,7 @@ from protocols.arm.records import Arm
 from protocols.plan import load_plan
 from protocols.session.recovery import rebuild
 from tui.acquire import ScriptedOperator, acquire
+from tui.gap import gap_json, keep_gap
 from tui.results import identification_json
 
 __all__ = ["run_demo"]
@@ -39,13 +42,13 @@ def run_demo(
     say: Callable[[str], None],
     time_scale: float = DEMO_TIME_SCALE,
     plan_name: str = "rv4frl-three-postures",
-) -> tuple[dict[str, Any], Identification]:
-    """Capture, fit, identify and report; then open the ledger and set the truth beside.
+) -> tuple[dict[str, Any], Identification, GapResult]:
+    """Capture, fit, identify, find the gap, report; then set the ledger's truth beside.
 
     Returns
     -------
-    object, identification
-        The object `armodal demo --json` prints, and the identification behind it.
+    object, identification, gap
+        The object `armodal demo --json` prints, and what is behind it.
     """
     began = time.monotonic()
     directory.mkdir(parents=True, exist_ok=True)
@@ -79,20 +82,38 @@ def run_demo(
         estimate_frfs=lambda session: estimate_frfs(session, superset),
     )
     result = identify(recovered.session, say)
+    say("gap between model and measurement")
+    gap_began = time.monotonic()
+    outcome = find_gap(recovered.session, tell=say)
+    arm_path = directory / "demo.arm.toml"
+    arm_path.unlink(missing_ok=True)
+    written = keep_gap(recovered.session, session_path, outcome, arm_path)
+    gap_s = time.monotonic() - gap_began
     say("report")
-    write_report(recovered.session, result, report_path)
+    write_report(recovered.session, result, report_path, gap=outcome.result)
     found = identification_json(recovered.session, result)
+    found["gap"] = gap_json(outcome.result, written)
     # Only now, with everything written down, is the laboratory's own book opened.
     truth = read_ledger(lab_directory / "ledger.jsonl").truth
     _set_truth_beside(found, result, arm, truth)
+    _set_truth_beside_gap(found["gap"], truth)
     found |= {
         "complete": finished.complete,
         "capture_s": captured_s,
+        "gap_s": gap_s,
         "wall_s": time.monotonic() - began,
         "session": str(session_path),
         "report": str(report_path),
     }
-    return found, result
+    return found, result, outcome.result
+
+
+def _set_truth_beside_gap(gap: dict[str, Any], truth: LedgerTruth) -> None:
+    for effect in gap["effects"]:
+        axis = truth.axis
+        if effect["name"] == "link_axis" and axis is not None and axis.link == effect["place"]:
+            effect["k_n_m_per_rad"] = 1.0 / effect["parameters"][effect["size"]]
+            effect["truth_k_n_m_per_rad"] = axis.k_n_m_per_rad
 
 
 def _set_truth_beside(

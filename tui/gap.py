@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from analyzer.gap.add import added_effects, joint_estimates
 from analyzer.gap.records import GapResult, PostureGap
 from analyzer.gap.workflow import GapOutcome
 from analyzer.report import gap_path, gap_to_json
+from protocols.arm.records import Arm
 from protocols.arm.rewrite import text_with_effects
 from protocols.errors import ArmError, SessionError
 from protocols.session.records import Session
 
-__all__ = ["gap_json", "gap_tables", "keep_gap", "replace_text"]
+__all__ = ["gap_json", "gap_tables", "keep_gap", "replace_text", "with_arm"]
+
+_SAME_POINT_M = 1e-6  # positions are copied, not measured again
 
 
 def keep_gap(
@@ -57,6 +62,37 @@ def keep_gap(
     return written
 
 
+def with_arm(session: Session, arm: Arm) -> Session:
+    """Return the session with another belief about its arm: the same joints and points.
+
+    Raises
+    ------
+    ArmError
+        If joints, links or points are not those that were measured.
+    """
+    old = session.header.arm
+    _must_match(arm, "joints", [j.name for j in old.joints], [j.name for j in arm.joints])
+    _must_match(arm, "links", [j.link.name for j in old.joints], [j.link.name for j in arm.joints])
+    _must_match(arm, "points", [p.id for p in old.points], [p.id for p in arm.points])
+    for was, now in zip(old.points, arm.points, strict=True):
+        moved = float(np.linalg.norm(was.position_m - now.position_m))
+        if now.link != was.link or moved > _SAME_POINT_M:
+            raise ArmError(
+                f"arm '{arm.name}': point '{now.id}' is not where the session measured it "
+                f"({1e3 * moved:.0f} mm off, link '{now.link}' instead of '{was.link}'); "
+                "give an arm file with the session's points"
+            )
+    return replace(session, header=replace(session.header, arm=arm))
+
+
+def _must_match(arm: Arm, what: str, wanted: list[str], came: list[str]) -> None:
+    if wanted != came:
+        raise ArmError(
+            f"arm '{arm.name}' does not match the session: wanted the {what} "
+            f"{', '.join(wanted)}, got {', '.join(came)}; give the arm file of the measured arm"
+        )
+
+
 def replace_text(path: Path, text: str) -> None:
     """Write a file whole or not at all.
 
@@ -76,13 +112,17 @@ def replace_text(path: Path, text: str) -> None:
         ) from problem
 
 
-def gap_json(result: GapResult) -> dict[str, Any]:
-    """The result as plain values."""
+def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:
+    """The result as plain values, and the files of `keep_gap`; no arm file is null."""
     found = asdict(result)
     found["verdict"] = result.verdict.value
-    for effect in found["effects"]:
-        effect["std"] = {name: value["std"] for name, value in effect["parameters"].items()}
-    return found
+    for row in (*found["effects"], *found["rivals"]):
+        intervals = row.pop("parameters")
+        row["parameters"] = {name: value["value"] for name, value in intervals.items()}
+        row["std"] = {name: value["std"] for name, value in intervals.items()}
+        row["interval_95"] = {name: [v["low"], v["high"]] for name, v in intervals.items()}
+    files = {"arm_file": None, **{key: str(path) for key, path in written.items()}}
+    return found | files
 
 
 def gap_tables(result: GapResult) -> list[Table]:

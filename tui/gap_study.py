@@ -16,14 +16,23 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
-from analyzer.gap.score import OUTCOMES, mark, rate, size_found, size_of_truth
-from analyzer.gap.workflow import find_gap
+from analyzer.gap.compare import posture_gap
+from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.held_out import held_out
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.score import (
+    instance_of_truth,
+    mark,
+    ordinary_beside,
+    size_found,
+    size_of_truth,
+)
+from analyzer.gap.workflow import GapOutcome, find_gap
 from hil_sim.study import CaseSpec, sealed
 from protocols.errors import ArmodalError
 
-__all__ = ["run_case", "run_study", "seal_hashes", "study_summary", "study_tables"]
+__all__ = ["Line", "run_case", "run_study", "seal_hashes"]
 
 Line = dict[str, Any]
 
@@ -81,7 +90,32 @@ def run_case(spec: CaseSpec) -> Line:
             for before, after in zip(result.gap_before, result.gap_after, strict=True)
         ],
         "best_gain": max((r.gain for r in result.rivals), default=0.0),
+        "over_true_model": _over_true_model(truth, outcome),
     }
+
+
+def _over_true_model(truth: Line, outcome: GapOutcome) -> float | None:
+    """Held-out FRF error over what the true model reaches with the same nuisances.
+
+    The true model has the true effects at their true places and is fitted as ours is; None where
+    the library has no such model.
+    """
+    final, stage = outcome.final, outcome.stages[-1]
+    ordinary = final.hypothesis.ordinary
+    instances = [instance_of_truth(ordinary, effect) for effect in truth["effects"]]
+    known = [i for i in instances if i is not None]
+    if len(known) < len(instances):
+        return None
+    if {i.key for i in known} == {i.key for i in final.hypothesis.instances}:
+        return 1.0
+    test = [p for p, gap in enumerate(outcome.result.gap_after) if gap.held_out]
+    whole = fit_hypothesis(
+        stage, Hypothesis(ordinary=ordinary, instances=tuple(known)), start=final.values
+    )
+    right = held_out(stage, whole, test).training
+    reached = [posture_gap(stage, right, p, held_out=True).frf_error for p in test]
+    ours = [outcome.result.gap_after[p].frf_error for p in test]
+    return float(np.linalg.norm(ours) / np.linalg.norm(reached))
 
 
 def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> list[Line]:
@@ -92,6 +126,7 @@ def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> l
         if value is None or ours is None:
             continue
         found, low, high = size_found(ours)
+        value += ordinary_beside(true, truth["plant"])
         rows.append({"name": true["name"], "true": value, "found": found, "low": low, "high": high})
     return rows
 
@@ -129,115 +164,3 @@ def run_study(
             done[line["number"]] = line
             tell(line)
     return [done[spec.number] for spec in specs if spec.number in done]
-
-
-def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
-    """Counts, rates with their intervals, errors and coverage."""
-    judged = [line for line in lines if "error" not in line]
-    nulls = [x for x in judged if x["magnitude"] == "none"]
-    single = [x for x in judged if len(x["true"]) == 1 and x["true_verdict"] == "named"]
-    pairs = [x for x in judged if len(x["true"]) == 2]
-    outside = [x for x in judged if x["true_verdict"] == "outside_library"]
-    groups: dict[str, list[Line]] = {"nulls": nulls}
-    for size in ("clear", "medium", "faint"):
-        groups[size] = [x for x in single if x["magnitude"] == size]
-    groups |= {"two at once": pairs, "outside": outside}
-    table = {
-        name: {
-            "n": len(group),
-            "right": asdict(rate(_count(group, "right"), len(group))) if group else None,
-            "wrong": asdict(rate(_count(group, "wrong name"), len(group))) if group else None,
-            **{outcome: _count(group, outcome) for outcome in OUTCOMES},
-        }
-        for name, group in groups.items()
-    }
-    errors, covered = _size_errors(judged)
-    k_errors, k_covered, range_covers = _stiffness_errors([*nulls, *single])
-    held = [g[1] / g[2] for x in judged for g in x["gap"] if g[3]]
-    return {
-        "groups": table,
-        "confusion": _confusion(single),
-        "size_error_median": _median(errors),
-        "size_covered": covered,
-        "k_error_median": _median(k_errors),
-        "k_covered": k_covered,
-        "k_range_covers": range_covers,
-        "held_out_error_over_floor_median": _median(held),
-        "cpu_s_median": _median([x["cpu_s"] for x in judged]),
-        "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
-        "failed": [x["number"] for x in lines if "error" in x],
-    }
-
-
-def _count(group: Sequence[Line], outcome: str) -> int:
-    return sum(x["outcome"] == outcome for x in group)
-
-
-def _median(values: Sequence[float]) -> float:
-    return float(np.median(values)) if values else float("nan")
-
-
-def _size_errors(lines: Sequence[Line]) -> tuple[list[float], dict[str, float]]:
-    rows = [row for x in lines if x["outcome"] == "right" for row in x["sizes"]]
-    errors = [abs(row["found"] / row["true"] - 1.0) for row in rows]
-    inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
-    return errors, asdict(rate(inside, len(rows))) if rows else {}
-
-
-def _stiffness_errors(
-    lines: Sequence[Line],
-) -> tuple[list[float], dict[str, float], dict[str, float]]:
-    """Errors, how often k ± 1.96 std covers, and how often the range does."""
-    rows = [row for x in lines for row in x["stiffness"]]
-    errors = [abs(row["k"] / row["true"] - 1.0) for row in rows]
-    inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
-    near = sum(abs(np.log(row["k"] / row["true"])) <= 1.96 * row["std"] / row["k"] for row in rows)
-    if not rows:
-        return errors, {}, {}
-    return errors, asdict(rate(near, len(rows))), asdict(rate(inside, len(rows)))
-
-
-def _confusion(lines: Sequence[Line]) -> dict[str, dict[str, int]]:
-    """Truth by what was said."""
-    table: dict[str, dict[str, int]] = {}
-    for x in lines:
-        said = " + ".join(x["named"]) or x["verdict"]
-        row = table.setdefault(x["true"][0], {})
-        row[said] = row.get(said, 0) + 1
-    return table
-
-
-def study_tables(summary: dict[str, Any]) -> list[Table]:
-    """The summary for people."""
-    table = Table("cases", "n", "right", "95 %", *OUTCOMES[1:], title="Verdicts")
-    for name, row in summary["groups"].items():
-        right = row["right"]
-        table.add_row(
-            name,
-            str(row["n"]),
-            str(row["right"]["k"]) if right else "-",
-            f"{100 * right['low']:.0f}-{100 * right['high']:.0f} %" if right else "-",
-            *(str(row[outcome]) for outcome in OUTCOMES[1:]),
-        )
-    confusion = Table("truth", "said", title="Confusion of single effects")
-    for name, said in sorted(summary["confusion"].items()):
-        confusion.add_row(name, ", ".join(f"{what} {n}" for what, n in said.items()))
-    figures = Table("figure", "value", title="Figures")
-    figures.add_row("size of a named effect, median error", _percent(summary["size_error_median"]))
-    figures.add_row("its 95 % interval covers", _covered(summary["size_covered"]))
-    figures.add_row("joint stiffness, median error", _percent(summary["k_error_median"]))
-    figures.add_row("its 95 % interval covers", _covered(summary["k_covered"]))
-    figures.add_row("its range covers", _covered(summary["k_range_covers"]))
-    ratio = summary["held_out_error_over_floor_median"]
-    figures.add_row("held-out FRF error over the floor, median", f"{ratio:.2f}")
-    spent = f"{summary['cpu_s_median']:.1f} s, at most {summary['cpu_s_most']:.1f} s"
-    figures.add_row("time a case on one core", spent)
-    return [table, confusion, figures]
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2f} %"
-
-
-def _covered(found: dict[str, float]) -> str:
-    return f"{found['k']} of {found['n']}" if found else "-"

@@ -18,16 +18,20 @@ from analyzer.identification.penalty_of_session import penalty_of_session
 from analyzer.report import gap_page, gap_path, read_gap, write_report
 from hil_sim.study import draw_study
 from hil_sim.study.catalogue import FIRST
+from protocols.arm.files import load_arm
+from protocols.errors import SessionError
 from protocols.frf_records import FrfEstimator
 from protocols.session.hdf5 import read_session
 from tui.arm_commands import comma_numbers
 from tui.fit import FitSettings, fit_lines, fit_session
-from tui.gap import gap_json, gap_tables, keep_gap, replace_text
-from tui.gap_study import run_study, seal_hashes, study_summary, study_tables
+from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
+from tui.gap_study import run_study, seal_hashes
+from tui.gap_study_summary import study_summary, study_tables
 from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables
 from tui.results import identification_json, identification_tables
+from tui.review.picked_file import read_picked
 from tui.workspace import workspace_section
 
 __all__ = ["app"]
@@ -103,6 +107,10 @@ def identify_command(
     joints: Annotated[
         str | None, typer.Option(help="Joints for eq13, by name or number, e.g. 1,3; else all.")
     ] = None,
+    picked: Annotated[
+        Path | None,
+        typer.Option(help="Poles picked by hand in `armodal review`: SESSION.picked.json."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Identify joint stiffness, damping and structural axes.
@@ -111,7 +119,10 @@ def identify_command(
     """
     measured = read_session(session)
     chosen = chosen_for(method, joints, measured.header.arm)
-    result = identify(measured, _say)
+    if picked is not None and not picked.exists():
+        raise SessionError(f"{picked} is not there; `armodal review` writes it with the key s")
+    poles = {} if picked is None else read_picked(picked, measured)
+    result = identify(measured, _say, picked=poles)
     beside = None if chosen is None else penalty_of_session(measured, result, chosen)
     if as_json:
         value = identification_json(measured, result)
@@ -196,6 +207,10 @@ def report(
 @app.command("gap")
 def gap_command(
     session: SessionPath,
+    arm: Annotated[
+        Path | None,
+        typer.Option("--arm", help="Arm file to believe instead of the session's own."),
+    ] = None,
     arm_out: Annotated[
         Path | None,
         typer.Option("--arm-out", help="New arm file with what was named, never replaced."),
@@ -207,15 +222,19 @@ def gap_command(
 
     The result is kept beside the session, where `armodal report` finds it.
 
+    With the new arm file as --arm it begins where it ended: nothing more should be missing.
+
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
     measured = read_session(session)
+    if arm is not None:
+        measured = with_arm(measured, load_arm(arm))
     outcome = find_gap(measured, tell=_say)
     written = keep_gap(measured, session, outcome, arm_out)
     if html is not None:
         replace_text(html, gap_page(outcome.result, session.name))
     if as_json:
-        _print_json(gap_json(outcome.result) | {key: str(path) for key, path in written.items()})
+        _print_json(gap_json(outcome.result, written))
         return
     out.print(outcome.result.summary, markup=False)
     out.print(f"where: {outcome.result.interface}", markup=False)

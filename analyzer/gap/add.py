@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from analyzer.gap.effects import link_axis
+from analyzer.gap.effects import link_axis, wrong_point
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
@@ -106,7 +107,12 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
         if effect.place in links and direction is not None and point is not None:
             unit = direction / np.linalg.norm(direction)
             return link_axis.at_axis(ordinary, links.index(effect.place), unit, point)
-    for instance in all_instances(ordinary):
+    if effect.name == wrong_point.WORDS.name:
+        described = wrong_point.of_file(ordinary, effect.description)
+        if described is not None:
+            return described
+    # What depends on the level is in the file whether or not this session has levels.
+    for instance in all_instances(replace(ordinary, level_span=1.0)):
         if instance.effect.name == effect.name and effect.place in (instance.place, "whole arm"):
             return instance
     raise ArmError(

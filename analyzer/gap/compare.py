@@ -13,6 +13,7 @@ import scipy.linalg
 from analyzer.gap.assembly import System
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.records import Disagreement, ModeMatch, PostureGap
+from analyzer.gap.response import hysteresis
 from analyzer.modal.correlation import mac
 from analyzer.modal.modes import ModalModel
 
@@ -22,6 +23,7 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _BANDS = 3
+_NEWTON_STEPS = 4
 _LEAST_MAC = 0.6
 _NEAR = 0.25  # of the frequency: modes further apart are not one
 
@@ -45,7 +47,7 @@ def posture_gap(
     allowed = float(np.sqrt(np.mean(2.0 / weighing.scale**2)))
     modes = () if measured is None else match_modes(measured, response.system)
     return PostureGap(
-        posture=lines.name,
+        posture=lines.title,
         held_out=held_out,
         frf_error=float(np.sqrt(np.mean(np.abs(left) ** 2))) / size,
         floor=allowed / size,
@@ -111,13 +113,29 @@ def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
             C[at, at] += system.compliance_loss_s[i] / system.compliance[i]
     M = system.mass[np.ix_(free, free)]
     m = len(free)
+    loss = system.loss[np.ix_(free, free)]
     state = np.block([[np.zeros((m, m)), np.eye(m)], [-np.linalg.solve(M, np.hstack([K, C]))]])
     values, vectors = scipy.linalg.eig(state)
     keep = np.flatnonzero(values.imag > 0.0)
-    keep = keep[np.argsort(np.abs(values[keep]))]
     shapes = np.zeros((n, keep.size), dtype=np.complex128)
     shapes[free] = vectors[:m, keep]
-    return values[keep], shapes
+    poles = values[keep]
+    if loss.any():
+        poles = _with_hysteresis(poles, vectors[:m, keep], M, C, K - 1j * loss, loss)
+    order = np.argsort(np.abs(poles))
+    return poles[order], shapes[:, order]
+
+
+def _with_hysteresis(
+    poles: ComplexArray, v: ComplexArray, M: Array, C: ComplexArray, K: ComplexArray, loss: Array
+) -> ComplexArray:
+    """Poles where the stored part of a loss factor is the mode's own: Newton on v' Z(s) v."""
+    m, c, k, h = (np.einsum("ij,ik,kj->j", v, matrix, v) for matrix in (M, C, K, loss))
+    s = poles
+    for _ in range(_NEWTON_STEPS):
+        value = s**2 * m + s * c + k + hysteresis(s) * h
+        s = s - value / (2.0 * s * m + c + (2.0 / np.pi) * h / s)
+    return np.asarray(s)
 
 
 def disagreement_map(
@@ -139,7 +157,7 @@ def disagreement_map(
             for m, point in enumerate(lines.sensor_point):
                 found += [
                     Disagreement(
-                        posture=lines.name,
+                        posture=lines.title,
                         point=points[point],
                         axis=axis,
                         band_hz=(float(low), float(high)),

@@ -46,6 +46,11 @@ class Fit:
         return self.space.values(self.u)
 
     @property
+    def farthest(self) -> float:
+        """Return how far any parameter is from its prior's mean, in prior deviations."""
+        return float(np.max(np.abs(self.u)))
+
+    @property
     def log_det(self) -> float:
         """Return ln det(data curvature + prior) / 2 over the free parameters."""
         f = self.free

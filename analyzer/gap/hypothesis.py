@@ -16,7 +16,7 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.response import Change, Response, respond
+from analyzer.gap.response import Change, Response, hysteresis, respond
 from analyzer.gap.space import Space
 
 __all__ = ["Hypothesis", "PosedModel"]
@@ -62,7 +62,7 @@ class PosedModel:
         """Predict a posture's FRFs."""
         geometry = self._near.at(hypothesis.ordinary.encoder(values))
         assembly = _assembled(hypothesis, geometry, lines, values)
-        return respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
+        return respond(assembly.system(), lines)
 
     def derivatives(
         self,
@@ -79,46 +79,11 @@ class PosedModel:
         dy : (n_parameters, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        y, dy, _, _ = self._derivatives(hypothesis, lines, space, values)
-        return y, dy
-
-    def interface_columns(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-        names: Sequence[str],
-        pairs: Sequence[tuple[int, int]],
-    ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Derivatives, and those by the compliance matrix of some locked coordinates.
-
-        Returns
-        -------
-        y : (m, 3, L), dy : (n_parameters, m, 3, L)
-        columns : (n_pairs, m, 3, L)
-            By an element a, b of the compliance matrix of the coordinates `names`, both
-            triangles' mean.
-        """
-        y, dy, assembly, found = self._derivatives(hypothesis, lines, space, values)
-        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
-        columns = [
-            0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs
-        ]
-        return y, dy, np.stack(columns)
-
-    def _derivatives(
-        self,
-        hypothesis: Hypothesis,
-        lines: PostureLines,
-        space: Space,
-        values: Mapping[str, float],
-    ) -> tuple[ComplexArray, ComplexArray, Assembly, Response]:
         offset = hypothesis.ordinary.encoder(values)
         geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
         system = assembly.system()
-        found = respond(system, lines, sensor_mass_kg=_sensor_mass(assembly))
+        found = respond(system, lines)
         y = found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
         posed = _Posed(hypothesis.ordinary, assembly, system, found, values)
@@ -131,8 +96,50 @@ class PosedModel:
             _by_effects(hypothesis, geometry, posed),
         ):
             if name in space.index:
-                dy[space.index[name]] = derivative * space.std[space.index[name]]
-        return y, dy, assembly, found
+                dy[space.index[name]] += derivative * space.std[space.index[name]]
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, m, 3, L) by the compliance matrix of some locked coordinates.
+
+        Of an element a, b of that of the coordinates `names`: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines)
+        left, right = found.through_compliances(
+            [assembly.compliance_of[name][0][0] for name in names]
+        )
+        return np.stack(
+            [0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs]
+        )
+
+    def damping_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        pairs: Sequence[tuple[str, str]],
+    ) -> tuple[ComplexArray, PostureGeometry]:
+        """Derivatives (n_pairs, m, 3, L) by a damping between two joints; posture's geometry.
+
+        Of an element of C of two named joints: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines)
+        at = [(assembly.names[a], assembly.names[b]) for a, b in pairs]
+        columns = [
+            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
+        ]
+        return np.stack(columns), geometry
 
     def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
         for i, joint in enumerate(posed.ordinary.arm.joints):
@@ -155,28 +162,34 @@ class _Posed:
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
         """Stiffness with its hysteretic part, damping, and the common loss."""
         s = self.found.lines.s_rad_s
-        loss = self.values["loss"]
+        loss, turn = self.values["loss"], hysteresis(s)
         by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
-            row = np.zeros(self.system.mass.shape[0])
-            row[self.assembly.names[name]] = 1.0
-            if name in self.assembly.stretched_by:
-                row[self.assembly.stretched_by[name]] = -1.0
+            row = self.assembly.joint_row(name)
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
-            by_stiffness = k * self.found.by_stretch(row, 1.0)
-            yield f"ln k {name}", (1.0 + 1j * loss) * by_stiffness
-            yield f"ln c {name}", c * self.found.by_stretch(row, s)
-            by_loss = by_loss + 1j * by_stiffness
+            more_k, more_c = self.assembly.factors.get(name, (1.0, 1.0))
+            by_stiffness = k * more_k * self.found.by_stretch(row, 1.0)
+            by_spring[name] = (
+                (1.0 + loss * turn) * by_stiffness,
+                c * more_c * self.found.by_stretch(row, s),
+            )
+            yield f"ln k {name}", by_spring[name][0]
+            yield f"ln c {name}", by_spring[name][1]
+            by_loss = by_loss + turn * by_stiffness
+        for parameter, (name, by_k, by_c) in self.assembly.log_slopes.items():
+            yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
         yield "loss", by_loss
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
         """Compliances and their losses."""
         s, system = self.found.lines.s_rad_s, self.system
         compliances = self.assembly.compliance_of
-        rows = self.found.by_compliances(list(compliances.values()))
-        yield from zip(compliances, rows, strict=True)
-        row_of = {at: rows[i] for i, at in enumerate(compliances.values())}
+        every = [at for parts in compliances.values() for at, _ in parts]
+        row_of = dict(zip(every, self.found.by_compliances(every), strict=True))
+        for name, parts in compliances.items():
+            yield name, np.sum([row_of[at] * part for at, part in parts], axis=0)
         for name, coordinates in self.assembly.loss_of.items():
             slower = [
                 -system.compliance[at] * s / (1.0 + system.compliance_loss_s[at] * s)
@@ -213,7 +226,18 @@ def _by_effects(
     hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
 ) -> Iterator[tuple[str, ComplexArray]]:
     """What effects bring beside compliances, by differences of the equations."""
-    known = {**posed.assembly.compliance_of, **posed.assembly.loss_of}
+    assembly, found, lines = posed.assembly, posed.found, posed.assembly.lines
+    for name, terms in assembly.terms_of.items():
+        yield name, np.sum([v * found.by_term(kind, i, j) for kind, i, j, v in terms], axis=0)
+    for name, rows in assembly.stretches_of.items():
+        yield name, np.sum([v * found.by_stretch_of(kind, row) for kind, row, v in rows], axis=0)
+    known = {
+        *assembly.compliance_of,
+        *assembly.loss_of,
+        *assembly.terms_of,
+        *assembly.stretches_of,
+        *assembly.log_slopes,
+    }
     for instance in hypothesis.instances:
         for parameter in instance.parameters:
             if parameter.name in known:
@@ -222,7 +246,11 @@ def _by_effects(
             if posed.values[parameter.name] + step > parameter.high:
                 step = -step
             changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
-            other = _assembled(hypothesis, geometry, posed.found.lines, changed).system()
+            other = _assembled(hypothesis, geometry, lines, changed).system()
+            if other.decay_rad_s != posed.system.decay_rad_s:
+                there = respond(other, lines)
+                yield parameter.name, (there.values - posed.found.values) / step
+                continue
             yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
 
 
@@ -238,20 +266,11 @@ def _assembled(
     return assembly
 
 
-def _sensor_mass(assembly: Assembly) -> float:
-    own = assembly.sensor_mass_kg
-    return assembly.lines.sensor_mass_kg if own is None else own
-
-
 def _inertia_changes(
     ordinary: Ordinary, link: int, names: tuple[str, ...], values: Mapping[str, float]
 ) -> Array:
     """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
     z = np.array([values[name] for name in names])
-    start, _ = ordinary.link_inertia(link, z)
-    changes = []
-    for i in range(len(names)):
-        moved = z.copy()
-        moved[i] += _INERTIA_STEP
-        changes.append((ordinary.link_inertia(link, moved)[0] - start) / _INERTIA_STEP)
-    return np.stack(changes)
+    beside = np.concatenate([z[None], z + _INERTIA_STEP * np.eye(len(names))])
+    inertias, _ = ordinary.link_inertias([link] * len(beside), beside)
+    return np.asarray((inertias[1:] - inertias[0]) / _INERTIA_STEP)

@@ -16,19 +16,22 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.hit_levels import has_levels, soft_and_hard, weight_factors
 from analyzer.modal.frf import posture_frf
+from analyzer.modal.noise import smooth_lines
 from protocols.arrays import frozen_array
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
 from protocols.session.records import Hit, Session
 
-__all__ = ["Annealing", "PostureLines", "own_lines", "shifted_lines"]
+__all__ = ["Annealing", "PostureLines", "between", "own_lines", "shifted_lines"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
 _NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
+_SMOOTHED = 2  # lines to each side
 _TAPER = 0.1  # of the band, cosine, at its upper end
 
 
@@ -58,32 +61,92 @@ class PostureLines:
     values: ComplexArray  # (n_mountings, 3, n_lines) m/(N s^2)
     variance: Array  # (n_mountings, 3, n_lines): E|error of values|^2
     sensor_mass_kg: float
+    level: float = 0.0  # ln of these hits' peak force, from the middle of all
+
+    @property
+    def title(self) -> str:
+        """Return the posture, and which of its hits where they are told apart."""
+        if self.level == 0.0:
+            return self.name
+        return f"{self.name}, {'soft' if self.level < 0.0 else 'hard'} hits"
 
 
-def own_lines(superset: Superset, session: Session, stage: Annealing) -> tuple[PostureLines, ...]:
+def own_lines(
+    superset: Superset, session: Session, stage: Annealing, *, by_level: bool = False
+) -> tuple[PostureLines, ...]:
     """Lines of every posture of a session with records of its own hits.
+
+    Parameters
+    ----------
+    by_level
+        Lines of every posture twice: of its soft and of its hard hits. Half of their difference
+        counts as variance: single hits go astray, and a spring of one stiffness a level is only
+        nearly what depends on the level at every moment.
 
     Raises
     ------
     EstimateError
         If a posture has no joint angles, or a point lacks one of its three axes.
     """
+    hits = [hit for hit in session.hits if hit.verdict.accepted]
+    if not by_level:
+        all_hits = _lines_of(superset, session, hits, stage, level=0.0)
+        return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
+    soft, hard = soft_and_hard(hits)
+    level = [float(np.mean([np.log(hit.verdict.peak_n) for hit in own])) for own in (soft, hard)]
+    middle = sum(level) / 2.0
+    softly = _lines_of(superset, session, soft, stage, level=level[0] - middle)
+    strongly = _lines_of(superset, session, hard, stage, level=level[1] - middle)
+    result: list[PostureLines] = []
+    for one, other in zip(softly, strongly, strict=True):
+        more = between(one.values - other.values)
+        result += [replace(of, variance=of.variance + more) for of in (one, other)]
+    return tuple(result)
+
+
+def between(difference: ComplexArray) -> Array:
+    """Variance (..., n_lines) of each of two whose difference is given."""
+    return smooth_lines(np.abs(difference) ** 2 / 2.0, _SMOOTHED)
+
+
+def _widened(
+    superset: Superset, of_postures: Sequence[PostureLines], hits: Sequence[Hit]
+) -> tuple[PostureLines, ...]:
+    """Lines whose variance allows for one hit outweighing the others."""
+    factor_of = weight_factors(hits)
+    ids = [point.id for point in superset.arm.points]
+    result = []
+    for lines in of_postures:
+        factors = np.array(
+            [
+                factor_of[lines.name, ids[point], ids[hit_point]]
+                for point, hit_point in zip(
+                    lines.sensor_point, lines.hit_point[lines.hit], strict=True
+                )
+            ]
+        )
+        result.append(replace(lines, variance=lines.variance * factors[:, None, None]))
+    return tuple(result)
+
+
+def _lines_of(
+    superset: Superset, session: Session, chosen: Sequence[Hit], stage: Annealing, *, level: float
+) -> tuple[PostureLines, ...]:
     plan = session.header.plan
-    hits = tuple(_from_the_hit(hit) for hit in session.hits if hit.verdict.accepted)
+    hits = tuple(_from_the_hit(hit) for hit in chosen)
     duration = max((len(hit.counts) for hit in hits), default=0) / float(plan.sampling.rate_hz)
     windows = replace(plan.windows, exponential_end=float(np.exp(-stage.sigma_rad_s * duration)))
     header = replace(session.header, plan=replace(plan, windows=windows))
     changed = replace(session, header=header, hits=hits)
     result = []
-    for name in dict.fromkeys(hit.posture for hit in session.hits if hit.verdict.accepted):
-        joints = _joints(session, name)
-        dynamics = superset.posture(joints)
+    for name in dict.fromkeys(hit.posture for hit in chosen):
+        dynamics = superset.posture(_joints(session, name))
 
         def axes(point: str, rotation: Array = dynamics.point_rotation) -> Array:
             return np.asarray(rotation[superset.point_index[point]])
 
         frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
-        result.append(_thinned(superset, frf, stage, plan.sensor.mass_kg))
+        result.append(replace(_thinned(superset, frf, stage, plan.sensor.mass_kg), level=level))
     return tuple(result)
 
 

@@ -8,8 +8,9 @@ a little hysteresis, and a transverse compliance of every joint up to a hard lim
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,7 @@ from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.space import Parameter
 from protocols.arm.records import Arm, Estimate
+from protocols.arrays import frozen_array
 
 __all__ = ["Ordinary", "across"]
 
@@ -30,15 +32,22 @@ _BEARING_MEAN, _BEARING_STD, _BEARING_LIMIT = 0.006, 0.0045, 0.025
 _BEARING_LOSS_S = 2e-5
 _LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
 _DELAY_STD_S = 20e-6
+_FARTHEST = 5.0  # prior deviations
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
 
 def across(axis: Array) -> Array:
     """Return (3, 2) two unit vectors that complete a unit axis to a frame."""
+    return _across(tuple(axis.tolist()))
+
+
+@lru_cache(maxsize=1024)
+def _across(of: tuple[float, ...]) -> Array:
+    axis = np.array(of)
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     first = np.cross(axis, helper)
     first = first / np.linalg.norm(first)
-    return np.stack([first, np.cross(axis, first)], axis=1)
+    return frozen_array(np.stack([first, np.cross(axis, first)], axis=1), np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +56,8 @@ class Ordinary:
 
     superset: Superset
     postures: tuple[str, ...]
+    # ln of hard over soft hits' force, halved, where they are told apart; else zero.
+    level_span: float = 0.0
 
     @property
     def arm(self) -> Arm:
@@ -110,24 +121,26 @@ class Ordinary:
                 Parameter(name=f"aim {side} {name}", mean=0.0, std=tolerances.hit_direction_rad)
                 for side in "ab"
             ]
-        return tuple(found)
+        return tuple(_within_reason(p) for p in found)
 
     def encoder(self, values: Mapping[str, float]) -> Array:
         """Return (n_joints,) what the arm's angles are beyond what was read."""
         return np.array([values[f"encoder {joint.name}"] for joint in self.arm.joints])
 
-    def link_inertia(self, link: int, z: Array) -> tuple[Array, Array]:
-        """Return (6, 6) inertia and (4,) mass and first moments of a link.
+    def link_inertias(self, links: Sequence[int], z: Array) -> tuple[Array, Array]:
+        """Return (k, 6, 6) inertias and (k, 4) masses with first moments of k links.
 
-        `z` (10,): relative mass, shift of the centre in m, six relative entries of the tensor.
+        `z` (k, 10): relative mass, shift of the centre in m, six relative entries of the tensor.
         """
-        body = self.arm.joints[link].link
-        mass = body.mass_kg * (1.0 + z[0])
-        center = body.center_m + z[1:4]
-        own = body.inertia_kg_m2
-        size = np.sqrt(np.outer(own.diagonal(), own.diagonal()))
-        inertia = (own + size * z[4:][_FULL]) * (1.0 + z[0])
-        return spatial_inertia(mass, center, inertia), mass * np.append(1.0, center)
+        bodies = [self.arm.joints[link].link for link in links]
+        mass = np.array([body.mass_kg for body in bodies]) * (1.0 + z[:, 0])
+        center = np.array([body.center_m for body in bodies]) + z[:, 1:4]
+        own = np.array([body.inertia_kg_m2 for body in bodies])
+        diagonal = own.diagonal(axis1=1, axis2=2)
+        size = np.sqrt(diagonal[:, :, None] * diagonal[:, None, :])
+        inertia = (own + size * z[:, 4:][:, _FULL]) * (1.0 + z[:, 0])[:, None, None]
+        moments = mass[:, None] * np.concatenate([np.ones((len(z), 1)), center], axis=1)
+        return spatial_inertia(mass, center, inertia), moments
 
     def inertia_names(self, link: int) -> tuple[str, ...]:
         """Return the names of a link's ten inertial parameters."""
@@ -139,11 +152,12 @@ class Ordinary:
         """Begin a posture's equations."""
         assembly = Assembly(geometry=geometry, lines=lines)
         arm, superset = self.arm, self.superset
+        every = range(len(arm.joints))
+        z = np.array([[values[name] for name in self.inertia_names(i)] for i in every])
+        inertias, moments = self.link_inertias(every, z)
+        assembly.link_inertia += list(inertias)
+        assembly.link_moments += list(moments)
         for i, joint in enumerate(arm.joints):
-            z = np.array([values[name] for name in self.inertia_names(i)])
-            inertia, moments = self.link_inertia(i, z)
-            assembly.link_inertia.append(inertia)
-            assembly.link_moments.append(moments)
             column = assembly.unit(superset.joint_column(i))
             if joint.stiffness is not None:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
@@ -172,6 +186,16 @@ class Ordinary:
 
 _FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
 _INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def _within_reason(parameter: Parameter) -> Parameter:
+    """An error that nobody would call ordinary any more is not tried: it only leads astray."""
+    reach = _FARTHEST * parameter.std
+    return replace(
+        parameter,
+        low=max(parameter.low, parameter.mean - reach),
+        high=min(parameter.high, parameter.mean + reach),
+    )
 
 
 def _log(name: str, believed: Estimate | None, least: float) -> Parameter:

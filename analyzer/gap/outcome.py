@@ -218,7 +218,9 @@ def _ranges(
         found = [_intervals(f, [name], phi)[name] for f in alive]
         k = float(np.exp(found[0].value))
         half = found[0].high - found[0].value
-        low, high = min(f.low for f in found), max(f.high for f in found)
+        moved = [_reach(f, name) for f in alive]
+        low = min(f.low - r for f, r in zip(found, moved, strict=True))
+        high = max(f.high + r for f, r in zip(found, moved, strict=True))
         for c in hiding:
             # Beyond a factor of two the linear look says nothing but "very wide".
             shift = float(np.clip(c.follow.get(name, 0.0) * _largest(c, phi), -_WIDEST, _WIDEST))
@@ -242,6 +244,12 @@ def _ranges(
             )
         )
     return tuple(rows)
+
+
+def _reach(fit: Fit, name: str) -> float:
+    """How far a parameter moves with the hits' level, beside its interval at the middle one."""
+    moves = [i.reaches[name] for i in fit.hypothesis.instances if name in i.reaches]
+    return sum(abs(fit.values[own]) * factor for own, factor in moves)
 
 
 def _measured_modes(frfs: Sequence[FrequencyResponse], stage: Stage) -> Mapping[str, ModalModel]:

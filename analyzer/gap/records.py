@@ -14,6 +14,7 @@ __all__ = [
     "Hidden",
     "Interval",
     "ModeMatch",
+    "NextTest",
     "PostureGap",
     "RivalRow",
     "StiffnessRange",
@@ -138,6 +139,16 @@ class Gate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NextTest:
+    """The test that would tell most about what is still open, as a plan to measure by."""
+
+    words: str  # what to do, one sentence
+    why: str  # what it would decide
+    gain: float  # expected of evidence between what still stands, nats
+    plan_toml: str  # text of a plan file, docs/plan-file.md
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GapResult:
     """The verdict and everything it stands on."""
 
@@ -156,3 +167,4 @@ class GapResult:
     misfit_per_line: (
         float  # chi^2 per real residual of the last model; about 0.5 where all is in it
     )
+    next_test: NextTest | None = None

@@ -10,26 +10,46 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from analyzer.gap.effects.effect import Instance
+import numpy as np
+
+from analyzer.gap.effects import link_axis
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
+from analyzer.gap.ordinary import across
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan_dampers import scan_dampers
+from analyzer.gap.scan_postures import scan_compensators
 from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
 
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
-_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 16, 9, 4, 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
+_FROM_START = 14
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
-_MOST_AXES = 6
+# Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
+_AT_MOST = {
+    "link_axis": 6,
+    "gravity_compensator": 2,
+    "link_bending": 2,
+    "link_torsion": 2,
+    "load_damping": 2,
+    "nonproportional": 2,
+}
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
+_BELIEVABLE = (
+    4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
+)
 _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is not worth a fit
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
-_ASTRAY = ("bearing", "base", "hysteretic")
+_MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending")
+_SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
+_SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
 
 Progress = Callable[[str], None]
@@ -65,18 +85,22 @@ def find_rivals(
     at_middle = _further(middle, base, postures, 5)
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
-    if per_line < _NEAR:
+    if per_line < _NEAR and at_sharp.farthest < _BELIEVABLE:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
-        first = _first_steps(sharp, at_sharp, looked_at, _WORTH_SHARP, postures, start or {})
+        chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)
+        first = _first_steps(sharp, at_sharp, chosen, postures, start or {})
         # The best after two steps, and those that promise most: some need more than two.
         promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
-        coarse = _first_steps(broad, base, looked_at, _WORTH_BROAD, postures, start or {})
-        coarse += _from_the_start(broad, present, looked_at, postures, start or {})
+        chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+        coarse = _first_steps(broad, base, chosen, postures, start or {})
+        coarse += _from_the_start(broad, present, postures, start or {})
+        coarse.sort(key=lambda f: f.cost)
+        coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
         best = []
         for f in coarse[:_COARSE]:
@@ -104,17 +128,16 @@ def find_rivals(
 def _first_steps(
     stage: Stage,
     base: Fit,
-    looked_at: Sequence[Candidate],
-    worth: float,
+    candidates: Sequence[Candidate],
     postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
     """The first steps of each promising candidate, best cost first."""
     present = base.hypothesis
     fits = []
-    for candidate in _most_promising(looked_at, worth):
+    for candidate in candidates:
         begin = base.values
-        if candidate.instance.effect.name in ("flipped_axis", "swapped_axes"):
+        if candidate.instance.effect.name in _MISREAD and not candidate.begin:
             begin = start or {}  # the fit without it went astray
         richer = replace(present, instances=(*present.instances, candidate.instance))
         if candidate.begin:
@@ -162,24 +185,54 @@ def _better_start(
 def _from_the_start(
     stage: Stage,
     present: Hypothesis,
-    looked_at: Sequence[Candidate],
     postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
-    """What may lead the plain fit so far astray that a linear look about it misjudges it."""
-    taken = {instance.key for instance in present.instances}
-    instances = [i for i in all_instances(present.ordinary) if i.effect.name in _ASTRAY]
-    best_line: dict[str, Instance] = {}
-    for candidate in looked_at:
-        if candidate.instance.effect.name == "link_axis":
-            best_line.setdefault(candidate.instance.place, candidate.instance)
+    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back."""
+    first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
+    looked_at = _looked_at(stage, first, start, from_start=False)
+    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)[:_FROM_START]
+    instances = [candidate.instance for candidate in chosen]
+    known = {instance.key for instance in (*present.instances, *instances)}
+    instances += [
+        i
+        for i in all_instances(present.ordinary)
+        if i.effect.name in _ASTRAY and i.key not in known
+    ]
     fits = []
-    for instance in (*instances, *best_line.values()):
-        if instance.key in taken:
-            continue
+    for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
         fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
     return fits
+
+
+def _axes_of_bearings(
+    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
+) -> list[Fit]:
+    """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
+    ordinary = present.ordinary
+    taken = {instance.key for instance in present.instances}
+    found = []
+    for fit in fits:
+        bearing = fit.hypothesis.instances[-1]
+        if bearing.effect.name != "bearing":
+            continue
+        link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
+        if ("link_axis", ordinary.arm.joints[link].link.name) in taken:
+            continue
+        size = np.array([fit.values[name] for name in bearing.sizes])
+        turn = across(np.asarray(ordinary.arm.joints[link].axis))
+        values = {k: v for k, v in fit.values.items() if k not in bearing.owned}
+        for signs in ((1.0, 1.0), (1.0, -1.0)):
+            direction = turn @ (np.sqrt(size) * signs)
+            direction = direction / np.linalg.norm(direction)
+            axis = link_axis.at_axis(ordinary, link, direction, np.zeros(3))
+            richer = replace(present, instances=(*present.instances, axis))
+            start = {**values, axis.size: float(np.sum(size))}
+            found.append(
+                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4)
+            )
+    return found
 
 
 def _key(fit: Fit) -> tuple[str, str]:
@@ -212,9 +265,11 @@ def _looked_at(
     """Every effect at every place by its linear gain; sensors also beside the first guess."""
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
-    found = scan_instances(
-        stage, base, [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
-    )
+    instances = [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
+    plain = [i for i in instances if i.effect.name not in _SOUGHT]
+    found = scan_instances(stage, base, plain)
+    found += scan_compensators(stage, base, instances)
+    found += scan_dampers(stage, base, instances)
     axes_taken = [place for name, place in taken if name == "link_axis"]
     found += scan_axes(stage, base, exclude=axes_taken)
     found += scan_sensors(stage, hypothesis, base.values)
@@ -224,21 +279,34 @@ def _looked_at(
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])
-        if not same or candidate.instance.effect.name == "link_axis":
+        if not same or candidate.instance.effect.name in _SEVERAL_STARTS:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)
 
 
-def _most_promising(candidates: Sequence[Candidate], worth: float) -> list[Candidate]:
+def _most_promising(
+    candidates: Sequence[Candidate], worth: float, *, each_kind: bool
+) -> list[Candidate]:
+    """The best by linear gain; with `each_kind` the best place of every effect first.
+
+    A linear look about a fit that went astray promises some effects more than there is to gain.
+    """
+    worthy = [c for c in candidates if c.gain >= worth]
+    if each_kind:
+        # A gain of the whole sensor widens a prior, one at a point is a parameter more.
+        kinds: dict[tuple[str, bool], Candidate] = {}
+        for c in worthy:
+            kinds.setdefault((c.instance.effect.name, bool(c.instance.relaxes)), c)
+        first = list(kinds.values())
+        worthy = first + [c for c in worthy if c not in first]
     chosen: list[Candidate] = []
-    axes = 0
-    for candidate in candidates:
-        if candidate.gain < worth or len(chosen) == _LOOKED_AT:
+    taken: dict[str, int] = {}
+    for candidate in worthy:
+        if len(chosen) == _LOOKED_AT:
             break
-        if candidate.instance.effect.name == "link_axis":
-            axes += 1
-            if axes > _MOST_AXES:
-                continue
-        chosen.append(candidate)
+        name = candidate.instance.effect.name
+        taken[name] = taken.get(name, 0) + 1
+        if taken[name] <= _AT_MOST.get(name, _LOOKED_AT):
+            chosen.append(candidate)
     return chosen

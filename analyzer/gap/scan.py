@@ -23,7 +23,6 @@ from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.compliance import compliance_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
@@ -60,6 +59,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     curvature = np.sum([p.curvature for p in parts], axis=0)
     ordinary = np.array([p.name in fit.space.index for p in space.parameters])
     free = np.flatnonzero(ordinary)[fit.free]
+    left = gradient[free] + fit.u[fit.free]  # where the fit has not converged
     found = []
     for instance in instances:
         if not instance.parameters or instance.relaxes:
@@ -69,8 +69,8 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
         names = [p.name for p in instance.parameters]
         own = np.array([space.index[n] for n in names])
         sizes = (instance.size, *instance.sizes)
-        one_sided = np.array([p.low == 0.0 and p.name in sizes for p in instance.parameters])
-        gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided)
+        one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
+        gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided, left)
         at = names.index(instance.size)
         unit = space.std[own]
         reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
@@ -101,14 +101,10 @@ def scan_axes(
 ) -> list[Candidate]:
     """The most promising lines of every link's interface, best first."""
     ordinary = fit.hypothesis.ordinary
+    links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
     found: list[Candidate] = []
-    for link, joint in enumerate(ordinary.arm.joints):
-        if joint.link.name in exclude:
-            continue
-        probe, names = _probe(ordinary, link)
-        wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
-        J, r_dot = _interface_products(stage, fit, wide, names)
-        gains, lines = _best_lines(J, r_dot, ordinary, link)
+    for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
+        gains, lines = _best_lines(gram, slope, ordinary, link)
         for gain, (direction, point) in list(zip(gains, lines, strict=True))[:keep]:
             instance = link_axis.at_axis(ordinary, link, direction, point)
             found.append(Candidate(instance=instance, gain=gain))
@@ -132,8 +128,11 @@ def _gain(
     free: npt.NDArray[np.int64],
     own: npt.NDArray[np.int64],
     one_sided: npt.NDArray[np.bool_],
+    left: Array,
 ) -> tuple[float, Array, Array, Array, Array]:
     """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
+
+    `left` (n_free,) is the free ones' slope: what they gain without the own ones does not count.
 
     Returns the gain, the step (n_own,), its standard deviation, each alone, how the free ones
     follow (n_free,), and how they do per unit of each (n_free, n_own).
@@ -142,7 +141,8 @@ def _gain(
     B = curvature[np.ix_(free, own)]
     along = np.linalg.solve(A, B)
     S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
-    slope = gradient[own]
+    own_way = np.linalg.solve(A, left)
+    slope = gradient[own] - B.T @ own_way
     std = 1.0 / np.sqrt(S.diagonal())
     active = ~(one_sided & (slope >= 0.0))
     whole = np.zeros(len(own))
@@ -154,39 +154,42 @@ def _gain(
         if not wrong.any():
             whole[active] = step
             gain = -0.5 * float(step @ slope[active])
-            return gain, whole, std, -along @ whole, np.asarray(-along)
+            return gain, whole, np.asarray(std), -along @ whole - own_way, np.asarray(-along)
         active[np.flatnonzero(active)[wrong]] = False
-    return 0.0, whole, std, np.zeros(len(free)), np.asarray(-along)
+    return 0.0, whole, np.asarray(std), -own_way, np.asarray(-along)
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
-    """Cost gained when priors become wide; size and its standard deviation then."""
+    """Cost gained when priors become wide; size and its standard deviation then.
+
+    The fit's own slope, where it has not converged or rests at a limit, counts with both priors.
+    """
     A = fit.curvature + np.eye(len(fit.u))
-    gain, size, size_std = 0.0, float("nan"), float("nan")
+    wide, slope = A.copy(), fit.slope.copy()
+    free = fit.free.copy()
+    gain = 0.0
     for name, prior in instance.relaxes.items():
         i = fit.space.index[name]
         narrow = fit.space.std[i]
         keep = (narrow / prior.std) ** 2
         u = fit.u[i] + (fit.space.mean[i] - prior.mean) / narrow
-        free = fit.free.copy()
+        wide[i, i] += keep - 1.0
+        slope[i] += keep * u - fit.u[i]
         free[i] = True
-        where = np.flatnonzero(free)
-        B = A[np.ix_(free, free)].copy()
-        at = int(np.flatnonzero(where == i)[0])
-        B[at, at] -= 1.0 - keep
-        unit = np.zeros(len(where))
-        unit[at] = 1.0
-        variance = float(np.linalg.solve(B, unit)[at])
-        gain += 0.5 * (1.0 - keep) * u * u + 0.5 * ((1.0 - keep) * u) ** 2 * variance
-        step = (1.0 - keep) * u * variance
-        if not fit.free[i]:  # it rests at its limit: what the data would push it beyond
-            slope = float(fit.slope[i])
-            gain += 0.5 * slope * slope * variance
-            step -= slope * variance
-        if name == instance.size:
-            size = float(fit.space.mean[i] + narrow * (fit.u[i] + step))
-            size_std = float(narrow * np.sqrt(variance))
-    return gain, size, size_std
+        gain += 0.5 * (fit.u[i] ** 2 - keep * u**2)
+    was = np.flatnonzero(fit.free)
+    gain -= 0.5 * float(fit.slope[was] @ np.linalg.solve(A[np.ix_(was, was)], fit.slope[was]))
+    now = np.flatnonzero(free)
+    inverse = np.linalg.inv(wide[np.ix_(now, now)])
+    step = -inverse @ slope[now]
+    gain -= 0.5 * float(step @ slope[now])
+    if instance.size not in fit.space.index:
+        return gain, float("nan"), float("nan")
+    i = fit.space.index[instance.size]
+    at = int(np.flatnonzero(now == i)[0])
+    unit = float(fit.space.std[i])
+    size = float(fit.space.mean[i]) + unit * float(fit.u[i] + step[at])
+    return gain, size, unit * float(np.sqrt(inverse[at, at]))
 
 
 def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
@@ -206,28 +209,36 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
     return Instance(effect=words, place="", parameters=parameters, builder=build), names
 
 
-def _interface_products(
-    stage: Stage, fit: Fit, wide: Hypothesis, names: Sequence[str]
-) -> tuple[Array, Array]:
-    """Projected Gram matrix (21, 21) and slope (21,) of the interface's columns."""
+def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tuple[Array, Array]]:
+    """Projected Gram matrix (21, 21) and slope (21,) of each interface's columns."""
     ordinary = fit.hypothesis.ordinary
     std = compliance_parameter("", ordinary).std
+    probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
-    gradient = np.zeros(n + len(_PAIRS))
-    curvature = np.zeros((n + len(_PAIRS),) * 2)
-    values = {**fit.values, **dict.fromkeys(names, 0.0)}
+    size = n + len(links) * len(_PAIRS)
+    gradient, curvature = np.zeros(size), np.zeros((size, size))
     for p, lines in enumerate(stage.lines):
-        y, dy, pairs = stage.models[p].interface_columns(
-            wide, lines, fit.space, values, names, _PAIRS
-        )
-        part = stage.weighings[p].quadratic(y, np.concatenate([dy, pairs * std]))
+        model = stage.models[p]
+        y, dy = model.derivatives(fit.hypothesis, lines, fit.space, fit.values)
+        rows = [dy]
+        for probe, names in probes:
+            wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
+            values = {**fit.values, **dict.fromkeys(names, 0.0)}
+            rows.append(std * model.interface_columns(wide, lines, values, names, _PAIRS))
+        part = stage.weighings[p].quadratic(y, np.concatenate(rows))
         gradient += part.gradient
         curvature += part.curvature
     free = np.flatnonzero(fit.free)
-    own = np.arange(n, n + len(_PAIRS))
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
-    B = curvature[np.ix_(free, own)]
-    return curvature[np.ix_(own, own)] - B.T @ np.linalg.solve(A, B), gradient[own]
+    left = gradient[free] + fit.u[free]
+    found = []
+    for i in range(len(links)):
+        own = np.arange(n + i * len(_PAIRS), n + (i + 1) * len(_PAIRS))
+        B = curvature[np.ix_(free, own)]
+        solved = np.linalg.solve(A, np.column_stack([B, left]))
+        gram = curvature[np.ix_(own, own)] - B.T @ solved[:, :-1]
+        found.append((gram, gradient[own] - B.T @ solved[:, -1]))
+    return found
 
 
 def _best_lines(

@@ -15,10 +15,23 @@ import numpy as np
 from scipy import stats
 
 from analyzer.gap import effects
-from analyzer.gap.effects.effect import EffectWords
+from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.library import all_instances
+from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.records import EffectFound, GapResult, Verdict
 
-__all__ = ["Marked", "Rate", "equivalents", "mark", "rate", "size_found", "size_of_truth"]
+__all__ = [
+    "Marked",
+    "Rate",
+    "equivalents",
+    "instance_of_truth",
+    "mark",
+    "ordinary_beside",
+    "rate",
+    "size_found",
+    "size_of_truth",
+]
 
 OUTCOMES = ("right", "ambiguous with the truth", "unsure", "missed", "outside", "wrong name")
 
@@ -114,19 +127,38 @@ def _same_place(true: Any, ours: str) -> bool:
     return all(p in ours or p in whole for p in places) or not ours
 
 
+def instance_of_truth(ordinary: Ordinary, effect: Mapping[str, Any]) -> Instance | None:
+    """The library's instance of a true effect; None where only a search could place it."""
+    name, place = effect["name"], effect["place"]
+    if name == "link_axis":
+        links = [joint.link.name for joint in ordinary.arm.joints]
+        p = effect["parameters"]
+        direction, point = np.asarray(p["direction"]), np.asarray(p["point_m"])
+        return link_axis.at_axis(ordinary, links.index(place), direction, point)
+    places = [place] if isinstance(place, str) else place
+    fitting = [i for i in all_instances(ordinary) if i.effect.name == name]
+    found = [i for i in fitting if not i.place or set(i.place.split(" and ")) == set(places)]
+    return found[0] if len(found) == 1 or (found and not found[0].place) else None
+
+
 def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> float | None:
     """The true value of what an effect's size parameter measures; None where they differ in kind.
 
     Parameters
     ----------
     stiffness
-        Believed stiffness of each joint: a coupling is counted in their geometric mean.
+        Believed stiffness of each joint: a coupling is counted in their geometric mean, a
+        compensator in its joint's.
     """
     p, place = effect["parameters"], effect["place"]
 
     def coupling() -> float:
         mean = float(np.sqrt(np.prod([stiffness[j] for j in place])))
         return float(p["cross_stiffness_n_m_per_rad"]) / mean
+
+    def compensator() -> float:
+        about_joint = p["stiffness_n_per_m"] * float(np.sum(np.square(p["eye_m"])))
+        return float(about_joint) / stiffness[place]
 
     sizes: dict[str, Callable[[], float]] = {
         "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
@@ -142,9 +174,43 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         "payload": lambda: p["mass_kg"],
         "rotor": lambda: p["inertia_kg_m2"],
         "hysteretic": lambda: p["loss_factor"],
+        "sensor_mass": lambda: p["extra_kg"],
+        "link_bending": lambda: 1.0 / p["bending_stiffness_n_m2"],
+        "link_torsion": lambda: 1.0 / p["torsional_stiffness_n_m2"],
+        "wrist_coupling": lambda: p["ratio"],
+        "gravity_compensator": compensator,
+        "nonproportional": lambda: p["damping_n_s_per_m"],
+        "load_damping": lambda: 1.0 / p["load_n_m"],
+        "hit_direction": lambda: np.deg2rad(p["turn_deg"][0]),
     }
+    if "by_m" in p:
+        sizes["wrong_point"] = lambda: p["by_m"][0]
     found = sizes.get(effect["name"])
     return None if found is None else float(found())
+
+
+def ordinary_beside(effect: Mapping[str, Any], plant: Mapping[str, Any]) -> float:
+    """What the plant has of the same kind anyway: nobody can tell it from what was hidden.
+
+    Parameters
+    ----------
+    plant
+        Its tables, with what was hidden in their effects.
+    """
+    p, place, name = effect["parameters"], effect["place"], effect["name"]
+    same = [e for e in plant["effects"] if e["kind"] == name]
+    if name == "encoder_offset":
+        total = sum(e["offset_deg"] for e in same if e["joint"] == place)
+        return -float(np.deg2rad(total - p["offset_deg"]))
+    if name == "delay":
+        total = sum(e["delay_s"] * (-1.0 if "hammer" in e["channels"] else 1.0) for e in same)
+        return float(total - p["delay_s"] * (-1.0 if place == "hammer" else 1.0))
+    if name == "hammer_gain":
+        return float(np.log1p(plant["hammer"]["gain_error"]))
+    if name == "channel_gain" and place == "all":
+        axis = "xyz".index(p["axis"])
+        return float(np.log(plant["accelerometer"]["response"][axis][axis]))
+    return 0.0
 
 
 def size_found(effect: EffectFound) -> tuple[float, float, float]:

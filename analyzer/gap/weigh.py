@@ -127,6 +127,19 @@ class Weighing:
         curve = np.sum(d * d, axis=-1) - np.sum(right[..., 1] * solved[..., 1], axis=-1)
         return slope, curve
 
+    def own_slopes(self, y: ComplexArray, dy: ComplexArray) -> tuple[Array, Array]:
+        """(m, k) slope and (m, k, k) curvature of chi^2 / 2 by what acts on one mounting alone.
+
+        `dy` (k, m, 3, L).
+        """
+        r, N = self._residual(y), self._nuisance(y)
+        J = _stacked(dy * self.scale).transpose(1, 2, 3, 0)  # (m, 3, 2L, k)
+        right = np.matmul(N.swapaxes(-1, -2), np.concatenate([J, r[..., None]], axis=-1))
+        clean = np.matmul(N, _solved(N, right))
+        slope = -np.einsum("milk,mil->mk", J, r - clean[..., -1])
+        curve = np.einsum("milk,milj->mkj", J, J - clean[..., :-1])
+        return slope, curve
+
     def cleaned(self, y: ComplexArray) -> ComplexArray:
         """Residual (m, 3, L), weighted, after the best mounting errors are taken off."""
         r, N = self._residual(y), self._nuisance(y)

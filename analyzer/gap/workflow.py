@@ -15,8 +15,10 @@ from analyzer.gap.add import instances_of_file
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
-from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.hit_levels import has_levels
+from analyzer.gap.hypothesis import Hypothesis, PosedModel
 from analyzer.gap.judge import Judged, Thresholds, judge, scale
+from analyzer.gap.levels import told_apart
 from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
@@ -34,6 +36,7 @@ from protocols.session.records import Session
 __all__ = ["GapOutcome", "find_gap"]
 
 _STAGES = ((16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
+_SPARSER = 1.7  # where soft and hard hits are told apart
 _FEWEST_POSTURES, _FEWEST_POINTS = 2, 4
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 
@@ -78,11 +81,20 @@ def find_gap(
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
     stages = _stages(superset, session, frfs)
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
-    test = _test_postures(session, stages[-1].lines)
     notes = _notes(session, single_hits)
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
+    if single_hits and has_levels(session):
+        tell("soft hits beside hard ones")
+        apart = _stages(superset, session, frfs, models=stages[-1].models, by_level=True)
+        span = max(lines.level for lines in apart[-1].lines)
+        levelled = replace(present, ordinary=replace(ordinary, level_span=span))
+        by_level = told_apart(superset, apart, levelled, start, Discrepancy())
+        if by_level is not None:
+            stages, present = by_level, levelled
+            notes.append("the response depends on the hits' level: soft and hard were kept apart")
+    test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
     rounds = 0
@@ -220,7 +232,12 @@ def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[flo
 
 
 def _stages(
-    superset: Superset, session: Session, frfs: Sequence[FrequencyResponse]
+    superset: Superset,
+    session: Session,
+    frfs: Sequence[FrequencyResponse],
+    *,
+    models: Sequence[PosedModel] = (),
+    by_level: bool = False,
 ) -> tuple[Stage, ...]:
     known = [frf for frf in frfs if frf.joints_rad is not None]
     if len(known) < _FEWEST_POSTURES:
@@ -231,15 +248,19 @@ def _stages(
     band = _band_hz(superset, known)
     made: list[Stage] = []
     for sigma_hz, step_hz in _STAGES:
-        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=band)
+        # Twice as many lines take every second frequency or so: it costs about the same.
+        step = _SPARSER * step_hz if by_level else step_hz
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         lines: tuple[PostureLines, ...]
         if session.hits:
-            lines = own_lines(superset, session, stage)
+            lines = own_lines(superset, session, stage, by_level=by_level)
         else:
             mass = session.header.plan.sensor.mass_kg
             lines = shifted_lines(superset, known, stage, sensor_mass_kg=mass)
-        models = made[-1].models if made else None
-        made.append(Stage(superset, lines, Discrepancy(), models=models))
+        # Soft and hard hits are of the same posture: they share its geometry.
+        shared = [model for model in models for _ in range(2)] if by_level else None
+        models_of = made[-1].models if made else shared
+        made.append(Stage(superset, lines, Discrepancy(), models=models_of))
     return tuple(made)
 
 
@@ -249,7 +270,9 @@ def _test_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int
     test = tuple(i for i, posture in enumerate(lines) if posture.name in planned)
     if test and len(lines) - len(test) >= 1:
         return test
-    return tuple(range(len(lines) - max(len(lines) // 3, 1), len(lines)))
+    names = list(dict.fromkeys(posture.name for posture in lines))
+    last = names[-max(len(names) // 3, 1) :]
+    return tuple(i for i, posture in enumerate(lines) if posture.name in last)
 
 
 def _notes(session: Session, single_hits: bool) -> list[str]:

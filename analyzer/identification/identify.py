@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +31,7 @@ from analyzer.identification.result_rows import (
     validation_results,
 )
 from analyzer.identification.structural import joint_share
-from analyzer.modal import ModalModel, fit_modes, posture_frf
+from analyzer.modal import ModalModel, fit_modes, fit_modes_at, posture_frf
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.session.records import Session
@@ -77,16 +77,34 @@ def response_channels(session: Session) -> int:
     )
 
 
-def identify(session: Session, progress: Callable[[str], None] | None = None) -> Identification:
+def identify(
+    session: Session,
+    progress: Callable[[str], None] | None = None,
+    *,
+    picked: Mapping[str, Sequence[complex]] | None = None,
+) -> Identification:
     """Identify joint stiffness, damping and structural axes from a session.
 
-    Postures marked for validation are predicted from the others before their modes are fitted.
+    The model is fitted to the FRFs themselves. Modes say where that fit starts, how far up it
+    goes, which motion the joints leave unexplained, and what is set beside the result. Postures
+    marked for validation are predicted from the others before their modes are fitted.
+
+    Parameters
+    ----------
+    session
+        With accepted hits or FRFs.
+    progress
+        Told of every step.
+    picked
+        By posture, poles (rad/s) picked by hand that take the place of the automatic choice.
 
     Raises
     ------
     EstimateError
-        If the session holds no posture to fit, no joint of the arm is elastic, or the fit fails.
+        If the session holds no posture to fit, no joint of the arm is elastic, poles are picked
+        for a posture without FRFs, or the fit fails.
     """
+    by_hand = dict(picked or {})
     say = progress or (lambda _: None)
     superset = Superset(session.header.arm)
     if not superset.n_joints:
@@ -104,8 +122,14 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
             "wanted at least one posture that is not for validation, with accepted hits; "
             "the session has none; measure one"
         )
+    unknown = by_hand.keys() - {frf.posture for frf in frfs}
+    if unknown:
+        raise EstimateError(
+            f"wanted picked poles of {', '.join(frf.posture for frf in frfs)}, got poles of "
+            f"{', '.join(sorted(unknown))}; pick again in `armodal review`"
+        )
     say("modes")
-    models = tuple(fit_modes(frf) for frf in fitted)
+    models = tuple(_modes(frf, by_hand.get(frf.posture)) for frf in fitted)
     measured = _measured(superset, fitted, models)
     if not any(model.modes for model in models):
         raise EstimateError(
@@ -131,7 +155,7 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
         )
         for frf in frfs
     ]
-    held_out_models = tuple(fit_modes(frf) for frf in held_out)
+    held_out_models = tuple(_modes(frf, by_hand.get(frf.posture)) for frf in held_out)
     checked = _measured(superset, held_out, held_out_models)
     by_posture = {frf.posture: p for frf, p in zip(frfs, predictions, strict=True)}
     fit_predictions = [by_posture[frf.posture] for frf in fitted]
@@ -151,8 +175,19 @@ def identify(session: Session, progress: Callable[[str], None] | None = None) ->
         model_moves=moves,
         modal_models=models + held_out_models,
         frfs=fitted + held_out,
-        notes=(*superset.arm.effects_left_out(), *fit_notes(fit, fitted, shares)),
+        notes=(
+            *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
+            *superset.arm.effects_left_out(),
+            *fit_notes(fit, fitted, shares),
+        ),
     )
+
+
+def _modes(frf: FrequencyResponse, picked: Sequence[complex] | None) -> ModalModel:
+    automatic = fit_modes(frf)
+    if picked is None:
+        return automatic
+    return fit_modes_at(frf, np.array(picked), automatic.stabilisation)
 
 
 def _fit(

@@ -24,6 +24,7 @@ from protocols.session.journal_framing import (
 )
 from protocols.session.journal_header import begin_journal, decode_header
 from protocols.session.journal_payloads import (
+    CALIBRATION,
     End,
     Mark,
     MarkKind,
@@ -107,18 +108,23 @@ def read_journal(path: str | Path) -> Journal:
 
 
 def session_of(journal: Journal) -> Session:
-    """Return the session that a journal tells of; skipped points become warnings."""
+    """Return the session that a journal tells of; skips and calibrations become warnings."""
     skipped = tuple(
         f"skipped: {_place(mark)}{': ' + mark.note if mark.note else ''}"
         for mark in journal.marks
         if mark.kind is MarkKind.SKIPPED
+    )
+    calibrated = tuple(
+        mark.note
+        for mark in journal.marks
+        if mark.kind is MarkKind.NOTE and mark.note.startswith(CALIBRATION)
     )
     return Session(
         header=journal.header,
         hits=journal.hits,
         losses=journal.losses,
         complete=is_complete(journal.header.plan, journal.hits),
-        warnings=journal.warnings + skipped,
+        warnings=journal.warnings + skipped + calibrated,
     )
 
 

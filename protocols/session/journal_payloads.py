@@ -28,6 +28,7 @@ from protocols.session.journal_models import (
 from protocols.session.records import Hit, JointReading, Loss, Verdict
 
 __all__ = [
+    "CALIBRATION",
     "End",
     "Mark",
     "MarkKind",
@@ -48,6 +49,10 @@ __all__ = [
 _U32 = struct.Struct("<I")
 _JSON_LIMIT = 2**20
 _UNIT_TOLERANCE = 1e-6
+
+
+# A note that begins so belongs to the data: it goes into the session file with the hits.
+CALIBRATION = "calibration: "
 
 
 class MarkKind(StrEnum):

@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+from protocols.arm.files import load_arm
 from protocols.plan import PLANS_DIRECTORY
 from tui.demo import run_demo
 
@@ -18,7 +19,7 @@ def found(tmp_path_factory):
     text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
     plan = folder / "few.toml"
     plan.write_text(re.sub(r"points = \[[^\]]*\]", FEW_POINTS, text))
-    value, _ = run_demo(
+    value, _, _ = run_demo(
         folder / "out",
         seed=5,
         software="test",
@@ -70,3 +71,18 @@ def test_stiffness_is_near_the_truth_even_so(found):
     assert abs(axis["k_n_m_per_rad"] - truth) < 0.05 * truth
     assert axis["axis_angle_error_deg"] < 3
     assert axis["axis_distance_error_mm"] < 15
+
+
+def test_the_missing_axis_is_named_added_and_the_gap_shrinks(found):
+    gap = found["gap"]
+    assert gap["verdict"] == "named"
+    (effect,) = gap["effects"]
+    assert effect["name"] == "link_axis"
+    assert effect["place"] == "shoulder"
+    # Masses and gains of the arm file are some per cent off, and six points tell little of them.
+    assert abs(effect["k_n_m_per_rad"] / effect["truth_k_n_m_per_rad"] - 1.0) < 0.1
+    arm = load_arm(gap["arm_file"])
+    assert [added.name for added in arm.effects] == ["link_axis"]
+    for before, after in zip(gap["gap_before"], gap["gap_after"], strict=True):
+        if after["held_out"]:
+            assert after["frf_error"] < before["frf_error"] / 2

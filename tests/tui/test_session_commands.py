@@ -104,6 +104,15 @@ def test_joints_that_cannot_be_chosen_are_refused(session_file, arguments, messa
     assert message in refused("identify", session_file, *arguments)
 
 
+def test_picked_poles_that_are_not_there_or_of_another_session_are_refused(session_file, tmp_path):
+    path = tmp_path / "other.picked.json"
+    assert "is not there" in refused("identify", session_file, "--picked", str(path))
+    path.write_text(
+        json.dumps({"format": "armodal-picked-poles-1", "session_id": "f" * 32, "postures": {}})
+    )
+    assert "belongs to session" in refused("identify", session_file, "--picked", str(path))
+
+
 def test_the_report_holds_the_workspace_of_what_was_identified(session_file, tmp_path):
     path = tmp_path / "report.html"
     value = value_of("report", session_file, "--workspace", "2000", "--out", str(path), "--json")

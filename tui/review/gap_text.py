@@ -11,6 +11,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from tui.review.next_test import next_test_of
+
 __all__ = ["gap_map", "gap_view"]
 
 VERDICTS = {
@@ -226,14 +228,15 @@ def _range(low: object, high: object) -> str:
 
 
 def _next_test(found: Mapping[str, Any]) -> RenderableType | None:
-    test = found.get("next_test")
-    if not test:
+    test = next_test_of(found)
+    if test is None:
         return None
-    if not isinstance(test, Mapping):
-        return Text(f"Next test: {test}")
-    lines = ["Next test (n makes a plan file of it)"]
-    lines += [f"  {str(key).replace('_', ' ')}: {_told(value)}" for key, value in test.items()]
-    return Text("\n".join(lines))
+    told = Text("Next test: ", style="bold").append(str(test.get("words", "not told")))
+    if test.get("why"):
+        told.append(f"\n  why: {test['why']}", style="not bold")
+    if isinstance(test.get("gain"), (int, float)):
+        told.append(f"\n  expected gain: {_number(test['gain'], 3)} nats of evidence", "not bold")
+    return told.append("\n  n: write it as a plan file for armodal run", style="not bold")
 
 
 def _told(value: object) -> str:

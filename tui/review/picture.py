@@ -44,12 +44,14 @@ class Picture(Widget, can_focus=True):
         """Return one row of the picture."""
         size = (self.size.width, self.size.height)
         if size != self._painted_size:
-            self._strips = self.paint(*size).strips()
+            # The widget's style is costly to ask for: once a picture, not once a row.
+            style = self.rich_style
+            self._strips = [row.apply_style(style) for row in self.paint(*size).strips()]
             self._painted_size = size
             self.paintings += 1
         if y >= len(self._strips):
             return Strip.blank(size[0], self.rich_style)
-        return self._strips[y].apply_style(self.rich_style)
+        return self._strips[y]
 
     def on_mount(self) -> None:
         """Paint again when the theme changes."""

@@ -30,7 +30,7 @@ class MassScreen(ModalScreen[float | None]):
         with Vertical(id="mass"):
             yield Static(WORDS)
             yield Input(
-                placeholder="2.000",
+                placeholder="for instance 2.05",
                 type="number",
                 validators=[Number(minimum=LEAST_KG, maximum=MOST_KG)],
             )

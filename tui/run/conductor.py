@@ -15,15 +15,18 @@ from daq.ports import find_ports
 from daq.session_machine import PromptKind
 from daq.settings import AcquisitionSettings
 from protocols.errors import ArmodalError
+from protocols.session.journal_payloads import CALIBRATION
 from tui.run.derive import derive_session_file
 from tui.run.engine import Engine
 from tui.run.hand import request_for, trial_request
 from tui.run.happenings import (
     HandIdle,
     Happening,
+    LabStarting,
     LabWanted,
     MassChosen,
     PortsFound,
+    RatioConfirmed,
     RatioFound,
     SafeConfirmed,
     SensorsConfirmed,
@@ -37,7 +40,7 @@ from tui.run.place import SessionPlace, find_place, with_trigger_level
 from tui.run.reducer import reduce
 from tui.run.state import Phase, RunState, begin_state
 from tui.run.trials import suggested_level_n
-from tui.run.words import ratio_words
+from tui.run.words import off_words, ratio_words
 
 __all__ = ["CONFIRMED", "Conductor", "RunOptions"]
 
@@ -116,6 +119,7 @@ class Conductor:
         """Start the simulated laboratory, or a fresh one if it has gone, and watch it."""
         if self.state.phase is not Phase.LAB or (self._lab is not None and self._lab.alive):
             return
+        self.tell(LabStarting())
         await self._engine.end(Stop())
         await self._open_lab()
         if self._lab is not None:
@@ -141,8 +145,12 @@ class Conductor:
         if state.phase is Phase.LAB:
             if state.board is None or not state.posture_known:
                 return
-            if not state.sensors_confirmed:
+            if state.mass_kg is not None:
+                self.choose_mass(None)
+            elif not state.sensors_confirmed:
                 self.tell(SensorsConfirmed())
+            elif state.ratio_asks:
+                self.tell(RatioConfirmed())
             else:
                 await self._begin()
         elif state.phase is Phase.SESSION and prompt is not None:
@@ -152,7 +160,7 @@ class Conductor:
                 self.tell(SafeConfirmed())
                 if self.state.safe:
                     self._engine.send(Note(text=f"{CONFIRMED} the arm is held, safe to approach"))
-            elif prompt.kind is PromptKind.POINT:
+            elif prompt.kind is PromptKind.POINT and state.hand_doing is None:
                 self._engine.send(Ready())
 
     def hand(self) -> None:
@@ -249,8 +257,9 @@ class Conductor:
         if serials and self.state.sensors_confirmed:
             self._engine.send(Note(text=f"{CONFIRMED} the sensors mounted are {serials}"))
         if self.state.ratio is not None:
-            words = ratio_words(self.state.ratio)
-            self._engine.send(Note(text=f"{CONFIRMED} ratio calibration on a known mass, {words}"))
+            words = f"hammer and accelerometer on a known mass {ratio_words(self.state.ratio)}"
+            words += f"; not applied, {off_words(self.state.ratio)}"
+            self._engine.send(Note(text=f"{CALIBRATION}{words}"))
 
     async def _begin(self) -> None:
         """Let the watch go, and start the acquisition on the same ports."""

@@ -12,10 +12,12 @@ __all__ = [
     "HandAtWork",
     "HandIdle",
     "Happening",
+    "LabStarting",
     "LabWanted",
     "MassChosen",
     "PortsFound",
     "ProcessGone",
+    "RatioConfirmed",
     "RatioFound",
     "SafeConfirmed",
     "SensorsConfirmed",
@@ -39,6 +41,11 @@ class PortsFound:
 
     ports: tuple[tuple[str, str], ...]
     board_choice: str = ""  # the one taken for the board's so far
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LabStarting:
+    """The simulated laboratory is being started."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +81,11 @@ class RatioFound:
     """What the hits on the known mass say of hammer and accelerometer together."""
 
     calibration: RatioCalibration
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RatioConfirmed:
+    """The operator has seen by how much hammer and accelerometer are off, and goes on."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,11 +131,13 @@ Happening = (
     Event
     | Tick
     | PortsFound
+    | LabStarting
     | LabWanted
     | TriggerChosen
     | SensorsConfirmed
     | MassChosen
     | RatioFound
+    | RatioConfirmed
     | SessionWanted
     | SafeConfirmed
     | HandAtWork

@@ -29,7 +29,7 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
     answers = {
         "go_on": overview or _enter_works(state),
         "hand": state.simulated and (in_session or in_lab) and not overview,
-        "simulate": in_lab and not state.board_port,
+        "simulate": in_lab and not state.board_port and not state.lab_starting,
         "take_trigger": in_lab and not state.resuming and suggested_level_n(state) is not None,
         "mass": in_lab and state.board is not None,
         "retake": in_session and not overview,
@@ -49,7 +49,7 @@ def _enter_works(state: RunState) -> bool:
         return False
     if prompt.kind is PromptKind.POSTURE:
         return False
-    return not state.safe or prompt.kind is PromptKind.POINT
+    return not state.safe or (prompt.kind is PromptKind.POINT and state.hand_doing is None)
 
 
 def _paused(state: RunState) -> bool:

@@ -27,10 +27,12 @@ from tui.run.happenings import (
     HandAtWork,
     HandIdle,
     Happening,
+    LabStarting,
     LabWanted,
     MassChosen,
     PortsFound,
     ProcessGone,
+    RatioConfirmed,
     RatioFound,
     SafeConfirmed,
     SensorsConfirmed,
@@ -122,6 +124,7 @@ def _lab_wanted(state: RunState, event: LabWanted) -> RunState:
         board_port=event.board_port,
         can_channel=event.can_channel,
         simulated=event.simulated,
+        lab_starting=False,
         board=None,
         troubles=(),
         previews=(),
@@ -153,7 +156,13 @@ def _safe_confirmed(state: RunState, event: SafeConfirmed) -> RunState:
 
 def _hand_idle(state: RunState, event: HandIdle) -> RunState:
     did = state.hand_did if event.trouble else state.hand_doing
-    return replace(state, hand_doing=None, hand_did=did, hand_trouble=event.trouble)
+    return replace(
+        state,
+        hand_doing=None,
+        hand_did=did,
+        hand_trouble=event.trouble,
+        lab_starting=state.lab_starting and event.trouble is None,
+    )
 
 
 def _gone(state: RunState, event: ProcessGone) -> RunState:
@@ -173,6 +182,7 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
     PortsFound: lambda state, event: replace(
         state, ports=event.ports, board_choice=event.board_choice
     ),
+    LabStarting: lambda state, _: replace(state, lab_starting=True),
     LabWanted: _lab_wanted,
     BoardFound: _board_found,
     DeviceTrouble: _device_trouble,
@@ -183,7 +193,8 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
     JointsSeen: _joints_seen,
     TrialHit: _trial_hit,
     MassChosen: _mass_chosen,
-    RatioFound: lambda state, event: replace(state, ratio=event.calibration),
+    RatioFound: lambda state, event: replace(state, ratio=event.calibration, ratio_confirmed=False),
+    RatioConfirmed: lambda state, _: replace(state, ratio_confirmed=True),
     TriggerChosen: lambda state, event: replace(state, plan=event.plan, trials=()),
     SensorsConfirmed: lambda state, _: replace(state, sensors_confirmed=state.board is not None),
     LossNoted: _loss_noted,

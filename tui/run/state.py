@@ -22,8 +22,10 @@ from protocols.plan_records import Mode, Plan
 from protocols.session.progress import accepted_counts
 from protocols.session.records import Hit, JointReading
 
-__all__ = ["Phase", "RunState", "Step", "begin_state"]
+__all__ = ["FEWEST_MASS_HITS", "RATIO_OFF", "Phase", "RunState", "Step", "begin_state"]
 
+FEWEST_MASS_HITS = 3  # on a known mass, before they tell anything
+RATIO_OFF = 0.03  # what two certificates of 1.5 % leave open
 SILENT_AFTER_S = 1.0  # wall seconds without word of the joints, after which nothing is known
 
 
@@ -62,6 +64,7 @@ class RunState:
     board_port: str = ""
     can_channel: str = ""
     simulated: bool = False
+    lab_starting: bool = False
     troubles: tuple[tuple[str, str], ...] = ()  # device, message
     board: BoardFound | None = None
     health: Health | None = None
@@ -70,6 +73,7 @@ class RunState:
     mass_kg: float | None = None  # of the known mass, while it is hit
     mass_hits: tuple[TrialHit, ...] = ()
     ratio: RatioCalibration | None = None
+    ratio_confirmed: bool = False  # as it is, where it is off
     sensors_confirmed: bool = False
     # session
     earlier_hits: tuple[Hit, ...] = ()
@@ -113,6 +117,14 @@ class RunState:
     def held(self) -> bool | None:
         """Whether the drives hold the arm; None when that is not known."""
         return self.joints.held if self.joints is not None and self.posture_known else None
+
+    @property
+    def ratio_asks(self) -> bool:
+        """Whether hammer and accelerometer were found off, and the operator has not said yes."""
+        found = self.ratio
+        if found is None or self.ratio_confirmed or self.mass_kg is not None:
+            return False
+        return found.n_hits >= FEWEST_MASS_HITS and abs(found.ratio - 1.0) > RATIO_OFF
 
     @property
     def resuming(self) -> bool:

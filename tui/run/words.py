@@ -5,11 +5,17 @@ from __future__ import annotations
 from analyzer.ratio_calibration import RatioCalibration
 from daq.session_machine import PromptKind
 from protocols.plan_records import Mode
-from tui.run.state import RunState
+from tui.run.state import FEWEST_MASS_HITS, RunState
 
-__all__ = ["advice_for", "error_advice", "ratio_words", "reason_word", "safety_line", "what_to_do"]
-
-FEWEST_MASS_HITS = 3
+__all__ = [
+    "advice_for",
+    "error_advice",
+    "off_words",
+    "ratio_words",
+    "reason_word",
+    "safety_line",
+    "what_to_do",
+]
 
 # Reason: the large word, and what to do about it.
 _REASONS: dict[str, tuple[str, str]] = {
@@ -71,11 +77,17 @@ def error_advice(kind: str, message: str = "") -> tuple[str, str]:
 def ratio_words(found: RatioCalibration) -> str:
     """Return a ratio calibration in words; what one hit cannot tell is said."""
     if found.n_hits < FEWEST_MASS_HITS:
-        return f"ratio {found.ratio:.4f} of {found.n_hits} hit(s): hit {FEWEST_MASS_HITS} times"
+        return f"{found.ratio:.4f} of {found.n_hits} hit(s): hit {FEWEST_MASS_HITS} times"
     return (
-        f"ratio {found.ratio:.4f} ± {found.ratio_std:.4f} of {found.n_hits} hits, uneven by "
+        f"{found.ratio:.4f} ± {found.ratio_std:.4f} of {found.n_hits} hits (wanted 1), uneven by "
         f"{100 * found.unevenness:.1f} %"
     )
+
+
+def off_words(found: RatioCalibration) -> str:
+    """Return by how much hammer and accelerometer together are off, and what that does."""
+    more = "too large" if found.ratio > 1.0 else "too small"
+    return f"every FRF comes out {100 * abs(found.ratio - 1.0):.1f} % {more}"
 
 
 def safety_line(state: RunState) -> tuple[bool, str]:

@@ -11,7 +11,7 @@ from analyzer.gap.space import Parameter, Space
 if TYPE_CHECKING:
     from analyzer.gap.assembly import Assembly
 
-__all__ = ["EffectWords", "Instance"]
+__all__ = ["Describer", "EffectWords", "Instance"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +24,7 @@ class EffectWords:
     signature: str
     confused_with: tuple[str, ...] = ()  # names of effects
     equivalent: tuple[str, ...] = ()  # cannot be told apart by these tests: not a wrong name
+    contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
 
@@ -37,7 +38,9 @@ class Builder(Protocol):
 class Describer(Protocol):
     """Says where and how an instance stands, in the arm file's words."""
 
-    def __call__(self, values: Mapping[str, float]) -> dict[str, object]: ...
+    def __call__(self, values: Mapping[str, float]) -> dict[str, object]:
+        """Return entries of a description."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +57,8 @@ class Instance:
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
     size_offset: float = 0.0  # of the size: what the null has anyway
+    # By ordinary parameter: what else it may be, either way, per unit of an own one.
+    reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
     @property

@@ -12,6 +12,7 @@ from analyzer.identification.identify import identify
 from analyzer.report import write_report
 from analyzer.screws import line_angle_rad, line_distance_m
 from hil_sim.plant import load_plant
+from protocols.errors import EstimateError
 
 
 @pytest.fixture(scope="module")
@@ -83,3 +84,21 @@ def test_the_report_is_one_file_that_loads_nothing(session, result, tmp_path):
     assert "<link " not in page
     for joint in result.joints:
         assert f"{joint.k_n_m_per_rad:.0f}" in html
+
+
+def test_poles_picked_by_hand_take_the_place_of_the_automatic_modes(session, result, plant):
+    first = result.modal_models[0]
+    poles = [mode.pole_rad_s for mode in first.modes[:-1]]
+    by_hand = identify(session, picked={result.frfs[0].posture: poles})
+    assert len(by_hand.modal_models[0].modes) == len(first.modes) - 1
+    assert by_hand.modal_models[1].f_hz == pytest.approx(result.modal_models[1].f_hz)
+    assert f"posture {result.frfs[0].posture}: modes from poles picked by hand" in by_hand.notes
+    # The stiffness comes from the FRFs and stays true.
+    for joint in by_hand.joints:
+        truth = {link.joint: link.stiffness_n_m_per_rad for link in plant.truth.links}
+        assert joint.k_n_m_per_rad == pytest.approx(truth[joint.joint], rel=0.02)
+
+
+def test_poles_of_a_posture_that_was_not_measured_are_refused(session):
+    with pytest.raises(EstimateError, match="got poles of elsewhere"):
+        identify(session, picked={"elsewhere": [-1.0 + 60.0j]})

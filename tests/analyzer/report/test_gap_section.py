@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -14,6 +15,7 @@ from analyzer.gap.records import (
     Hidden,
     Interval,
     ModeMatch,
+    NextTest,
     PostureGap,
     RivalRow,
     StiffnessRange,
@@ -86,6 +88,15 @@ NAMED = GapResult(
     notes=("one posture was held out",),
     misfit_per_line=0.52,
 )
+
+
+def test_a_proposed_next_test_comes_back_from_the_file_and_an_older_file_has_none() -> None:
+    test = NextTest(words="Hit 18 along y.", why="tells a from b", gain=12.5, plan_toml="a = 1\n")
+    proposing = replace(NAMED, next_test=test)
+    assert gap_from_json(gap_to_json(proposing)) == proposing
+    older = json.loads(gap_to_json(NAMED))
+    del older["next_test"]
+    assert gap_from_json(json.dumps(older)) == NAMED
 
 
 @pytest.mark.parametrize("verdict", list(Verdict))

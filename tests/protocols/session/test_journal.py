@@ -31,6 +31,7 @@ from protocols.session.journal import (
 )
 from protocols.session.journal_framing import MAX_PAYLOAD, MAX_RECORDS, RECORD_OVERHEAD
 from protocols.session.journal_payloads import (
+    CALIBRATION,
     decode_end,
     decode_hit,
     decode_loss,
@@ -159,6 +160,17 @@ def test_journal_gives_the_session_back(example, tmp_path: Path) -> None:
     assert journal.end is not None
     assert [mark.kind for mark in journal.marks] == [MarkKind.POSTURE, MarkKind.SKIPPED]
     assert journal.good_end == len(example.journal)
+
+
+def test_a_calibration_noted_in_the_journal_goes_with_the_data(header) -> None:
+    def note(text: str) -> bytes:
+        mark = Mark(kind=MarkKind.NOTE, posture=None, point=None, host_s=1.0, note=text)
+        return encode_mark(mark)
+
+    told = f"{CALIBRATION}hammer and accelerometer 1.02"
+    data = begin_journal(header) + note("the arm is held") + note(told)
+    assert session_of(decode_journal(data)).warnings[-1:] == (told,)
+    assert not any("held" in words for words in session_of(decode_journal(data)).warnings)
 
 
 def test_every_complete_record_survives_truncation_at_every_byte(example) -> None:

@@ -3,17 +3,22 @@
 import asyncio
 import json
 import sys
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
+from support.gap_results import made_result
 
+from analyzer.gap.records import NextTest
 from protocols.errors import EstimateError, PlanError, SessionError
-from protocols.plan import plan_from_text
+from protocols.plan import load_plan
+from tui.gap import gap_json
 from tui.review.command_run import CommandRun
 from tui.review.gap_pane import read_gap
 from tui.review.gap_text import gap_view
 from tui.review.identify_text import identification_view
 from tui.review.next_test import next_test_plan
+from tui.review.picked_file import picked_path
 
 GAP = {
     "verdict": "named",
@@ -38,7 +43,6 @@ GAP = {
         {"posture": "test 1", "point": "7", "axis": "y", "band_hz": [3, 60], "ratio": 2.0},
     ],
     "arm_file": "new.toml",
-    "next_test": {"joints_deg": [0, 10, 80, 0, 20, 0], "points": ["1", "7"], "why": "tells"},
 }
 
 
@@ -86,34 +90,66 @@ def test_a_gap_result_of_the_verdict_alone_can_be_shown():
     assert "NOTHING DETECTABLE" in plain(gap_view({"verdict": "nothing_detectable"}))
 
 
-@pytest.mark.parametrize("key", list(GAP))
+@pytest.mark.parametrize("key", [*GAP, "next_test"])
 @pytest.mark.parametrize("value", [None, 3, "text", [1], {"a": 1}, []])
 def test_no_odd_value_in_a_gap_result_breaks_the_screen(key, value):
     assert plain(gap_view({**GAP, key: value}))
 
 
-def test_the_next_test_becomes_a_plan_the_arm_can_take(session):
-    plan = plan_from_text(next_test_plan(session, GAP), session.header.arm, origin="test")
-    assert [p.points for p in plan.postures] == [("1", "7")]
-    assert plan.sampling == session.header.plan.sampling
-    assert plan.windows == session.header.plan.windows
+def proposing(session):
+    """A gap result that proposes to measure the session's plan once more."""
+    test = {
+        "words": "Hit point 7 along y.",
+        "why": "It tells base rocking from the bearing.",
+        "gain": 12.5,
+        "plan_toml": session.header.plan.text,
+    }
+    return {**GAP, "next_test": test}
 
 
-@pytest.mark.parametrize("test", [None, "words", {}, {"joints_deg": [0, 500, 0, 0, 0, 0]}])
-def test_a_next_test_without_a_possible_posture_is_refused(session, test):
+def test_the_next_test_is_shown_with_its_reason_and_its_key(session):
+    shown = plain(gap_view(proposing(session)))
+    for words in ("Hit point 7 along y.", "why: It tells", "12.5 nats", "n: write it"):
+        assert words in shown
+    assert "plan_toml" not in shown
+
+
+def test_a_result_as_the_workflow_writes_it_shows_its_next_test(session):
+    test = NextTest(words="Hit it.", why="to know", gain=3.0, plan_toml=session.header.plan.text)
+    found = gap_json(replace(made_result("ambiguous", ()), next_test=test))
+    assert "Next test: Hit it." in plain(gap_view(found))
+    assert next_test_plan(session, found) == session.header.plan.text
+    assert "Next test" not in plain(gap_view(gap_json(made_result("ambiguous", ()))))
+
+
+@pytest.mark.parametrize("test", [None, "words", {}, {"plan_toml": "name = 1"}])
+def test_a_next_test_without_a_plan_for_the_arm_is_refused(session, test):
     with pytest.raises(PlanError):
         next_test_plan(session, {"next_test": test})
+    with pytest.raises(PlanError):
+        next_test_plan(session, None)
 
 
-def test_one_key_writes_the_plan_and_never_over_another(drive):
+def test_one_key_writes_the_plan_and_never_over_another(drive, session):
     async def steps(app, pilot):
         await pilot.press("8", "n")
         pane = app.query_one("#gap-main")
-        first = pane.plan_path().read_text()
-        assert 'mode = "roving-response"' in first
+        written = load_plan(pane.plan_path(), session.header.arm)
+        assert written.text == session.header.plan.text
         pane.plan_path().write_text("mine")
         await pilot.press("n")
         assert pane.plan_path().read_text() == "mine"
+
+    kept = json.dumps(proposing(session))
+    drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(kept))
+
+
+def test_without_a_proposed_test_the_key_says_so_and_writes_nothing(drive):
+    async def steps(app, pilot):
+        await pilot.press("8", "n")
+        await pilot.pause()
+        assert any("proposes none" in told.message for told in app._notifications)
+        assert not app.query_one("#gap-main").plan_path().exists()
 
     drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(json.dumps(GAP)))
 
@@ -196,3 +232,39 @@ def test_identify_runs_beside_the_app_and_its_result_stays(drive, screen_text):
         assert "note: done" in screen_text(app)
 
     drive(steps)
+
+
+def test_identify_takes_the_poles_picked_by_hand_and_only_saved_ones(drive, screen_text):
+    code = (
+        "import json, sys; print(json.dumps({'joints': [], 'structural': [], 'validation': [], "
+        "'notes': [' '.join(sys.argv[1:])]}))"
+    )
+
+    async def steps(app, pilot):
+        pane = app.query_one("#identify-main")
+        pane._command = python(code)
+        await pilot.press("7")
+        assert "the automatic modes of all postures" in screen_text(app)
+        assert "--picked" not in pane.arguments()
+        await pilot.press("3", "x")
+        await pilot.press("7", "enter")
+        assert "refit the picks first" in last_told(app)
+        await pilot.press("3", "r")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        await pilot.press("7", "enter")
+        assert "save the picks first" in last_told(app)
+        assert app.state.identification is None
+        await pilot.press("s")
+        await pilot.pause()
+        assert "picked by hand in test 1" in screen_text(app)
+        await pilot.press("enter")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        assert str(picked_path(app.path)) in app.state.identification["notes"][0]
+
+    drive(steps, size=(160, 45))
+
+
+def last_told(app):
+    return list(app._notifications)[-1].message

@@ -15,6 +15,7 @@ from made import (
     HAMMER_PLAN,
     HIT_EVENTS,
     LAB_EVENTS,
+    OPENED,
     PLAN,
     SESSION_EVENTS,
     judged,
@@ -28,12 +29,22 @@ from textual.pilot import Pilot
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
 from daq.events import Failed, Finished, LossNoted
 from daq.session_machine import begin, hit_judged, point_ready, posture_reached
+from protocols.session.journal_payloads import CALIBRATION
 from protocols.session.records import Loss
 from tui.run.app import RunApp
 from tui.run.conductor import RunOptions
-from tui.run.happenings import Happening, SafeConfirmed, SensorsConfirmed
+from tui.run.happenings import (
+    HandAtWork,
+    HandIdle,
+    Happening,
+    MassChosen,
+    SafeConfirmed,
+    SensorsConfirmed,
+    SessionWanted,
+)
 from tui.run.place import SessionPlace
 from tui.run.screens.step import Pane
+from tui.run.state import Phase
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
 NOW_S = 100.0
@@ -331,11 +342,52 @@ def test_a_known_mass_is_asked_for_and_hits_on_it_tell_the_ratio(tmp_path):
         await stage.tell(pilot, *[mass_hit(2.5 / 1.02)] * 3)
         # The counts are of a pair that is wrong by 2 %; coupling and rounding are far below.
         assert stage.app.state.ratio.ratio == pytest.approx(1.02, rel=2e-3)
-        assert "ratio 1.02" in stage.text()
-        await pilot.press("c")
+        assert "ratio       1.02" in stage.text()
+        await pilot.press("enter")
         await stage.settle(pilot)
         assert stage.app.state.mass_kg is None
-        assert "ratio 1.02" in stage.text()
+        assert "ratio       1.02" in stage.text()
+        assert not stage.app.state.ratio_asks  # two certificates leave that open
+
+    play(stage, body)
+
+
+def test_a_pair_of_sensors_that_is_off_is_told_confirmed_and_kept(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        hits = [mass_hit(2.0 / 1.1)] * 3
+        await stage.tell(pilot, *LAB_EVENTS, SensorsConfirmed(), MassChosen(mass_kg=2.0), *hits)
+        await pilot.press("c")
+        await stage.settle(pilot)
+        assert "every FRF comes out 10.0 % too large. Enter: go on all the same" in stage.text()
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert stage.app.state.phase is Phase.LAB
+        assert "Enter: begin the session" in stage.text()
+        await stage.tell(pilot, SessionWanted(), OPENED)
+        kept = [note.text for note in stage.sent if note.text.startswith(CALIBRATION)]
+        assert len(kept) == 1
+        assert "1.10" in kept[0]
+        assert "not applied, every FRF comes out 10.0 % too large" in kept[0]
+
+    play(stage, body)
+
+
+def test_enter_waits_for_the_simulated_hand_that_mounts_the_sensor(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        mounting = HandAtWork(doing="mounts the sensor at 1")
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT), SafeConfirmed(), mounting)
+        assert "Enter" not in stage.app.screen.query_one("#instructions", Pane).plain
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert stage.sent == []
+        await stage.tell(pilot, HandIdle())
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert [type(command) for command in stage.sent] == [Ready]
 
     play(stage, body)
 
@@ -348,3 +400,28 @@ def test_the_hit_that_finishes_a_posture_is_answered_on_the_posture_screen(tmp_p
         assert "✓ record 5 is in the journal" in stage.text()
 
     play(stage, body, (80, 24))
+
+
+def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tmp_path):
+    stage = Stage(tmp_path)
+
+    def rows() -> list[str]:
+        strips = stage.app.screen._compositor.render_strips()
+        return ["".join(segment.text for segment in strip) for strip in strips]
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await pilot.press("g")
+        await stage.settle(pilot)
+        assert "198 hits left" in rows()[1]
+        assert "Enter: go there" in rows()[1]
+        await pilot.press("left")  # round the end: the last point of all
+        await stage.settle(pilot)
+        assert any("validation 2" in row for row in rows())
+        assert not any("hits left, " in row for row in rows()[1:])
+        await pilot.press("right")
+        await pilot.press("pageup")
+        await stage.settle(pilot)
+        assert any("test 1  0 of 18" in row for row in rows())
+
+    play(stage, body, (80, 20))

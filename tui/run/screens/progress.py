@@ -8,10 +8,18 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
+from textual.geometry import Region
 
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
-from tui.run.views.progress import cell_width, grid_text, outcome_text, summary_text
+from tui.run.views.progress import (
+    cell_width,
+    cursor_line,
+    grid_text,
+    left_line,
+    outcome_text,
+    summary_text,
+)
 
 __all__ = ["ProgressScreen"]
 
@@ -24,6 +32,8 @@ class ProgressScreen(StepScreen):
         Binding("right", "move(1)", "Choose point", show=False),
         Binding("up", "row(-1)", "Choose point", show=False),
         Binding("down", "row(1)", "Choose point", show=False),
+        Binding("pageup", "page(-1)", "Up", show=False),
+        Binding("pagedown", "page(1)", "Down", show=False),
     ]
 
     def __init__(self) -> None:
@@ -35,6 +45,7 @@ class ProgressScreen(StepScreen):
         """Outcome, grid, summary."""
         with VerticalScroll(id="progress", can_focus=False):
             yield Pane(id="outcome")
+            yield Pane(id="time-left")
             yield Pane(id="grid")
             yield Pane(id="summary")
 
@@ -48,18 +59,33 @@ class ProgressScreen(StepScreen):
         outcome = outcome_text(state, width)
         self.pane("outcome").display = bool(outcome.plain)
         self.pane("outcome").show(outcome)
+        self.pane("time-left").show(left_line(state))
         self.pane("grid").show(grid_text(state, width, self.cursor))
         self.pane("summary").show(summary_text(state))
 
     def brief(self, state: RunState) -> Text:
         """Return the summary."""
-        return summary_text(state)
+        return left_line(state)
 
     def action_move(self, by: int) -> None:
         """Move the cursor by points."""
         if self._n:
             self.cursor = (max(self.cursor, 0) + by) % self._n
             self.again()
+            self._keep_in_sight()
+
+    def action_page(self, way: int) -> None:
+        """Show what lies above or below."""
+        area = self.widget("progress")
+        area.scroll_relative(y=way * max(area.size.height - 2, 1), animate=False)
+
+    def _keep_in_sight(self) -> None:
+        if self._state is None:
+            return
+        grid = self.pane("grid")
+        line = cursor_line(self._state, self.size.width - 4, self.cursor)
+        cell = Region(0, grid.virtual_region.y + line - 1, 1, 3)
+        self.widget("progress").scroll_to_region(cell, animate=False)
 
     def action_row(self, by: int) -> None:
         """Move the cursor by rows of the grid."""

@@ -57,7 +57,7 @@ class StepScreen(Screen[None]):
         with Horizontal(id="state-line"):
             yield Pane(id="safety")
             yield Pane(id="losses")
-        yield Footer(show_command_palette=False)
+        yield Footer(compact=True, show_command_palette=False)
 
     def body(self) -> ComposeResult:
         """Return the widgets between title and state line."""

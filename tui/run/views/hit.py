@@ -68,7 +68,7 @@ def left_text(state: RunState, width: int, height: int) -> Text:
         return Text("")
     text = big(f"{prompt.accepted}/{prompt.wanted}", "bold", width=width, height=min(height, 3))
     text.append(f"\nhits at point {state.here[1] if state.here else ''}", style="")
-    text.append(f"\nhit {prompt.hit_point}, sensor {prompt.sensor_point}", style=DIM)
+    text.append(f"\nhammer at {prompt.hit_point}, sensor at {prompt.sensor_point}", style=DIM)
     if prompt.exhausted:
         text.append(f"\n{prompt.attempts} tried: t again, k skip", style=WARN)
     elif state.hand_doing:

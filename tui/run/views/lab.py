@@ -7,15 +7,14 @@ from rich.text import Text
 
 from protocols.board.records import Channel, IepeState
 from tui.run.measured import active_channels
-from tui.run.state import Phase, RunState
+from tui.run.state import FEWEST_MASS_HITS, RATIO_OFF, Phase, RunState
 from tui.run.trials import suggested_level_n
 from tui.run.views.parts import BAD, DIM, GOOD, WARN
-from tui.run.words import ratio_words, reason_word
+from tui.run.words import off_words, ratio_words, reason_word
 
 __all__ = ["devices_text", "levels_text", "next_step", "trials_text"]
 
 HIGH = 0.9  # of full scale: nearly too much
-RATIO_OFF = 0.03  # what two certificates of 1.5 % leave open
 WIDE = 96  # columns, from which supply and calibration are told of every sensor
 _IEPE = {IepeState.OFF: "off", IepeState.OK: "ok", IepeState.OPEN: "OPEN", IepeState.SHORT: "SHORT"}
 
@@ -24,6 +23,8 @@ def next_step(state: RunState) -> tuple[str, str]:
     """Return what the operator does next before the session, and its style."""
     if state.phase is not Phase.LAB:
         return "The session is being opened ...", WARN
+    if state.lab_starting:
+        return "The simulated laboratory is being started ...", WARN
     if not state.board_port:
         words = "s: simulated laboratory   1-9: press the number of the board's port"
         if state.board_choice:
@@ -37,12 +38,30 @@ def _next_with_ports(state: RunState) -> tuple[str, str]:
         return "Waiting for the board. Look at its cable and power.", BAD
     if state.reading is None or state.reading.joints_rad is None:
         return "Waiting for the controller's joint angles. Is it on, and its CAN cable in?", BAD
+    if state.mass_kg is not None:
+        return _mass_step(state, state.mass_kg), WARN
     if not state.sensors_confirmed:
         return "Are these sensors mounted (serial numbers, ranges)? Enter: yes", WARN
+    if state.ratio_asks and state.ratio is not None:
+        return f"By the known mass {off_words(state.ratio)}. Enter: go on all the same", WARN
+    return _ready(state), GOOD
+
+
+def _mass_step(state: RunState, mass_kg: float) -> str:
+    left = FEWEST_MASS_HITS - sum(hit.verdict.accepted for hit in state.mass_hits)
+    hand = " (h: the simulated hand does it)" if state.simulated else ""
+    if left > 0:
+        return f"Hit the mass of {mass_kg:g} kg, {left} more{hand}. Enter: back to the arm"
+    return f"Enter: done with the mass. More hits make it surer{hand}"
+
+
+def _ready(state: RunState) -> str:
     if state.resuming:
         done = sum(p.accepted for p in state.progress)
-        return f"{done} accepted hits are safe in the journal. Enter: go on at the same point", GOOD
-    return "Enter: begin the session   h/hit: trial hits   a: take the suggested trigger", GOOD
+        return f"{done} accepted hits are safe in the journal. Enter: go on at the same point"
+    trial = "h: trial hit" if state.simulated else "Trial hits set the trigger"
+    take = "   a: take the trigger suggested" if suggested_level_n(state) is not None else ""
+    return f"Enter: begin the session   {trial}{take}"
 
 
 def devices_text(state: RunState) -> Text:
@@ -52,7 +71,7 @@ def devices_text(state: RunState) -> Text:
         text.append("ports found\n", style="bold")
         for i, (path, words) in enumerate(state.ports[:9], 1):
             text.append(f" {i} {path}  {words}\n")
-        if not state.ports:
+        if not state.ports and not state.lab_starting:
             text.append(" none: plug the board in, or s for the simulated laboratory\n", style=WARN)
         return text
     troubles = dict(state.troubles)
@@ -159,14 +178,13 @@ def trials_text(state: RunState) -> Text:
         text.append(f"  suggested {level:g} N (a: take it)\n", style=WARN)
     if state.mass_kg is not None:
         text.append("mass        ", style="bold")
-        text.append(f"hit the mass of {state.mass_kg:g} kg, {len(state.mass_hits)} hits so far; ")
-        text.append("c: done with it\n", style=WARN)
+        text.append(f"{state.mass_kg:g} kg, {len(state.mass_hits)} hits so far\n")
     if state.ratio is not None:
         text.append("ratio       ", style="bold")
         off = abs(state.ratio.ratio - 1.0)
         text.append(f"{ratio_words(state.ratio)}\n", style=WARN if off > RATIO_OFF else GOOD)
         if off > RATIO_OFF:
-            text.append(" the sensitivities do not fit each other: look at both certificates\n")
+            text.append(f" {off_words(state.ratio)}: look at both certificates\n")
     for trial in (state.trials if state.mass_kg is None else state.mass_hits)[-4:]:
         verdict = trial.verdict
         word = "good" if verdict.accepted else reason_word(verdict.reasons[0]).lower()

@@ -10,7 +10,7 @@ from daq.geometry import hit_direction, link_rotation
 from protocols.plan_records import Mode
 from tui.run.state import RunState
 from tui.run.views.hit import verdict_text
-from tui.run.views.parts import DIM, GOOD, big
+from tui.run.views.parts import DIM, GOOD, WARN, big
 
 __all__ = ["axis_words", "last_verdict_text", "point_text"]
 
@@ -59,8 +59,8 @@ def point_text(state: RunState, width: int) -> Text:
     direction = hit_direction(state.arm, posture, prompt.hit_point)
     text.append(f"Hammer: point {prompt.hit_point}, strike {axis_words(direction)}\n")
     if state.hand_doing:
-        text.append(f"the simulated hand {state.hand_doing} ...\n", style=DIM)
-    elif state.hand_did == f"mounts the sensor at {prompt.sensor_point}":
+        return text.append(f"the simulated hand {state.hand_doing} ...", style=WARN)
+    if state.hand_did == f"mounts the sensor at {prompt.sensor_point}":
         text.append("✓ the simulated hand has mounted it\n", style=GOOD)
     elif state.simulated:
         text.append("h: the simulated hand mounts it\n", style=DIM)

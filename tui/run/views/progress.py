@@ -9,7 +9,7 @@ from tui.run.state import Phase, RunState
 from tui.run.views.parts import BAD, DIM, GOOD, WARN, big, time_words
 from tui.run.words import error_advice
 
-__all__ = ["cell_width", "grid_text", "outcome_text", "summary_text"]
+__all__ = ["cell_width", "cursor_line", "grid_text", "left_line", "outcome_text", "summary_text"]
 
 _STYLES = {"●": GOOD, "◐": WARN, "○": "", "-": DIM, "!": WARN}
 
@@ -44,6 +44,19 @@ def grid_text(state: RunState, width: int, cursor: int) -> Text:
     return text
 
 
+def cursor_line(state: RunState, width: int, cursor: int) -> int:
+    """Return the line of the grid on which the cursor's cell begins."""
+    per_row = max(width // cell_width(state), 1)
+    line = 0
+    for posture in state.plan.postures:
+        n = len(posture.points)
+        if cursor < n:
+            return line + 1 + 2 * (max(cursor, 0) // per_row)
+        line += 1 + 2 * (-(-n // per_row))
+        cursor -= n
+    return 0
+
+
 def _count(quality: PointQuality) -> str:
     return f"{quality.mark}{quality.accepted}/{quality.wanted}"
 
@@ -54,10 +67,18 @@ def _cell(text: Text, words: str, quality: PointQuality, cell: int, *, reverse: 
     text.append(edges[0] + words[: cell - 2].center(cell - 2) + edges[1], style=style.strip())
 
 
+def left_line(state: RunState) -> Text:
+    """Return what is left in one line, and how to go to a point."""
+    text = Text(no_wrap=True, overflow="ellipsis")
+    text.append(f"{hits_left(state)} hits left, {time_words(seconds_left(state))}", style="bold")
+    if state.phase is Phase.SESSION:
+        text.append("  arrows, Enter: go there  g: back", style=DIM)
+    return text
+
+
 def summary_text(state: RunState) -> Text:
-    """Return what is left, what is missing, and what else was said."""
+    """Return what is missing, and what else was said."""
     text = Text()
-    text.append(f"{hits_left(state)} hits left, {time_words(seconds_left(state))}\n", style="bold")
     lacking = missing(state)
     for posture, points in lacking:
         text.append(f"missing in {posture}: ", style=DIM)

@@ -1,0 +1,59 @@
+"""Hits along another direction than the one written down."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from scipy.spatial.transform import Rotation
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="hit_direction",
+    title="Hits along another direction",
+    changes="the direction of the force: one turn common to all postures, or that of one posture",
+    signature="modes are excited in other shares than the direction written down would",
+    confused_with=("encoder_offset", "hammer_gain", "wrong_point"),
+    told_by="hits along a surface normal, or with a guide that holds the hammer",
+    remedy="measure the direction of the hits again and correct it in the plan",
+)
+_TURN_STD, _MATERIAL = 0.2, 0.035  # rad
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """All hits turned alike, or those of one posture, which have but two angles."""
+    turns = [f"hit turn {axis}" for axis in "xyz"]
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        force = assembly.lines.hit_direction if assembly.force is None else assembly.force
+        turn = Rotation.from_rotvec([values[name] for name in turns]).as_matrix()
+        assembly.force = force @ turn.T
+
+    common = Instance(
+        effect=WORDS,
+        place="hammer",
+        parameters=tuple(Parameter(name=name, mean=0.0, std=_TURN_STD) for name in turns),
+        builder=build,
+        size=turns[0],
+        sizes=tuple(turns),
+        material=_MATERIAL,
+    )
+    found = [common]
+    for posture in ordinary.postures:
+        names = [f"aim {side} {posture}" for side in "ab"]
+        found.append(
+            Instance(
+                effect=WORDS,
+                place=f"posture {posture}",
+                relaxes={n: Parameter(name=n, mean=0.0, std=_TURN_STD) for n in names},
+                size=names[0],
+                sizes=tuple(names),
+                material=_MATERIAL,
+            )
+        )
+    return tuple(found)

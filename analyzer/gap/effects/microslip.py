@@ -1,0 +1,31 @@
+"""A seat that slips little by little, more the larger the motion."""
+
+from __future__ import annotations
+
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.level import LEAST_BY_K, Slope, level_instances
+from analyzer.gap.ordinary import Ordinary
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="microslip",
+    title="Seat of a joint slips little by little",
+    changes="a joint's stiffness falls with the hit's level while its damping grows",
+    signature="harder hits see a softer joint with more damping",
+    confused_with=("softening", "friction"),
+    told_by="more levels: damping has its maximum where stiffness falls most",
+    remedy="retorque bolted seats and clamps of the joint's drive",
+)
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each elastic joint (W. D. Iwan, J. Appl. Mech. 33 (1966) 893)."""
+    return level_instances(
+        ordinary,
+        WORDS,
+        by_k=Slope(sense=-1.0, std=0.2, low=0.0, high=0.8),
+        by_c=Slope(sense=1.0, with_k=1.0, std=0.3, low=0.0, high=1.0),
+        size="k",
+        material=LEAST_BY_K,
+    )

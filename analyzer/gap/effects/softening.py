@@ -1,0 +1,31 @@
+"""A joint that is softer for larger motion, without a loss of its own."""
+
+from __future__ import annotations
+
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.level import LEAST_BY_K, Slope, level_instances
+from analyzer.gap.ordinary import Ordinary
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="softening",
+    title="Joint softens with larger motion",
+    changes="a joint's stiffness falls with the hit's level; its damping stays",
+    signature="frequencies fall with harder hits, damping does not change",
+    confused_with=("microslip", "friction"),
+    told_by="more levels: stiffness goes on falling, damping stays",
+    remedy="give the joint's stiffness at the level of use; look at preloads that open",
+)
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each elastic joint."""
+    return level_instances(
+        ordinary,
+        WORDS,
+        by_k=Slope(sense=-1.0, std=0.2, low=0.0, high=0.8),
+        by_c=Slope(sense=1.0, with_k=0.4, std=0.02, low=-0.04, high=0.04),
+        size="k",
+        material=LEAST_BY_K,
+    )

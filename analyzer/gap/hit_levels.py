@@ -1,0 +1,60 @@
+"""Soft and hard hits at the same point, and what one hit that outweighs the others leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from protocols.session.records import Hit, Session
+
+__all__ = ["has_levels", "soft_and_hard", "weight_factors"]
+
+_LEAST_RATIO = 1.5  # of peak forces, to be two levels
+
+
+def has_levels(session: Session) -> bool:
+    """Whether every point was hit clearly harder and clearly softer in every posture."""
+    soft, hard = soft_and_hard([hit for hit in session.hits if hit.verdict.accepted])
+    if not soft or len(soft) != len(hard):
+        return False
+    ratios = [h.verdict.peak_n / s.verdict.peak_n for s, h in zip(soft, hard, strict=True)]
+    return min(ratios) > _LEAST_RATIO
+
+
+def soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:
+    """The softest and the hardest third, at least one, of the hits at each point."""
+    groups: dict[tuple[object, ...], list[Hit]] = {}
+    for hit in hits:
+        direction = tuple(np.round(hit.hit_direction, 6).tolist())
+        key = (hit.posture, hit.sensor_point, hit.hit_point, direction)
+        groups.setdefault(key, []).append(hit)
+    soft: list[Hit] = []
+    hard: list[Hit] = []
+    for group in groups.values():
+        group.sort(key=lambda hit: hit.verdict.peak_n)
+        n = max(len(group) // 3, 1)
+        if len(group) < 2 * n:
+            return [], []
+        soft += group[:n]
+        hard += group[-n:]
+    return soft, hard
+
+
+def weight_factors(hits: Sequence[Hit]) -> dict[tuple[str, str, str], float]:
+    """Factor of the variance of an average of hits, by posture, sensor point and hit point.
+
+    With weights w by force power (sums to 1) relative errors of single hits scatter by 1 - sum w^2
+    about the mean and leave sum w^2 in it; the estimate from scatter takes all hits to be alike.
+    """
+    forces: dict[tuple[str, str, str], list[float]] = {}
+    for hit in hits:
+        key = hit.posture, hit.sensor_point, hit.hit_point
+        forces.setdefault(key, []).append(hit.verdict.peak_n)
+    found = {}
+    for key, peaks in forces.items():
+        power = np.array(peaks) ** 2
+        left = float(np.sum((power / power.sum()) ** 2))
+        alike = len(peaks) - 1
+        found[key] = max(alike * left / (1.0 - left), 1.0) if alike else 1.0
+    return found

@@ -1,0 +1,80 @@
+"""Whether the response depends on the hit's level; only then soft and hard hits are kept apart.
+
+The check of homogeneity without a model (`analyzer.checks.homogeneity`) sees modes move one
+posture at a time. With a model every joint has one column in all postures, odd in the level, and
+what ordinary errors leave is even in it: much smaller changes are seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.effects.level import any_change
+from analyzer.gap.fit import Stage, fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.lines import PostureLines, between
+from analyzer.gap.scan import scan_instances
+from analyzer.gap.weigh import Discrepancy
+
+__all__ = ["told_apart"]
+
+_LEAST_GAIN = 12.0  # of cost by the linear look
+
+
+def told_apart(
+    superset: Superset,
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    start: Mapping[str, float],
+    discrepancy: Discrepancy,
+) -> tuple[Stage, ...] | None:
+    """Stages of soft and of hard hits, weighed anew; None where the level tells nothing.
+
+    First all of the difference between soft and hard hits counts as variance; then, once every
+    joint may change with the level, only what that leaves: aims of single hits, and what a spring
+    and a damper at each level are not.
+
+    Parameters
+    ----------
+    stages
+        Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
+    present
+        A hypothesis about levelled lines (`Ordinary.level_span`).
+    """
+    broad, middle, _ = stages
+    fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
+    fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
+    changes = any_change(present.ordinary)
+    if scan_instances(middle, fit, changes)[0].gain < _LEAST_GAIN:
+        return None
+    any_level = replace(present, instances=(*present.instances, *changes))
+    free = fit_hypothesis(middle, any_level, start=fit.values, max_iterations=8)
+    return tuple(
+        Stage(
+            superset, _weighed_anew(stage, any_level, free.values), discrepancy, models=stage.models
+        )
+        for stage in stages
+    )
+
+
+def _weighed_anew(
+    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
+) -> list[PostureLines]:
+    found: list[PostureLines] = []
+    for p in range(0, len(stage.lines), 2):
+        soft, hard = stage.lines[p : p + 2]
+        change = [
+            stage.models[i].response(hypothesis, stage.lines[i], values).values for i in (p, p + 1)
+        ]
+        less = between(soft.values - hard.values)
+        more = between(soft.values - hard.values - (change[0] - change[1]))
+        # Both were added to: what is left is positive but for rounding.
+        found += [
+            replace(lines, variance=np.maximum(lines.variance - less, 0.0) + more)
+            for lines in (soft, hard)
+        ]
+    return found

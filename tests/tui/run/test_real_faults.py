@@ -1,0 +1,89 @@
+"""What goes wrong in the laboratory, seen in a real terminal: a silent bus, an unplugged board."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from support.terminal import Terminal, armodal
+
+from daq.session_machine import begin, point_ready, posture_reached
+from hil_sim.lab import start_laboratory
+from protocols.arm.files import load_arm
+from protocols.plan import load_plan
+from protocols.session.journal import load_journal
+from tui.acquire import ScriptedOperator
+
+TIME_SCALE = 8.0
+PLAN_NAME = "rv4frl-three-postures"
+
+
+def hit_until_accepted(terminal: Terminal, hit: Callable[[], object]) -> None:
+    for _ in range(8):
+        hit()
+        screen = terminal.until(r"record \d+\b", 20.0)
+        if "is in the journal" in screen:
+            return
+    raise AssertionError("eight hits, and none was accepted")
+
+
+def plug_in(link: Path, process: int, other_port: str) -> None:
+    """Point the link to the line a laboratory's board has now, as udev does for a real one."""
+    held = {str(fd.readlink()) for fd in Path(f"/proc/{process}/fd").iterdir() if fd.is_symlink()}
+    (line,) = (name for name in held if name.startswith("/dev/pts/") and name != other_port)
+    link.unlink(missing_ok=True)
+    link.symlink_to(line)
+
+
+def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_path: Path):
+    journal = tmp_path / "f.journal"
+    arm = load_arm("rv4frl")
+    plan = load_plan(PLAN_NAME, arm)
+    at_posture = begin(plan)
+    at_point = posture_reached(at_posture)
+    with start_laboratory("rv4frl", seed=2, time_scale=TIME_SCALE) as laboratory:
+        hand = ScriptedOperator(laboratory.operator, arm, plan, time_scale=TIME_SCALE)
+
+        def fault(name: str, *, active: bool) -> None:
+            hand.ask({"do": "fault", "name": name, "active": active})
+
+        command = armodal("run", PLAN_NAME, "--session", str(journal))
+        board = tmp_path / "board"
+        plug_in(board, laboratory.pid, laboratory.can)
+        command += ["--board", str(board), "--can", laboratory.can]
+        with Terminal([*command, "--time-scale", str(TIME_SCALE)]) as terminal:
+            for words in ("Are these sensors mounted", "Enter: begin"):
+                terminal.until(words, 60.0)
+                terminal.keys("Enter")
+            terminal.until("Bring the arm to posture test 1", 30.0)
+            hand.act(at_posture.prompt)
+            terminal.until("Enter: yes, it is", 30.0)
+            terminal.keys("Enter")
+            terminal.until("Mount the sensor at point 1", 10.0)
+            hand.act(at_point.prompt)
+            terminal.keys("Enter")
+            terminal.until("Hit point 1", 10.0)
+            hit_until_accepted(terminal, lambda: hand.act(point_ready(at_point).prompt))
+
+            fault("can-silence", active=True)
+            screen = terminal.until("Stay away from the arm", 20.0)
+            assert "POSTURE UNKNOWN" in screen
+            assert "CAN cable" in screen
+            fault("can-silence", active=False)
+            terminal.until("Enter: yes, it is", 20.0)
+            terminal.keys("Enter")
+            terminal.until("hits at point 1", 10.0)
+
+            fault("unplug", active=True)
+            screen = terminal.until("Every accepted hit is safe", 30.0)
+            assert "Plug it in again" in screen
+            assert "r: try again and go on at the same point" in screen
+            fault("unplug", active=False)
+            plug_in(board, laboratory.pid, laboratory.can)
+            terminal.keys("r")
+            screen = terminal.until("Enter: yes, it is|Mount the sensor at point 1", 60.0)
+            assert "point 1" in screen
+            terminal.keys("q")
+            terminal.until("ended 0", 30.0)
+        hand.close()
+    assert len(load_journal(journal).accepted()) == 1

@@ -1,0 +1,162 @@
+"""What a study's cases come to: rates with their intervals, errors, coverage, curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from analyzer.gap.score import OUTCOMES, rate
+from hil_sim.study.catalogue import MAGNITUDES
+
+__all__ = ["study_summary", "study_tables"]
+
+Line = dict[str, Any]
+
+
+def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
+    """Counts, rates with their intervals, errors and coverage."""
+    judged = [line for line in lines if "error" not in line]
+    nulls = [x for x in judged if x["magnitude"] == "none"]
+    single = [x for x in judged if len(x["true"]) == 1 and x["true_verdict"] == "named"]
+    pairs = [x for x in judged if len(x["true"]) == 2]
+    outside = [x for x in judged if x["true_verdict"] == "outside_library"]
+    groups: dict[str, list[Line]] = {"nulls": nulls}
+    for size in ("clear", "medium", "faint"):
+        groups[size] = [x for x in single if x["magnitude"] == size]
+    groups |= {"two at once": pairs, "outside": outside}
+    table = {
+        name: {
+            "n": len(group),
+            "right": asdict(rate(_count(group, "right"), len(group))) if group else None,
+            "wrong": asdict(rate(_count(group, "wrong name"), len(group))) if group else None,
+            **{outcome: _count(group, outcome) for outcome in OUTCOMES},
+        }
+        for name, group in groups.items()
+    }
+    errors, covered = _size_errors(judged)
+    k_errors, k_covered, range_covers = _stiffness_errors([*nulls, *single])
+    held = [x["over_true_model"] for x in judged if x["over_true_model"] is not None]
+    return {
+        "groups": table,
+        "confusion": _confusion(single),
+        "size_error_median": _median(errors),
+        "size_covered": covered,
+        "k_error_median": _median(k_errors),
+        "k_covered": k_covered,
+        "k_range_covers": range_covers,
+        "held_out_over_true_model_median": _median(held),
+        "held_out_over_true_model_worst": max(held, default=float("nan")),
+        "detection": _detection(nulls, groups),
+        "ambiguous_holds_truth": _ambiguous_sets(judged),
+        "cpu_s_median": _median([x["cpu_s"] for x in judged]),
+        "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
+        "failed": [x["number"] for x in lines if "error" in x],
+    }
+
+
+def _detection(nulls: Sequence[Line], groups: dict[str, list[Line]]) -> list[dict[str, Any]]:
+    """How often anything is said, and the right thing, over the effect's size; clear is 1."""
+    rows = []
+    for size, group in ((0.0, nulls), *((MAGNITUDES[m], groups[m]) for m in MAGNITUDES)):
+        said = sum(x["verdict"] != "nothing_detectable" for x in group)
+        if group:
+            right = _count(group, "right") if size else 0
+            rows.append(
+                {
+                    "size": size,
+                    "n": len(group),
+                    "said": asdict(rate(said, len(group))),
+                    "right": asdict(rate(right, len(group))),
+                }
+            )
+    return sorted(rows, key=lambda row: float(row["size"]))
+
+
+def _ambiguous_sets(lines: Sequence[Line]) -> dict[str, Any]:
+    """How often an ambiguous verdict's set holds the truth, where the truth is in the library."""
+    group = [x for x in lines if x["verdict"] == "ambiguous" and x["true_verdict"] == "named"]
+    return asdict(rate(_count(group, "ambiguous with the truth"), len(group))) if group else {}
+
+
+def _count(group: Sequence[Line], outcome: str) -> int:
+    return sum(x["outcome"] == outcome for x in group)
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values)) if values else float("nan")
+
+
+def _size_errors(lines: Sequence[Line]) -> tuple[list[float], dict[str, float]]:
+    rows = [row for x in lines if x["outcome"] == "right" for row in x["sizes"]]
+    errors = [abs(row["found"] / row["true"] - 1.0) for row in rows]
+    inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
+    return errors, asdict(rate(inside, len(rows))) if rows else {}
+
+
+def _stiffness_errors(
+    lines: Sequence[Line],
+) -> tuple[list[float], dict[str, float], dict[str, float]]:
+    """Errors, how often k ± 1.96 std covers, and how often the range does."""
+    rows = [row for x in lines for row in x["stiffness"]]
+    errors = [abs(row["k"] / row["true"] - 1.0) for row in rows]
+    inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
+    near = sum(abs(np.log(row["k"] / row["true"])) <= 1.96 * row["std"] / row["k"] for row in rows)
+    if not rows:
+        return errors, {}, {}
+    return errors, asdict(rate(near, len(rows))), asdict(rate(inside, len(rows)))
+
+
+def _confusion(lines: Sequence[Line]) -> dict[str, dict[str, int]]:
+    """Truth by what was said."""
+    table: dict[str, dict[str, int]] = {}
+    for x in lines:
+        said = " + ".join(x["named"]) or x["verdict"]
+        row = table.setdefault(x["true"][0], {})
+        row[said] = row.get(said, 0) + 1
+    return table
+
+
+def study_tables(summary: dict[str, Any]) -> list[Table]:
+    """The summary for people."""
+    table = Table("cases", "n", "right", "95 %", *OUTCOMES[1:], title="Verdicts")
+    for name, row in summary["groups"].items():
+        right = row["right"]
+        table.add_row(
+            name,
+            str(row["n"]),
+            str(row["right"]["k"]) if right else "-",
+            f"{100 * right['low']:.0f}-{100 * right['high']:.0f} %" if right else "-",
+            *(str(row[outcome]) for outcome in OUTCOMES[1:]),
+        )
+    confusion = Table("truth", "said", title="Confusion of single effects")
+    for name, said in sorted(summary["confusion"].items()):
+        confusion.add_row(name, ", ".join(f"{what} {n}" for what, n in said.items()))
+    figures = Table("figure", "value", title="Figures")
+    figures.add_row("size of a named effect, median error", _percent(summary["size_error_median"]))
+    figures.add_row("its 95 % interval covers", _covered(summary["size_covered"]))
+    figures.add_row("joint stiffness, median error", _percent(summary["k_error_median"]))
+    figures.add_row("its 95 % interval covers", _covered(summary["k_covered"]))
+    figures.add_row("its range covers", _covered(summary["k_range_covers"]))
+    ratio, worst = (summary[f"held_out_over_true_model_{x}"] for x in ("median", "worst"))
+    figures.add_row("held-out FRF error over the true model's", f"{ratio:.2f}, worst {worst:.2f}")
+    figures.add_row("ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"]))
+    spent = f"{summary['cpu_s_median']:.1f} s, at most {summary['cpu_s_most']:.1f} s"
+    figures.add_row("time a case on one core", spent)
+    curve = Table("size, clear is 1", "n", "something said", "said right", title="Detection")
+    for row in summary["detection"]:
+        curve.add_row(
+            f"{row['size']:.2f}", str(row["n"]), str(row["said"]["k"]), str(row["right"]["k"])
+        )
+    return [table, confusion, curve, figures]
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2f} %"
+
+
+def _covered(found: dict[str, float]) -> str:
+    return f"{found['k']} of {found['n']}" if found else "-"
