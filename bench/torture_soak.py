@@ -28,9 +28,9 @@ from figures import Figure, told
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
-from daq.acquisition import run_acquisition
 from daq.commands import Ready, Stop
 from daq.events import Failed, Finished, HitJudged, LossNoted, Preview, Prompted, SessionOpened
+from daq.process import start_process
 from daq.session_machine import PromptKind
 from daq.settings import AcquisitionSettings
 from protocols.arm.files import load_arm
@@ -132,12 +132,8 @@ def soak(seconds: float, folder: Path) -> dict[str, Any]:
         )
         load = multiprocessing.get_context("spawn").Process(target=busy, daemon=True)
         load.start()
-        ours, theirs = multiprocessing.Pipe()
-        process = multiprocessing.get_context("spawn").Process(
-            target=run_acquisition, args=(settings, theirs)
-        )
-        process.start()
-        screen = Screen(ours, seconds)
+        running = start_process("acquire", settings)  # as the operator's app does
+        screen = Screen(running.channel, seconds)
         started_s = time.monotonic()
         try:
             asyncio.run(watch(screen, seconds))
@@ -145,8 +141,10 @@ def soak(seconds: float, folder: Path) -> dict[str, Any]:
             elapsed_s = time.monotonic() - (screen.begun_s or started_s)
             load.kill()
             if screen.finished is None:
-                process.kill()
-            process.join()
+                running.process.kill()
+            running.process.wait()
+            running.channel.close()
+            running.stderr.close()
         sent = json.loads(feeder.communicate("stop\n", timeout=10)[0])
     finished = screen.finished
     if not isinstance(finished, Finished):
