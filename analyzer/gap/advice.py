@@ -26,7 +26,7 @@ def advise(
     final: Fit,
     standing: Sequence[Fit],
     hiding: Sequence[Candidate],
-    largest: Callable[[Candidate], float],
+    changes: Callable[[Candidate], tuple[float, ...]],
     plan: Plan,
     tell: Callable[[str], None],
 ) -> NextTest | None:
@@ -34,8 +34,8 @@ def advise(
 
     Parameters
     ----------
-    largest
-        The size at which a hidden effect could still be there.
+    changes
+        By how much a hidden effect's size could differ from what the final model has of it.
 
     Returns
     -------
@@ -47,11 +47,11 @@ def advise(
         names = [_title(fit) for fit in rivals]
         why = "tells " + " from ".join(names)
     else:
-        found = _widest(final, hiding, largest)
+        found = _widest(final, hiding, changes)
         if found is None:
             return None
-        candidate, joint = found
-        rivals = [final, hidden_rival(stage, final, candidate, largest(candidate))]
+        candidate, change, joint = found
+        rivals = [final, hidden_rival(stage, final, candidate, change)]
         why = f"shows whether {candidate.instance.title} hides, which widens k of {joint}"
     best = proposed(stage, rivals, rng=rng, tell=tell)
     if best is None or (best[1] < _WORTH and len(standing) < 2):
@@ -65,19 +65,21 @@ def advise(
 
 
 def _widest(
-    final: Fit, hiding: Sequence[Candidate], largest: Callable[[Candidate], float]
-) -> tuple[Candidate, str] | None:
-    """The hidden effect that moves a stiffness furthest, and the joint."""
-    best: tuple[float, Candidate, str] | None = None
-    for i in final.hypothesis.ordinary.elastic:
-        joint = final.hypothesis.ordinary.arm.joints[i].name
-        for candidate in hiding:
-            if not candidate.begin:
-                continue
-            moved = abs(candidate.follow.get(f"ln k {joint}", 0.0) * largest(candidate))
-            if moved > _WIDE and (best is None or moved > best[0]):
-                best = moved, candidate, joint
-    return None if best is None else best[1:]
+    final: Fit, hiding: Sequence[Candidate], changes: Callable[[Candidate], tuple[float, ...]]
+) -> tuple[Candidate, float, str] | None:
+    """The hidden effect that moves a stiffness furthest, by how much it changes, and the joint."""
+    found = [
+        (abs(candidate.follow.get(f"ln k {joint}", 0.0) * change), number, change, joint)
+        for joint in (final.hypothesis.ordinary.arm.joints[i].name for i in _elastic(final))
+        for number, candidate in enumerate(hiding)
+        for change in changes(candidate)
+    ]
+    moved, number, change, joint = max(found, default=(0.0, 0, 0.0, ""))
+    return (hiding[number], change, joint) if moved > _WIDE else None
+
+
+def _elastic(final: Fit) -> tuple[int, ...]:
+    return final.hypothesis.ordinary.elastic
 
 
 def _title(fit: Fit) -> str:

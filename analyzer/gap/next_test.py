@@ -20,7 +20,7 @@ from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis, PosedModel
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.scan import Candidate
-from analyzer.gap.space import Space
+from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Discrepancy, Weighing
 from protocols.plan_records import KnownMass
 
@@ -134,24 +134,33 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     return float(least)
 
 
-def hidden_rival(stage: Stage, final: Fit, candidate: Candidate, largest: float) -> Fit:
-    """The final model with an effect that could hide in it, held at its largest size."""
-    instance = candidate.instance
-    parameters = tuple(
-        replace(p, mean=largest, std=_PINNED * abs(largest), start=largest)
-        if p.name == instance.size
-        else p
-        for p in instance.parameters
-    )
-    pinned = replace(instance, parameters=parameters)
-    present = final.hypothesis
+def hidden_rival(stage: Stage, final: Fit, candidate: Candidate, change: float) -> Fit:
+    """The final model with an effect that could hide in it, held at a size it could have.
+
+    Parameters
+    ----------
+    change
+        Of the size, from what the final model has of it.
+    """
+    instance, present = candidate.instance, final.hypothesis
+    name = instance.size
+    size = final.values.get(name, 0.0) + change
+
+    def firm(p: Parameter) -> Parameter:
+        return replace(p, mean=size, std=_PINNED * abs(change), start=size)
+
+    begin = {n: final.values[n] + per * change for n, per in candidate.follow.items()}
+    begin = {**final.values, **{n: v for n, v in begin.items() if n in final.values}, name: size}
+    if name in instance.relaxes:
+        relaxes = {n: firm(p) if n == name else p for n, p in instance.relaxes.items()}
+        pinned = replace(instance, relaxes=relaxes)
+    else:
+        parameters = [firm(p) if p.name == name else p for p in instance.parameters]
+        pinned = replace(instance, parameters=tuple(parameters))
+        begin = {**{p.name: p.first for p in parameters}, **begin}
     wider = Hypothesis(ordinary=present.ordinary, instances=(*present.instances, pinned))
-    part = largest / candidate.size if candidate.size else 1.0
-    begin = {**candidate.begin, **final.values, instance.size: largest}
-    for name, per_unit in candidate.follow.items():
-        begin[name] = final.values[name] + per_unit * min(part, 1.0) * largest
-    starts = [begin, {**final.values, instance.size: largest}]
-    fits = [fit_hypothesis(stage, wider, start=s, max_iterations=_STEPS) for s in starts]
+    starts = [begin, {**final.values, name: size}]
+    fits = [fit_hypothesis(stage, wider, start=start, max_iterations=_STEPS) for start in starts]
     return min(fits, key=lambda f: f.cost)
 
 

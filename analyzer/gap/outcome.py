@@ -98,7 +98,9 @@ def conclude(
     hiding = _could_hide(sharp, final)
     advice = None
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
-        advice = advise(sharp, final, standing, hiding, partial(_largest, phi=phi), plan, tell)
+        advice = advise(
+            sharp, final, standing, hiding, partial(_extremes, final=final, phi=phi), plan, tell
+        )
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
     )
@@ -214,6 +216,18 @@ def _largest(candidate: Candidate, phi: float) -> float:
     return float(abs(candidate.size) + _ONE_SIDED_95 * candidate.size_std * np.sqrt(phi))
 
 
+def _extremes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]:
+    """By how much a hidden effect's size could differ from what the final model has of it."""
+    instance = candidate.instance
+    if instance.relaxes:
+        middle = candidate.size - final.values[instance.size]
+        reach = _TWO_SIDED_95 * candidate.size_std * float(np.sqrt(phi))
+        return middle - reach, middle + reach
+    largest = _largest(candidate, phi)
+    one_sided = not instance.parameters or instance.parameters[0].low >= 0.0
+    return (largest,) if one_sided else (largest, -largest)
+
+
 def _ranges(
     alive: Sequence[Fit], hiding: Sequence[Candidate], phi: float
 ) -> tuple[StiffnessRange, ...]:
@@ -234,15 +248,12 @@ def _ranges(
         low = min(f.low - r for f, r in zip(found, moved, strict=True))
         high = max(f.high + r for f, r in zip(found, moved, strict=True))
         for c in hiding:
-            # Beyond a factor of two the linear look says nothing but "very wide".
-            shift = float(np.clip(c.follow.get(name, 0.0) * _largest(c, phi), -_WIDEST, _WIDEST))
-            reach = [found[0].value + shift]
-            if c.instance.parameters and c.instance.parameters[0].low < 0.0:
-                reach.append(found[0].value - shift)
-            # Both are rarely at their limits at once: variances add.
-            for end in reach:
-                spread = float(np.hypot(end - found[0].value, half))
-                if end < found[0].value:
+            for size in _extremes(c, best, phi):
+                # Beyond a factor of two the linear look says nothing but "very wide".
+                shift = float(np.clip(c.follow.get(name, 0.0) * size, -_WIDEST, _WIDEST))
+                # Both are rarely at their limits at once: variances add.
+                spread = float(np.hypot(shift, half))
+                if shift < 0.0:
                     low = min(low, found[0].value - spread)
                 else:
                     high = max(high, found[0].value + spread)

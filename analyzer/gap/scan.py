@@ -63,8 +63,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     found = []
     for instance in instances:
         if not instance.parameters or instance.relaxes:
-            gain, size, std = _relaxed_gain(fit, instance)
-            found.append(Candidate(instance=instance, gain=gain, size=size, size_std=std))
+            found.append(_relaxed(fit, instance))
             continue
         names = [p.name for p in instance.parameters]
         own = np.array([space.index[n] for n in names])
@@ -160,8 +159,8 @@ def _gain(
     return 0.0, whole, std, np.asarray(-own_way), np.asarray(-along)
 
 
-def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
-    """Cost gained when priors become wide; size and its standard deviation then.
+def _relaxed(fit: Fit, instance: Instance) -> Candidate:
+    """What is gained when priors become wide; size, its deviation, what follows it.
 
     The fit's own slope, where it has not converged or rests at a limit, counts with both priors.
     """
@@ -185,12 +184,19 @@ def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
     step = -inverse @ slope[now]
     gain -= 0.5 * float(step @ slope[now])
     if instance.size not in fit.space.index:
-        return gain, float("nan"), float("nan")
+        return Candidate(instance=instance, gain=gain)
     i = fit.space.index[instance.size]
     at = int(np.flatnonzero(now == i)[0])
     unit = float(fit.space.std[i])
-    size = float(fit.space.mean[i]) + unit * float(fit.u[i] + step[at])
-    return gain, size, unit * float(np.sqrt(inverse[at, at]))
+    follow = inverse[:, at] / inverse[at, at] * fit.space.std[now] / unit
+    names = np.array(list(fit.space.index))[now].tolist()
+    return Candidate(
+        instance=instance,
+        gain=gain,
+        size=float(fit.space.mean[i]) + unit * float(fit.u[i] + step[at]),
+        size_std=unit * float(np.sqrt(inverse[at, at])),
+        follow=dict(zip(names, follow.tolist(), strict=True)),
+    )
 
 
 def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:

@@ -1,0 +1,150 @@
+"""The closed loop: measure, judge, ask for the next test, measure that, until a verdict stands.
+
+The laboratory here is a sealed case of the simulated one; any other needs only `measure`. Every
+session lies in the folder, so that a loop that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from analyzer.gap.records import NextTest
+from analyzer.gap.workflow import GapOutcome, find_gap
+from hil_sim.study import KnownMass, SealedCase
+from protocols.arm.records import Arm
+from protocols.errors import SessionError
+from protocols.plan import plan_from_text
+from protocols.plan_records import Plan
+from protocols.session.hdf5 import read_session, write_session
+from protocols.session.records import Session
+
+__all__ = ["ClosedLoop", "Laboratory", "SimulatedLaboratory", "run_loop"]
+
+
+class Laboratory(Protocol):
+    """What the loop asks of a laboratory."""
+
+    @property
+    def arm(self) -> Arm:
+        """The arm as its user believes it."""
+
+    def measure(self, plan: Plan | None, number: int) -> Session:
+        """Measure by a plan, or by the laboratory's own for the first test."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulatedLaboratory:
+    """A sealed case: its plant is measured as often as is asked."""
+
+    case: SealedCase
+
+    @property
+    def arm(self) -> Arm:
+        """The arm as its user believes it."""
+        return self.case.arm
+
+    def measure(self, plan: Plan | None, number: int) -> Session:
+        """Measure by a plan of one posture; brakes and masses as it tells."""
+        if plan is None:
+            return self.case.session()
+        (posture,) = plan.postures
+        body = posture.known_mass
+        mass = None
+        if body is not None:
+            center = tuple(float(x) for x in body.center_m)
+            mass = KnownMass(
+                link=body.link, mass_kg=body.mass_kg, center_m=(center[0], center[1], center[2])
+            )
+        return self.case.session(plan, brakes=posture.brakes, known_mass=mass, run=number - 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedLoop:
+    """What was measured and why, and what it came to."""
+
+    outcome: GapOutcome
+    first_session: Path
+    tests: tuple[dict[str, Any], ...]
+
+
+def run_loop(
+    laboratory: Laboratory,
+    folder: Path,
+    *,
+    budget: int,
+    tell: Callable[[str], None] = lambda _: None,
+    gates: bool = True,
+) -> ClosedLoop:
+    """Measure and judge until no further test is worth it, or the budget is spent.
+
+    Parameters
+    ----------
+    folder
+        Of `test-1.h5`, `test-2.h5`, ...: what is there already is not measured again.
+    budget
+        Further tests at most, beside the first.
+
+    Raises
+    ------
+    SessionError
+        If a session of the folder is not of this laboratory's arm.
+    EstimateError
+        If the first session cannot carry the judgement.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    sessions = [_test(laboratory, folder, 1, None, tell)]
+    tests: list[dict[str, Any]] = []
+    while True:
+        outcome = _judged(sessions, tell, gates=gates)
+        result = outcome.result
+        advice = result.next_test
+        if tests:
+            tests[-1]["verdict_after"] = result.verdict.value
+        if advice is None or len(sessions) > budget:
+            break
+        number = len(sessions) + 1
+        tests.append({"number": number, "verdict_before": result.verdict.value, **_said(advice)})
+        plan = plan_from_text(advice.plan_toml, laboratory.arm, origin="proposed plan")
+        sessions.append(_test(laboratory, folder, number, plan, tell))
+    return ClosedLoop(outcome=outcome, first_session=folder / "test-1.h5", tests=tuple(tests))
+
+
+def _judged(sessions: Sequence[Session], tell: Callable[[str], None], *, gates: bool) -> GapOutcome:
+    return find_gap(sessions[0], more=sessions[1:], gates=gates, modes=False, tell=tell)
+
+
+def _said(advice: NextTest) -> dict[str, Any]:
+    said = asdict(advice)
+    said.pop("plan_toml")
+    return said
+
+
+def _test(
+    laboratory: Laboratory,
+    folder: Path,
+    number: int,
+    plan: Plan | None,
+    tell: Callable[[str], None],
+) -> Session:
+    """The session of a test: measured, or read where it was measured before."""
+    path = folder / f"test-{number}.h5"
+    if path.exists():
+        session = read_session(path)
+        wanted = None if plan is None else plan.sha256
+        if session.header.arm.name != laboratory.arm.name:
+            raise SessionError(
+                f"{path} is of arm '{session.header.arm.name}', the laboratory's is "
+                f"'{laboratory.arm.name}'; give another folder"
+            )
+        if wanted is not None and session.header.plan.sha256 != wanted:
+            raise SessionError(
+                f"{path} was measured by another plan than is asked for now; give another folder"
+            )
+        return session
+    tell(f"test {number}: measuring")
+    session = laboratory.measure(plan, number)
+    write_session(session, path)
+    return session
