@@ -71,6 +71,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 ),
                 builder=build,
                 size=soft,
+                shapes=(inertia,),
                 material=_MATERIAL * gamma,
             )
         )
