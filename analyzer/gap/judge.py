@@ -29,7 +29,8 @@ class Thresholds:
     clear: float = 45.0  # nats of evidence over the present hypothesis
     apart: float = 20.0  # nats to the next rival
     ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
-    outside_misfit: float = 0.90  # above this something is missing
+    relaxed: float = 15.0  # nats for an ordinary error beyond its tolerance: no new term
+    outside_misfit: float = 0.70  # above this something is missing
     held_out: float = 3.0  # nats that held-out postures must gain together
 
 
@@ -62,7 +63,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         Best evidence first, each the present hypothesis and one effect more.
     """
     phi = scale(stage, [present, *rivals], thresholds)
-    better = [r for r in rivals if present.evidence - r.evidence > thresholds.clear * phi]
+    better = [r for r in rivals if present.evidence - r.evidence > _wanted(r, thresholds) * phi]
     if not better:
         return Judged(named=None, standing=(), phi=phi)
     material = [r for r in better if _added(r).is_material(r.values)]
@@ -81,6 +82,11 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)
     return Judged(named=best, standing=(best,), phi=phi)
+
+
+def _wanted(fit: Fit, thresholds: Thresholds) -> float:
+    only_wider = bool(_added(fit).relaxes) and not _added(fit).parameters
+    return thresholds.relaxed if only_wider else thresholds.clear
 
 
 def _added(fit: Fit) -> Instance:

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analyzer.gap.effects import link_axis
-from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -28,6 +27,7 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
+_FROM_START = 14
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 # Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
 _AT_MOST = {
@@ -98,7 +98,7 @@ def find_rivals(
         looked_at = _looked_at(broad, base, start or {}, from_start=True)
         chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
         coarse = _first_steps(broad, base, chosen, postures, start or {})
-        coarse += _from_the_start(broad, present, looked_at, postures, start or {})
+        coarse += _from_the_start(broad, present, postures, start or {})
         coarse.sort(key=lambda f: f.cost)
         coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
@@ -185,21 +185,22 @@ def _better_start(
 def _from_the_start(
     stage: Stage,
     present: Hypothesis,
-    looked_at: Sequence[Candidate],
     postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
-    """What may lead the plain fit so far astray that a linear look about it misjudges it."""
-    taken = {instance.key for instance in present.instances}
-    instances = [i for i in all_instances(present.ordinary) if i.effect.name in _ASTRAY]
-    best_line: dict[str, Instance] = {}
-    for candidate in looked_at:
-        if candidate.instance.effect.name == "link_axis":
-            best_line.setdefault(candidate.instance.place, candidate.instance)
+    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back."""
+    first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
+    looked_at = _looked_at(stage, first, start, from_start=False)
+    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)[:_FROM_START]
+    instances = [candidate.instance for candidate in chosen]
+    known = {instance.key for instance in (*present.instances, *instances)}
+    instances += [
+        i
+        for i in all_instances(present.ordinary)
+        if i.effect.name in _ASTRAY and i.key not in known
+    ]
     fits = []
-    for instance in (*instances, *best_line.values()):
-        if instance.key in taken:
-            continue
+    for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
         fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
     return fits
