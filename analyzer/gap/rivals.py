@@ -27,7 +27,9 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
-_FROM_START = 14
+_FROM_START, _BETTER_HALF = 10, 10
+_LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
+_FEW_PARAMETERS, _MANY_STEPS = 6, 12
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 # Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
 _AT_MOST = {
@@ -47,7 +49,7 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
-_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending", "servo")
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
@@ -202,8 +204,15 @@ def _from_the_start(
     fits = []
     for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
-    return fits
+        steps = _MANY_STEPS if len(instance.parameters) > _FEW_PARAMETERS else _FIRST_STEPS
+        fits.append(
+            fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
+        )
+    fits.sort(key=lambda f: f.cost)
+    return [
+        *(_further(stage, f, postures, _FIRST_STEPS) for f in fits[:_BETTER_HALF]),
+        *fits[_BETTER_HALF:],
+    ]
 
 
 def _axes_of_bearings(
@@ -240,9 +249,16 @@ def _key(fit: Fit) -> tuple[str, str]:
 
 
 def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
-    return fit_hypothesis(
-        stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
-    )
+    """Some steps more; and again while the cost still falls by leaps."""
+    for _ in range(_MOST_LEAPS):
+        further = fit_hypothesis(
+            stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
+        )
+        leapt = further.n_iterations == steps and further.cost < _LEAP * further.first_cost
+        fit = further
+        if not leapt:
+            break
+    return fit
 
 
 def _leading(fits: Sequence[Fit], base: Fit | None) -> list[Fit]:
