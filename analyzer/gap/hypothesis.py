@@ -240,7 +240,8 @@ def _by_effects(
     }
     for instance in hypothesis.instances:
         for parameter in instance.parameters:
-            if parameter.name in known:
+            is_idle = parameter.name in instance.shapes and posed.values[instance.size] == 0.0
+            if parameter.name in known or is_idle:
                 continue
             step = _RELATIVE_STEP * parameter.std
             if posed.values[parameter.name] + step > parameter.high:

@@ -54,6 +54,7 @@ class Instance:
     builder: Builder | None = None
     describe: Describer | None = None
     size: str = ""  # the parameter that says how large
+    shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
     size_offset: float = 0.0  # of the size: what the null has anyway

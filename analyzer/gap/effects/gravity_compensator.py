@@ -100,5 +100,6 @@ def _beside(ordinary: Ordinary, i: int) -> Instance:
         ),
         builder=build,
         size=stiff,
+        shapes=(angle, ratio),
         material=_MATERIAL,
     )

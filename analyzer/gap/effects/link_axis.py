@@ -70,6 +70,7 @@ def at_axis(
         builder=build,
         describe=describe,
         size=gamma,
+        shapes=tuple(moves),
         material=_MATERIAL * ordinary.compliance,
     )
 

@@ -121,5 +121,6 @@ def given_way(
         ),
         builder=build,
         size=gamma,
+        shapes=(spread,),
         material=material * ordinary.compliance / line.length_m,
     )

@@ -106,6 +106,7 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
         builder=build,
         describe=describe,
         size=name,
+        shapes=(*starts, *ends),
         material=_MATERIAL * std,
     )
 

@@ -73,6 +73,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 ),
                 builder=build,
                 size=soft,
+                shapes=(inertia,),
                 material=_MATERIAL * gamma,
             )
         )

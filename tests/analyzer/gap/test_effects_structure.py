@@ -306,3 +306,19 @@ def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
         assert [i.key for i in instances] == [instance.key]
         for name, value in found.items():
             assert values[name] == pytest.approx(value, rel=1e-4), instance.title
+
+
+def test_shapes_do_nothing_while_there_is_nothing(ordinary, lines, posed):
+    """What the look leaves out is zero: any shape, size zero, the same response."""
+    rng = np.random.default_rng(11)
+    for instance in all_instances(ordinary):
+        if not instance.shapes:
+            continue
+        hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+        values = start_of(hypothesis) | {instance.size: 0.0}
+        std = {p.name: p.std for p in instance.parameters}
+        other = values | {
+            n: values[n] + 0.3 * std[n] * rng.standard_normal() for n in instance.shapes
+        }
+        one, two = (posed.response(hypothesis, lines, v).values for v in (values, other))
+        np.testing.assert_allclose(one, two, rtol=1e-9, err_msg=instance.title)
