@@ -28,6 +28,7 @@ from tui.check import broken_lines
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
 from tui.gap import gap_tables
+from tui.gap_commands import app as gap_app
 from tui.results import identification_tables
 from tui.review.command import add_review_command
 from tui.run.command import run_app
@@ -42,6 +43,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 app.add_typer(check_app, name="check")
 app.add_typer(arm_app)
 app.add_typer(session_app)
+app.add_typer(gap_app)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 

@@ -1,32 +1,23 @@
-"""Commands that need a session: fit, identify, predict, report, gap; and the study of gaps."""
+"""Commands that need a session: fit, identify, predict, report."""
 
 from __future__ import annotations
 
 import json
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
-from analyzer.gap.workflow import find_gap
 from analyzer.identification.identify import identify
 from analyzer.identification.penalty_of_session import penalty_of_session
-from analyzer.report import gap_page, gap_path, read_gap, write_report
-from hil_sim.study import draw_study
-from hil_sim.study.catalogue import FIRST
-from protocols.arm.files import load_arm
+from analyzer.report import gap_path, read_gap, write_report
 from protocols.errors import SessionError
 from protocols.frf_records import FrfEstimator
 from protocols.session.hdf5 import read_session
 from tui.arm_commands import comma_numbers
 from tui.fit import FitSettings, fit_lines, fit_session
-from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
-from tui.gap_study import run_study, seal_hashes
-from tui.gap_study_summary import study_summary, study_tables
 from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables
@@ -202,86 +193,3 @@ def report(
         _print_json({"report": str(path)})
     else:
         out.print(f"report {path}", markup=False)
-
-
-@app.command("gap")
-def gap_command(
-    session: SessionPath,
-    arm: Annotated[
-        Path | None,
-        typer.Option("--arm", help="Arm file to believe instead of the session's own."),
-    ] = None,
-    arm_out: Annotated[
-        Path | None,
-        typer.Option("--arm-out", help="New arm file with what was named, never replaced."),
-    ] = None,
-    html: Annotated[Path | None, typer.Option("--html", help="Page to write.")] = None,
-    as_json: Json = False,
-) -> None:
-    """Find where model and measurement disagree, and name what is missing.
-
-    The result is kept beside the session, where `armodal report` finds it.
-
-    With the new arm file as --arm it begins where it ended: nothing more should be missing.
-
-    Example: armodal gap session.h5 --arm-out arm-with-axis.toml
-    """
-    measured = read_session(session)
-    if arm is not None:
-        measured = with_arm(measured, load_arm(arm))
-    outcome = find_gap(measured, tell=_say)
-    written = keep_gap(measured, session, outcome, arm_out)
-    if html is not None:
-        replace_text(html, gap_page(outcome.result, session.name))
-    if as_json:
-        _print_json(gap_json(outcome.result, written))
-        return
-    out.print(outcome.result.summary, markup=False)
-    out.print(f"where: {outcome.result.interface}", markup=False)
-    for table in gap_tables(outcome.result):
-        out.print(table)
-    for effect in outcome.result.effects:
-        out.print(f"do now: {effect.remedy}", markup=False)
-    for note in outcome.result.notes:
-        out.print(f"note: {note}", markup=False)
-    for key, path in written.items():
-        out.print(f"{key} {path}", markup=False)
-
-
-@app.command("gap-study")
-def gap_study_command(
-    directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
-    seed: Annotated[int, typer.Option(help="Of the cases.")] = 1,
-    nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
-    effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
-    pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
-    outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
-    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
-    as_json: Json = False,
-) -> None:
-    """Judge sealed cases and print how often the workflow was right.
-
-    A study that was stopped goes on where it was.
-
-    Example: armodal gap-study --out study --seed 1
-    """
-    specs = draw_study(
-        seed, nulls=nulls, effects=effects, pairs=pairs, outside=outside, library=FIRST
-    )
-    directory.mkdir(parents=True, exist_ok=True)
-    for number, digest in seal_hashes(specs).items():
-        _say(f"case {number}: truth sealed as {digest}")
-    path = directory / f"study-{seed}.jsonl"
-
-    def tell(line: dict[str, Any]) -> None:
-        _say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
-
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
-        lines = run_study(specs, path, executor, tell)
-    summary = study_summary(lines)
-    if as_json:
-        _print_json(summary | {"file": str(path)})
-        return
-    for table in study_tables(summary):
-        out.print(table)
-    out.print(f"cases {path}", markup=False)

@@ -1,0 +1,179 @@
+"""`armodal gap`: of a session, or with a laboratory on the line; and the study of it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from analyzer.gap.workflow import GapOutcome, find_gap
+from analyzer.report import gap_page
+from hil_sim.study import draw_study, make_case
+from hil_sim.study.catalogue import FIRST, LIBRARY
+from protocols.arm.files import load_arm
+from protocols.errors import SessionError
+from protocols.session.hdf5 import read_session
+from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
+from tui.gap_lab import SimulatedLaboratory, run_loop
+from tui.gap_study import run_study, seal_hashes
+from tui.gap_study_summary import study_summary, study_tables
+
+__all__ = ["app"]
+
+app = typer.Typer()
+out = Console(highlight=False)
+err = Console(stderr=True, highlight=False)
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+def _say(text: str) -> None:
+    err.print(f"· {text}", markup=False)
+
+
+def _print_json(value: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(value, indent=2) + "\n")
+
+
+@app.command("gap")
+def gap_command(
+    session: Annotated[Path | None, typer.Argument(help="Session file (.h5).")] = None,
+    more: Annotated[
+        list[Path] | None,
+        typer.Option("--with", help="A further test of the same arm; repeatable."),
+    ] = None,
+    arm: Annotated[
+        Path | None,
+        typer.Option("--arm", help="Arm file to believe instead of the session's own."),
+    ] = None,
+    arm_out: Annotated[
+        Path | None,
+        typer.Option("--arm-out", help="New arm file with what was named, never replaced."),
+    ] = None,
+    html: Annotated[Path | None, typer.Option("--html", help="Page to write.")] = None,
+    lab: Annotated[
+        bool, typer.Option("--lab", help="Drive the simulated laboratory, next tests included.")
+    ] = False,
+    lab_arm: Annotated[str, typer.Option(help="Its arm: bench57, ur5 or rv4frl.")] = "bench57",
+    hide: Annotated[str | None, typer.Option(help="What it hides; drawn if not given.")] = None,
+    magnitude: Annotated[str, typer.Option(help="clear, medium or faint.")] = "medium",
+    seed: Annotated[int, typer.Option(help="Of everything in it.")] = 1,
+    budget: Annotated[int, typer.Option(min=0, help="Further tests at most.")] = 2,
+    folder: Annotated[
+        Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
+    ] = Path("gap-lab"),
+    as_json: Json = False,
+) -> None:
+    """Find where model and measurement disagree, and name what is missing.
+
+    The result is kept beside the session, where `armodal report` finds it; the proposed next test
+    comes as a plan. With the new arm file as --arm it begins where it ended: nothing more should
+    be missing. With --lab it measures, judges and runs the tests it proposes.
+
+    Example: armodal gap session.h5 --arm-out arm-with-axis.toml
+    """
+    if lab == (session is not None):
+        raise SessionError(
+            "wanted either a session or --lab, got "
+            f"{'both' if lab else 'neither'}; give one, such as `armodal gap demo/demo.h5`"
+        )
+    beside: dict[str, Any] = {}
+    if session is None:
+        session, outcome, beside = _with_laboratory(lab_arm, hide, magnitude, seed, budget, folder)
+    else:
+        measured = read_session(session)
+        if arm is not None:
+            measured = with_arm(measured, load_arm(arm))
+        further = [read_session(path) for path in more or ()]
+        outcome = find_gap(measured, more=further, tell=_say)
+    written = keep_gap(read_session(session), session, outcome, arm_out)
+    if html is not None:
+        replace_text(html, gap_page(outcome.result, session.name))
+    if as_json:
+        _print_json(gap_json(outcome.result, written) | beside)
+        return
+    _print_result(outcome, beside)
+    for key, path in written.items():
+        out.print(f"{key} {path}", markup=False)
+
+
+def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
+    result = outcome.result
+    for test in beside.get("tests", ()):
+        out.print(f"test {test['number']}: {test['words']}\n  {test['why']}", markup=False)
+    out.print(result.summary, markup=False)
+    out.print(f"where: {result.interface}", markup=False)
+    for table in gap_tables(result):
+        out.print(table)
+    for effect in result.effects:
+        out.print(f"do now: {effect.remedy}", markup=False)
+    if result.next_test is not None:
+        out.print(f"next test: {result.next_test.words}", markup=False)
+        out.print(f"  it {result.next_test.why}", markup=False)
+    for note in result.notes:
+        out.print(f"note: {note}", markup=False)
+    if beside:
+        hidden = ", ".join(f"{e['name']} ({e['place']})" for e in beside["truth"]["effects"])
+        out.print(f"in truth: {hidden or 'nothing was hidden'}", markup=False)
+
+
+def _with_laboratory(
+    arm: str, hide: str | None, magnitude: str, seed: int, budget: int, folder: Path
+) -> tuple[Path, GapOutcome, dict[str, Any]]:
+    kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
+    case = make_case(seed, arm, kind, magnitude)
+    _say(f"truth sealed as {case.truth_sha256}")
+    loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=_say)
+    truth = json.loads(case.open_truth())
+    beside = {
+        "tests": list(loop.tests),
+        "truth_sha256": case.truth_sha256,
+        "truth": {"verdict": truth["verdict"], "effects": truth["effects"]},
+    }
+    return loop.first_session, loop.outcome, beside
+
+
+@app.command("gap-study")
+def gap_study_command(
+    directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
+    seed: Annotated[int, typer.Option(help="Of the cases.")] = 1,
+    nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
+    effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
+    pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
+    outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
+    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    as_json: Json = False,
+) -> None:
+    """Judge sealed cases and print how often the workflow was right.
+
+    A study that was stopped goes on where it was.
+
+    Example: armodal gap-study --out study --seed 1
+    """
+    specs = draw_study(
+        seed, nulls=nulls, effects=effects, pairs=pairs, outside=outside, library=FIRST
+    )
+    directory.mkdir(parents=True, exist_ok=True)
+    for number, digest in seal_hashes(specs).items():
+        _say(f"case {number}: truth sealed as {digest}")
+    path = directory / f"study-{seed}.jsonl"
+
+    def tell(line: dict[str, Any]) -> None:
+        _say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
+
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
+        lines = run_study(specs, path, executor, tell)
+    summary = study_summary(lines)
+    if as_json:
+        _print_json(summary | {"file": str(path)})
+        return
+    for table in study_tables(summary):
+        out.print(table)
+    out.print(f"cases {path}", markup=False)
