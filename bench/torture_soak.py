@@ -28,9 +28,9 @@ from figures import Figure, told
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
-from daq.acquisition import run_acquisition
 from daq.commands import Ready, Stop
 from daq.events import Failed, Finished, HitJudged, LossNoted, Preview, Prompted, SessionOpened
+from daq.process import start_process
 from daq.session_machine import PromptKind
 from daq.settings import AcquisitionSettings
 from protocols.arm.files import load_arm
@@ -132,12 +132,8 @@ def soak(seconds: float, folder: Path) -> dict[str, Any]:
         )
         load = multiprocessing.get_context("spawn").Process(target=busy, daemon=True)
         load.start()
-        ours, theirs = multiprocessing.Pipe()
-        process = multiprocessing.get_context("spawn").Process(
-            target=run_acquisition, args=(settings, theirs)
-        )
-        process.start()
-        screen = Screen(ours, seconds)
+        running = start_process("acquire", settings)  # as the operator's app does
+        screen = Screen(running.channel, seconds)
         started_s = time.monotonic()
         try:
             asyncio.run(watch(screen, seconds))
@@ -145,8 +141,10 @@ def soak(seconds: float, folder: Path) -> dict[str, Any]:
             elapsed_s = time.monotonic() - (screen.begun_s or started_s)
             load.kill()
             if screen.finished is None:
-                process.kill()
-            process.join()
+                running.process.kill()
+            running.process.wait()
+            running.channel.close()
+            running.stderr.close()
         sent = json.loads(feeder.communicate("stop\n", timeout=10)[0])
     finished = screen.finished
     if not isinstance(finished, Finished):
@@ -190,16 +188,24 @@ def main() -> int:
         return told([Figure("soak", str(found["failed"]), "to its end", False)])
     seconds, unexplained = float(found["seconds"]), int(found["unexplained"])
     unannounced = abs(int(found["hits"]) - int(found["hits announced"]))
+    taken, missing = int(found["samples in"]), int(found["reported missing"])
     return told(
         [
             Figure("soak at 4 x 51.2 kS/s, s", f"{seconds:.0f}", "600", seconds >= 600.0),
-            Figure("... samples taken by the board", f"{found['samples in']:,}", "all said", True),
-            Figure("... of them said to be missing", f"{found['reported missing']:,}", "all", True),
-            Figure("... samples not accounted for", str(unexplained), "0", not unexplained),
-            Figure("... hits kept and not announced, or not kept", str(unannounced), "0",
-                   not unannounced),
+            Figure(
+                f"... samples not accounted for, of {taken:,} taken, {missing:,} reported missing",
+                f"{unexplained:,}",
+                "0",
+                not unexplained,
+            ),
+            Figure(
+                f"... hits kept and not announced, or not kept, of {found['hits']}",
+                str(unannounced),
+                "0",
+                not unannounced,
+            ),
         ]
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

@@ -93,7 +93,8 @@ class ArmAround:
     def _silence(self, before: JointReading, after: JointReading) -> str:
         """Say that nothing was known of the arm for too long during a hit; empty if it was."""
         can = self._settings.arm.can
-        silence_s = self._joints.silence_s(before.host_s, after.host_s)
+        last_heard_s = before.host_s - before.age_s  # a silence may have begun before the hit
+        silence_s = self._joints.silence_s(last_heard_s, after.host_s)
         if can is None:
             return ""
         floor_s = SILENCE_WALL_S / self._clock.wall_s(1.0)

@@ -18,6 +18,7 @@ from protocols.frf_records import FrfEstimator
 from protocols.plan_model import PlanFile, PostureTable, exact_rate
 from protocols.plan_records import (
     Averaging,
+    KnownMass,
     Mode,
     Plan,
     PlannedPosture,
@@ -135,6 +136,18 @@ def _posture(table: PostureTable, path: str, arm: Arm, origin: str) -> PlannedPo
     if table.hit_direction is not None:
         length = math.hypot(*table.hit_direction)
         direction = frozen_array(np.array(table.hit_direction) / length, np.float64)
+    mass = None
+    if table.known_mass is not None:
+        links = [joint.link.name for joint in arm.joints]
+        if table.known_mass.link not in links:
+            wanted = f"a link of the arm: {', '.join(links)}"
+            named = table.known_mass.link
+            refuse(PlanError, origin, f"{path}.known_mass.link", wanted=wanted, got=named)
+        mass = KnownMass(
+            link=table.known_mass.link,
+            mass_kg=table.known_mass.mass_kg,
+            center_m=frozen_array(table.known_mass.center_m, np.float64),
+        )
     return PlannedPosture(
         name=table.name,
         joints_rad=frozen_array(joints_rad, np.float64),
@@ -142,6 +155,8 @@ def _posture(table: PostureTable, path: str, arm: Arm, origin: str) -> PlannedPo
         points=tuple(table.points),
         hit_direction=direction,
         validation=table.validation,
+        brakes=table.brakes,
+        known_mass=mass,
     )
 
 

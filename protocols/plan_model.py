@@ -95,6 +95,14 @@ class SensorTable(FileModel):
     mass_kg: Annotated[float, Field(ge=0.0, le=1.0)]
 
 
+class KnownMassTable(FileModel):
+    """A body that the laboratory bolts on."""
+
+    link: Name
+    mass_kg: Annotated[float, Field(gt=0.0, le=1000.0)]
+    center_m: Vector3
+
+
 class PostureTable(FileModel):
     """One posture and the points to measure there, in order."""
 
@@ -104,6 +112,8 @@ class PostureTable(FileModel):
     points: Annotated[list[PointId], Field(min_length=1, max_length=1000)]
     hit_direction: Vector3 | None = None
     validation: bool = False
+    brakes: bool = False
+    known_mass: KnownMassTable | None = None
 
     @field_validator("hit_direction")
     @classmethod

@@ -13,6 +13,7 @@ from protocols.frf_records import FrfEstimator
 
 __all__ = [
     "Averaging",
+    "KnownMass",
     "Mode",
     "Plan",
     "PlannedPosture",
@@ -80,6 +81,15 @@ class SensorOnArm:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class KnownMass:
+    """A body that the laboratory bolts on, small beside its lever."""
+
+    link: str
+    mass_kg: float
+    center_m: npt.NDArray[np.float64]  # (3,) link frame
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedPosture:
     """One posture: joint angles to reach, and the points to measure there, in order."""
 
@@ -89,6 +99,8 @@ class PlannedPosture:
     points: tuple[str, ...]
     hit_direction: npt.NDArray[np.float64] | None  # (3,) unit, base frame; None: minus sensor z
     validation: bool  # predicted from the others, never fitted
+    brakes: bool = False  # on: no servo gives way, transmissions do
+    known_mass: KnownMass | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "System", "skew", "spatial_inertia"]
+__all__ = ["Assembly", "Pieces", "System", "skew", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
 
@@ -56,6 +56,31 @@ def spatial_inertia(mass_kg: float | Array, center_m: Array, inertia_kg_m2: Arra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pieces:
+    """A link's mass in P pieces along a line, each moving by itself."""
+
+    shares: Array  # (P,) of the mass
+    offsets_m: Array  # (P, 3) of each centre from the link's; their mean by mass is zero
+    motion: Array  # (P, 6, n)
+
+    def split(self, inertia: Array) -> Array:
+        """(P, 6, 6) spatial inertias of the pieces: together they are the link's.
+
+        Linear in the link's: what the offsets add to the tensor, the pieces themselves have less.
+        """
+        mass = inertia[0, 0]
+        moment = inertia[3:, :3]  # the cross product with the first moment
+        apart = [skew(offset) for offset in self.offsets_m]
+        spread = -mass * np.sum([w * o @ o for w, o in zip(self.shares, apart, strict=True)], 0)
+        found = np.tile(inertia, (len(apart), 1, 1))
+        for piece, o in zip(found, apart, strict=True):
+            piece[3:, :3] += mass * o
+            piece[:3, 3:] -= mass * o
+            piece[3:, 3:] -= moment @ o + o @ moment + mass * o @ o + spread
+        return np.asarray(self.shares[:, None, None] * found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class System:
     """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
 
@@ -66,6 +91,7 @@ class System:
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     link_motion: Array  # (n_links, 6, n)
+    pieces: dict[int, Pieces]  # of links that give way along their length
     moved: Array  # (m, 3, n) the sensor's motion in base
     seen: Array  # (m, 3, n) the sensor's motion along its axes
     tilted: Array  # (m, 3, n) what gravity adds on them
@@ -75,6 +101,7 @@ class System:
     force: Array  # (n_hits, 3)
     log_scale: float  # of all responses
     delay_s: float  # of the responses behind the force
+    sensor_mass_kg: float
     decay_rad_s: float  # by which all records fall that nobody wrote down
 
 
@@ -82,7 +109,8 @@ class System:
 class Assembly:
     """A posture being put together; effects add to it.
 
-    `compliance_of` and `loss_of` map a parameter to its coordinate: their derivatives are known.
+    `compliance_of`, `loss_of`, `terms_of` and `stretches_of` say where a parameter acts linearly:
+    those derivatives are known.
     """
 
     geometry: PostureGeometry
@@ -91,11 +119,19 @@ class Assembly:
     names: dict[str, int] = field(default_factory=dict)
     compliance: list[float] = field(default_factory=list)
     compliance_loss_s: list[float] = field(default_factory=list)
-    compliance_of: dict[str, int] = field(default_factory=dict)  # by parameter
+    # By parameter: its coordinates, and which part of its compliance each has.
+    compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)
+    terms_of: dict[str, list[tuple[str, int, int, float]]] = field(default_factory=dict)
+    stretches: list[tuple[str, Array, float]] = field(default_factory=list)
+    stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
+    # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates between pieces:
+    # the link, how many pieces do not move with it, and which points.
+    pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
+    between: dict[int, tuple[int, int, npt.NDArray[np.int64]]] = field(default_factory=dict)
     # What a joint's stiffness and damping are multiplied by beside their parameters, and what a
     # parameter adds to the logarithms of both.
     factors: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -105,7 +141,7 @@ class Assembly:
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
     mix: Array | None = None
     force: Array | None = None
-    sensor_mass_kg: float | None = None
+    sensor_mass_kg: float = 0.0  # beside what the file gives
     log_scale: float = 0.0
     delay_s: float = 0.0
     decay_rad_s: float = 0.0
@@ -126,10 +162,12 @@ class Assembly:
         loss_s: float,
         parameter: str,
         loss_parameter: str | None = None,
+        *,
+        part: float = 1.0,
     ) -> int:
-        """Add a coordinate, named as its parameter, that gives way by the parameter's value."""
-        at = self._add(parameter, column, compliance, loss_s)
-        self.compliance_of[parameter] = at
+        """Add a coordinate, named as its parameter, that gives way by a part of its value."""
+        at = self._add(parameter, column, part * compliance, loss_s)
+        self.compliance_of.setdefault(parameter, []).append((at, part))
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
@@ -154,11 +192,39 @@ class Assembly:
                 self.add_term(kind, rotor, rotor, more)
                 self.add_term(kind, rotor, link, -more)
 
-    def add_term(self, kind: str, i: int, j: int, value: float) -> None:
-        """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways."""
-        self.terms.append((kind, i, j, value))
-        if i != j:
-            self.terms.append((kind, j, i, value))
+    def add_term(
+        self,
+        kind: str,
+        i: int,
+        j: int,
+        value: float,
+        *,
+        parameter: str | None = None,
+        slope: float = 1.0,
+    ) -> None:
+        """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways.
+
+        A `parameter` changes it by `slope` a unit.
+        """
+        for a, b in {(i, j), (j, i)}:
+            self.terms.append((kind, a, b, value))
+            if parameter is not None:
+                self.terms_of.setdefault(parameter, []).append((kind, a, b, slope))
+
+    def add_stretch(
+        self, kind: str, row: Array, value: float, *, parameter: str, slope: float
+    ) -> None:
+        """Add a spring or damper that stretches by row (n so far,) times the coordinates."""
+        self.stretches.append((kind, row, value))
+        self.stretches_of.setdefault(parameter, []).append((kind, row, slope))
+
+    def joint_row(self, joint: str) -> Array:
+        """Return (n so far,) what stretches a joint's spring."""
+        row = np.zeros(len(self.columns))
+        row[self.names[joint]] = 1.0
+        if joint in self.stretched_by:
+            row[self.stretched_by[joint]] = -1.0
+        return row
 
     def unit(self, column: int) -> Array:
         """Return the superset motion of one of its columns."""
@@ -194,6 +260,14 @@ class Assembly:
         self.compliance_loss_s.append(loss_s)
         return len(self.columns) - 1
 
+    def _motion_of_pieces(self, link: int, motion: Array, n_pieces: int) -> Array:
+        """(P, 6, n): a piece stays where a hinge beyond it turns."""
+        found = np.tile(motion, (n_pieces, 1, 1))
+        for at, (own, before, _) in self.between.items():
+            if own == link:
+                found[:before, :, at] = 0.0
+        return found
+
     def system(self) -> System:
         """Put the matrices together."""
         geometry, lines = self.geometry, self.lines
@@ -201,9 +275,22 @@ class Assembly:
         n = T.shape[1]
         link_motion = geometry.link_jacobian @ T
         inertia = np.stack(self.link_inertia)
-        flat = link_motion.reshape(-1, n)
+        pieces = {
+            link: Pieces(
+                shares=shares,
+                offsets_m=offsets,
+                motion=self._motion_of_pieces(link, link_motion[link], len(shares)),
+            )
+            for link, (shares, offsets) in self.pieces.items()
+        }
+        whole = [i for i in range(len(inertia)) if i not in pieces]
+        flat = link_motion[whole].reshape(-1, n)
+        mass = flat.T @ (inertia[whole] @ link_motion[whole]).reshape(-1, n)
+        for link, piece in pieces.items():
+            flat = piece.motion.reshape(-1, n)
+            mass = mass + flat.T @ (piece.split(inertia[link]) @ piece.motion).reshape(-1, n)
         matrices = {
-            "mass": flat.T @ (inertia @ link_motion).reshape(-1, n),
+            "mass": mass,
             "damping": np.zeros((n, n)),
             "stiffness": T.T
             @ np.tensordot(np.stack(self.link_moments), geometry.gravity_per_mass, axes=2)
@@ -214,9 +301,11 @@ class Assembly:
         matrices["mass"] += base.T @ self.base_inertia @ base
         for kind, i, j, value in self.terms:
             matrices[kind][i, j] += value
-        points = lines.sensor_point if self.sensor_point is None else self.sensor_point
-        J = self._point_motion(points) @ T
-        R = geometry.point_rotation[points]
+        for kind, row, value in self.stretches:
+            matrices[kind][: row.size, : row.size] += value * np.outer(row, row)
+        where = lines.sensor_point if self.sensor_point is None else self.sensor_point
+        J = self._point_motion(where, T)
+        R = geometry.point_rotation[where]
         # a - g seen in axes turned by theta changes by theta x g.
         gx, gy, gz = geometry.gravity_m_s2
         weighed = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]]) @ J[:, 3:]
@@ -226,21 +315,25 @@ class Assembly:
             compliance=np.array(self.compliance),
             compliance_loss_s=np.array(self.compliance_loss_s),
             link_motion=link_motion,
+            pieces=pieces,
             moved=J[:, :3],
             seen=R.swapaxes(1, 2) @ J[:, :3],
             tilted=R.swapaxes(1, 2) @ weighed,
             turned=R.swapaxes(1, 2) @ J[:, 3:],
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
-            hit=self._point_motion(lines.hit_point)[:, :3] @ T,
+            hit=self._point_motion(lines.hit_point, T)[:, :3],
             force=lines.hit_direction if self.force is None else self.force,
             log_scale=self.log_scale,
             delay_s=self.delay_s,
             decay_rad_s=self.decay_rad_s,
+            sensor_mass_kg=lines.sensor_mass_kg + self.sensor_mass_kg,
         )
 
-    def _point_motion(self, points: npt.NDArray[np.int64]) -> Array:
-        """(k, 6, N) Jacobians of points, those that stand elsewhere shifted."""
-        motion = self.geometry.point_jacobian[points]
+    def _point_motion(self, points: npt.NDArray[np.int64], T: Array) -> Array:
+        """(k, 6, n) motion of points, those that stand elsewhere shifted."""
+        motion = self.geometry.point_jacobian[points] @ T
+        for at, (_, _, still) in self.between.items():
+            motion[np.isin(points, still), :, at] = 0.0
         for point, shift in self.shifts_m.items():
             arm = skew(self.geometry.point_rotation[point] @ shift)
             rows = points == point

@@ -62,7 +62,7 @@ class PosedModel:
         """Predict a posture's FRFs."""
         geometry = self._near.at(hypothesis.ordinary.encoder(values))
         assembly = _assembled(hypothesis, geometry, lines, values)
-        return respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
+        return respond(assembly.system(), lines)
 
     def derivatives(
         self,
@@ -83,7 +83,7 @@ class PosedModel:
         geometry = self._near.at(offset)
         assembly = _assembled(hypothesis, geometry, lines, values)
         system = assembly.system()
-        found = respond(system, lines, sensor_mass_kg=_sensor_mass(assembly))
+        found = respond(system, lines)
         y = found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
         posed = _Posed(hypothesis.ordinary, assembly, system, found, values)
@@ -96,7 +96,7 @@ class PosedModel:
             _by_effects(hypothesis, geometry, posed),
         ):
             if name in space.index:
-                dy[space.index[name]] = derivative * space.std[space.index[name]]
+                dy[space.index[name]] += derivative * space.std[space.index[name]]
         return y, dy
 
     def interface_columns(
@@ -113,11 +113,33 @@ class PosedModel:
         """
         geometry = self._near.at(hypothesis.ordinary.encoder(values))
         assembly = _assembled(hypothesis, geometry, lines, values)
-        found = respond(assembly.system(), lines, sensor_mass_kg=_sensor_mass(assembly))
-        left, right = found.through_compliances([assembly.compliance_of[name] for name in names])
+        found = respond(assembly.system(), lines)
+        left, right = found.through_compliances(
+            [assembly.compliance_of[name][0][0] for name in names]
+        )
         return np.stack(
             [0.5 * (left[a] * right[b][:, None] + left[b] * right[a][:, None]) for a, b in pairs]
         )
+
+    def damping_columns(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        pairs: Sequence[tuple[str, str]],
+    ) -> tuple[ComplexArray, PostureGeometry]:
+        """Derivatives (n_pairs, m, 3, L) by a damping between two joints; posture's geometry.
+
+        Of an element of C of two named joints: both triangles' mean.
+        """
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
+        assembly = _assembled(hypothesis, geometry, lines, values)
+        found = respond(assembly.system(), lines)
+        at = [(assembly.names[a], assembly.names[b]) for a, b in pairs]
+        columns = [
+            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
+        ]
+        return np.stack(columns), geometry
 
     def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
         for i, joint in enumerate(posed.ordinary.arm.joints):
@@ -145,10 +167,7 @@ class _Posed:
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
-            row = np.zeros(self.system.mass.shape[0])
-            row[self.assembly.names[name]] = 1.0
-            if name in self.assembly.stretched_by:
-                row[self.assembly.stretched_by[name]] = -1.0
+            row = self.assembly.joint_row(name)
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
             more_k, more_c = self.assembly.factors.get(name, (1.0, 1.0))
             by_stiffness = k * more_k * self.found.by_stretch(row, 1.0)
@@ -167,9 +186,10 @@ class _Posed:
         """Compliances and their losses."""
         s, system = self.found.lines.s_rad_s, self.system
         compliances = self.assembly.compliance_of
-        rows = self.found.by_compliances(list(compliances.values()))
-        yield from zip(compliances, rows, strict=True)
-        row_of = {at: rows[i] for i, at in enumerate(compliances.values())}
+        every = [at for parts in compliances.values() for at, _ in parts]
+        row_of = dict(zip(every, self.found.by_compliances(every), strict=True))
+        for name, parts in compliances.items():
+            yield name, np.sum([row_of[at] * part for at, part in parts], axis=0)
         for name, coordinates in self.assembly.loss_of.items():
             slower = [
                 -system.compliance[at] * s / (1.0 + system.compliance_loss_s[at] * s)
@@ -206,12 +226,18 @@ def _by_effects(
     hypothesis: Hypothesis, geometry: PostureGeometry, posed: _Posed
 ) -> Iterator[tuple[str, ComplexArray]]:
     """What effects bring beside compliances, by differences of the equations."""
+    assembly, found, lines = posed.assembly, posed.found, posed.assembly.lines
+    for name, terms in assembly.terms_of.items():
+        yield name, np.sum([v * found.by_term(kind, i, j) for kind, i, j, v in terms], axis=0)
+    for name, rows in assembly.stretches_of.items():
+        yield name, np.sum([v * found.by_stretch_of(kind, row) for kind, row, v in rows], axis=0)
     known = {
-        *posed.assembly.compliance_of,
-        *posed.assembly.loss_of,
-        *posed.assembly.log_slopes,
+        *assembly.compliance_of,
+        *assembly.loss_of,
+        *assembly.terms_of,
+        *assembly.stretches_of,
+        *assembly.log_slopes,
     }
-    lines = posed.assembly.lines
     for instance in hypothesis.instances:
         for parameter in instance.parameters:
             if parameter.name in known:
@@ -222,7 +248,7 @@ def _by_effects(
             changed = {**posed.values, parameter.name: posed.values[parameter.name] + step}
             other = _assembled(hypothesis, geometry, lines, changed).system()
             if other.decay_rad_s != posed.system.decay_rad_s:
-                there = respond(other, lines, sensor_mass_kg=posed.found.sensor_mass_kg)
+                there = respond(other, lines)
                 yield parameter.name, (there.values - posed.found.values) / step
                 continue
             yield parameter.name, posed.found.by_change(Change.between(posed.system, other, step))
@@ -238,11 +264,6 @@ def _assembled(
     for instance in hypothesis.instances:
         instance.add(assembly, values)
     return assembly
-
-
-def _sensor_mass(assembly: Assembly) -> float:
-    own = assembly.sensor_mass_kg
-    return assembly.lines.sensor_mass_kg if own is None else own
 
 
 def _inertia_changes(

@@ -29,7 +29,8 @@ class Thresholds:
     clear: float = 45.0  # nats of evidence over the present hypothesis
     apart: float = 20.0  # nats to the next rival
     ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
-    outside_misfit: float = 0.90  # above this something is missing
+    relaxed: float = 15.0  # nats for an ordinary error beyond its tolerance: no new term
+    outside_misfit: float = 0.70  # above this something is missing
     held_out: float = 3.0  # nats that held-out postures must gain together
 
 
@@ -62,7 +63,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         Best evidence first, each the present hypothesis and one effect more.
     """
     phi = scale(stage, [present, *rivals], thresholds)
-    better = [r for r in rivals if present.evidence - r.evidence > thresholds.clear * phi]
+    better = [r for r in rivals if present.evidence - r.evidence > _wanted(r, thresholds) * phi]
     if not better:
         return Judged(named=None, standing=(), phi=phi)
     material = [r for r in better if _added(r).is_material(r.values)]
@@ -76,10 +77,16 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         if r is not best
         and r.evidence - best.evidence < thresholds.apart * phi
         and not _same(best, r)
+        and not _is_no_more_than(r, best)
     ]
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)
     return Judged(named=best, standing=(best,), phi=phi)
+
+
+def _wanted(fit: Fit, thresholds: Thresholds) -> float:
+    only_wider = bool(_added(fit).relaxes) and not _added(fit).parameters
+    return thresholds.relaxed if only_wider else thresholds.clear
 
 
 def _added(fit: Fit) -> Instance:
@@ -91,6 +98,13 @@ def _same(one: Fit, other: Fit) -> bool:
     if a.key == b.key or _one_line(one, other) or _one_line(other, one):
         return True
     return b.effect.name in a.effect.equivalent or a.effect.name in b.effect.equivalent
+
+
+def _is_no_more_than(rival: Fit, best: Fit) -> bool:
+    """Whether a rival holds the best inside it, and nothing else that matters."""
+    a, b = _added(rival), _added(best)
+    inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
+    return inside and not a.is_material(rival.values)
 
 
 def _one_line(axis: Fit, joint: Fit) -> bool:

@@ -59,11 +59,12 @@ class Change:
     mix: Array | None = None
     hit: Array | None = None
     force: Array | None = None
+    sensor_mass_kg: float | None = None
 
     @classmethod
     def between(cls, before: System, after: System, step: float) -> Change:
         """Change a unit of the parameter makes."""
-        found: dict[str, Array] = {}
+        found: dict[str, Any] = {}
         for name in cls.__slots__:
             old, new = getattr(before, name), getattr(after, name)
             if old is not new and not np.array_equal(old, new):
@@ -77,7 +78,6 @@ class Response:
 
     system: System
     lines: PostureLines
-    sensor_mass_kg: float
     factor: ComplexArray  # (L,) of all channels: scale and delay
     x: ComplexArray  # (L, m, n) motion under the hit
     Y: ComplexArray  # (L, m, 3, n) motion under unit loads on the recorded axes, factor included
@@ -97,6 +97,21 @@ class Response:
         Y = self.Y[..., at] @ row[at]
         x = self.x[:, :, at] @ row[at]
         return _last(-Y * x[:, :, None] * np.reshape(weight, (-1, 1, 1)))
+
+    def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
+        """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
+        weight = self._weight(kind)
+        return _last(-self.Y[..., i] * self.x[:, :, j, None] * weight)
+
+    def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
+        """Derivative by a spring ("stiffness") or damper ("damping") on the first coordinates."""
+        return self.by_stretch(row, self._weight(kind))
+
+    def _weight(self, kind: str) -> ComplexArray:
+        s = self.lines.s_rad_s
+        one = np.ones_like(s)
+        weight = {"mass": s**2, "damping": s, "stiffness": one, "loss": hysteresis(s)}[kind]
+        return np.asarray(weight[:, None, None])
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
         """Derivatives (k, m, 3, L) by the compliances of k coordinates."""
@@ -138,7 +153,14 @@ class Response:
 
         Gravity's stiffness is taken as it is: its part is far below the inertia's own.
         """
-        J = self.system.link_motion[link]
+        pieces = self.system.pieces.get(link)
+        if pieces is None:
+            return self._by_inertia(self.system.link_motion[link], changes)
+        split = np.stack([pieces.split(change) for change in changes], axis=1)
+        parts = [self._by_inertia(J, own) for J, own in zip(pieces.motion, split, strict=True)]
+        return np.asarray(np.sum(parts, axis=0))
+
+    def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
         L, m, n = self.x.shape
         k = len(changes)
         V = self.x.reshape(-1, n) @ J.T  # (L m, 6)
@@ -178,12 +200,15 @@ class Response:
             if matrix is not None:
                 dZx += power[:, None, None] * (flat @ matrix.T).reshape(L, m, n)
         column = self.x[..., None]
-        if change.moved is not None and self.sensor_mass_kg:
+        if change.sensor_mass_kg is not None:
+            load = np.matmul(system.moved.swapaxes(1, 2), np.matmul(system.moved, column))[..., 0]
+            dZx += change.sensor_mass_kg * (s**2)[:, None, None] * load
+        if change.moved is not None and system.sensor_mass_kg:
             U, dU = system.moved, change.moved
             both = np.matmul(dU.swapaxes(1, 2), np.matmul(U, column)) + np.matmul(
                 U.swapaxes(1, 2), np.matmul(dU, column)
             )
-            dZx += self.sensor_mass_kg * (s**2)[:, None, None] * both[..., 0]
+            dZx += system.sensor_mass_kg * (s**2)[:, None, None] * both[..., 0]
         if change.hit is not None:
             dZx -= (system.force[:, None] @ change.hit)[:, 0][self.lines.hit]
         if change.force is not None:
@@ -206,7 +231,7 @@ def _last(y: ComplexArray) -> ComplexArray:
     return np.asarray(y.transpose(1, 2, 0))
 
 
-def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Response:
+def respond(system: System, lines: PostureLines) -> Response:
     """Solve a system on its lines, as far from them as a hidden window moved them."""
     if system.decay_rad_s:
         lines = replace(lines, s_rad_s=lines.s_rad_s + system.decay_rad_s)
@@ -233,7 +258,7 @@ def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Re
 
     U = system.moved  # (m, 3, n)
     HU = rows(U)
-    ms2 = (sensor_mass_kg * s**2)[:, None, None, None]
+    ms2 = (system.sensor_mass_kg * s**2)[:, None, None, None]
     S = ms2 * np.linalg.inv(np.eye(3) + ms2 * np.matmul(HU, U.swapaxes(1, 2)))
     b = (system.force[:, None] @ system.hit)[:, 0]  # (n_hits, n)
     x0 = np.matmul(b, H)[:, lines.hit]  # (L, m, n)
@@ -249,7 +274,6 @@ def respond(system: System, lines: PostureLines, *, sensor_mass_kg: float) -> Re
     return Response(
         system=system,
         lines=lines,
-        sensor_mass_kg=sensor_mass_kg,
         factor=factor,
         x=x,
         Y=Y * factor[:, None, None, None],

@@ -13,21 +13,33 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analyzer.gap.effects import link_axis
-from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import across
 from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan_dampers import scan_dampers
+from analyzer.gap.scan_postures import scan_compensators
 from analyzer.gap.sensors import scan_sensors
 
 __all__ = ["Rivals", "find_rivals"]
 
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
-_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 20, 9, 4, 4
+_LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
+_FROM_START, _BETTER_HALF = 10, 10
+_LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
+_FEW_PARAMETERS, _MANY_STEPS = 6, 12
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
-_MOST_AXES = 6
+# Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
+_AT_MOST = {
+    "link_axis": 6,
+    "gravity_compensator": 2,
+    "link_bending": 2,
+    "link_torsion": 2,
+    "load_damping": 2,
+    "nonproportional": 2,
+}
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
 _BELIEVABLE = (
     4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
@@ -39,7 +51,9 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
-_ASTRAY = ("bearing", "base", "hysteretic")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending", "servo")
+_SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
+_SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
 
 Progress = Callable[[str], None]
@@ -76,7 +90,8 @@ def find_rivals(
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
     near = _NEAR_BY_LEVEL if present.ordinary.level_span else _NEAR
-    if per_line < near and at_sharp.farthest < _BELIEVABLE:
+    lost = at_sharp.farthest > _BELIEVABLE
+    if per_line < near and not lost:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
         chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)
@@ -86,10 +101,11 @@ def find_rivals(
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
-        looked_at = _looked_at(broad, base, start or {}, from_start=True)
-        chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
-        coarse = _first_steps(broad, base, chosen, postures, start or {})
-        coarse += _from_the_start(broad, present, looked_at, postures, start or {})
+        looked_at, coarse = _from_the_start(broad, present, postures, start or {}, alone=lost)
+        if not lost:
+            looked_at = _looked_at(broad, base, start or {}, from_start=True)
+            chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+            coarse += _first_steps(broad, base, chosen, postures, start or {})
         coarse.sort(key=lambda f: f.cost)
         coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
@@ -176,24 +192,37 @@ def _better_start(
 def _from_the_start(
     stage: Stage,
     present: Hypothesis,
-    looked_at: Sequence[Candidate],
     postures: Sequence[int] | None,
     start: dict[str, float],
-) -> list[Fit]:
-    """What may lead the plain fit so far astray that a linear look about it misjudges it."""
-    taken = {instance.key for instance in present.instances}
-    instances = [i for i in all_instances(present.ordinary) if i.effect.name in _ASTRAY]
-    best_line: dict[str, Instance] = {}
-    for candidate in looked_at:
-        if candidate.instance.effect.name == "link_axis":
-            best_line.setdefault(candidate.instance.place, candidate.instance)
+    *,
+    alone: bool,
+) -> tuple[list[Candidate], list[Fit]]:
+    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
+
+    Where they stand alone, more of them and further.
+    """
+    first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
+    looked_at = _looked_at(stage, first, start, from_start=False)
+    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+    chosen = chosen[: _LOOKED_AT if alone else _FROM_START]
+    instances = [candidate.instance for candidate in chosen]
+    known = {instance.key for instance in (*present.instances, *instances)}
+    instances += [
+        i
+        for i in all_instances(present.ordinary)
+        if i.effect.name in _ASTRAY and i.key not in known
+    ]
     fits = []
-    for instance in (*instances, *best_line.values()):
-        if instance.key in taken:
-            continue
+    for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
-    return fits
+        steps = _MANY_STEPS if len(instance.parameters) > _FEW_PARAMETERS else _FIRST_STEPS
+        fits.append(
+            fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
+        )
+    fits.sort(key=lambda f: f.cost)
+    better = len(fits) if alone else _BETTER_HALF
+    further = [_further(stage, f, postures, _FIRST_STEPS) for f in fits[:better]]
+    return looked_at, [*further, *fits[better:]]
 
 
 def _axes_of_bearings(
@@ -230,9 +259,16 @@ def _key(fit: Fit) -> tuple[str, str]:
 
 
 def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
-    return fit_hypothesis(
-        stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
-    )
+    """Some steps more; and again while the cost still falls by leaps."""
+    for _ in range(_MOST_LEAPS):
+        further = fit_hypothesis(
+            stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
+        )
+        leapt = further.n_iterations == steps and further.cost < _LEAP * further.first_cost
+        fit = further
+        if not leapt:
+            break
+    return fit
 
 
 def _leading(fits: Sequence[Fit], base: Fit | None) -> list[Fit]:
@@ -255,9 +291,11 @@ def _looked_at(
     """Every effect at every place by its linear gain; sensors also beside the first guess."""
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
-    found = scan_instances(
-        stage, base, [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
-    )
+    instances = [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
+    plain = [i for i in instances if i.effect.name not in _SOUGHT]
+    found = scan_instances(stage, base, plain)
+    found += scan_compensators(stage, base, instances)
+    found += scan_dampers(stage, base, instances)
     axes_taken = [place for name, place in taken if name == "link_axis"]
     found += scan_axes(stage, base, exclude=axes_taken)
     found += scan_sensors(stage, hypothesis, base.values)
@@ -267,7 +305,7 @@ def _looked_at(
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])
-        if not same or candidate.instance.effect.name == "link_axis":
+        if not same or candidate.instance.effect.name in _SEVERAL_STARTS:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)
@@ -289,13 +327,12 @@ def _most_promising(
         first = list(kinds.values())
         worthy = first + [c for c in worthy if c not in first]
     chosen: list[Candidate] = []
-    axes = 0
+    taken: dict[str, int] = {}
     for candidate in worthy:
         if len(chosen) == _LOOKED_AT:
             break
-        if candidate.instance.effect.name == "link_axis":
-            axes += 1
-            if axes > _MOST_AXES:
-                continue
-        chosen.append(candidate)
+        name = candidate.instance.effect.name
+        taken[name] = taken.get(name, 0) + 1
+        if taken[name] <= _AT_MOST.get(name, _LOOKED_AT):
+            chosen.append(candidate)
     return chosen

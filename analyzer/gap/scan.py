@@ -59,6 +59,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     curvature = np.sum([p.curvature for p in parts], axis=0)
     ordinary = np.array([p.name in fit.space.index for p in space.parameters])
     free = np.flatnonzero(ordinary)[fit.free]
+    left = gradient[free] + fit.u[fit.free]  # where the fit has not converged
     found = []
     for instance in instances:
         if not instance.parameters or instance.relaxes:
@@ -69,7 +70,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
         own = np.array([space.index[n] for n in names])
         sizes = (instance.size, *instance.sizes)
         one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
-        gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided)
+        gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided, left)
         at = names.index(instance.size)
         unit = space.std[own]
         reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
@@ -127,8 +128,11 @@ def _gain(
     free: npt.NDArray[np.int64],
     own: npt.NDArray[np.int64],
     one_sided: npt.NDArray[np.bool_],
+    left: Array,
 ) -> tuple[float, Array, Array, Array, Array]:
     """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
+
+    `left` (n_free,) is the free ones' slope: what they gain without the own ones does not count.
 
     Returns the gain, the step (n_own,), its standard deviation, each alone, how the free ones
     follow (n_free,), and how they do per unit of each (n_free, n_own).
@@ -137,10 +141,11 @@ def _gain(
     B = curvature[np.ix_(free, own)]
     along = np.linalg.solve(A, B)
     S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
-    slope = gradient[own]
-    std = 1.0 / np.sqrt(S.diagonal())
+    own_way = np.linalg.solve(A, left)
+    slope = gradient[own] - B.T @ own_way
+    std: Array = 1.0 / np.sqrt(S.diagonal())
     active = ~(one_sided & (slope >= 0.0))
-    whole = np.zeros(len(own))
+    whole: Array = np.zeros(len(own))
     for _ in range(3):
         if not active.any():
             break
@@ -149,9 +154,10 @@ def _gain(
         if not wrong.any():
             whole[active] = step
             gain = -0.5 * float(step @ slope[active])
-            return gain, whole, std, -along @ whole, np.asarray(-along)
+            follow: Array = np.asarray(-along @ whole - own_way)
+            return gain, whole, std, follow, np.asarray(-along)
         active[np.flatnonzero(active)[wrong]] = False
-    return 0.0, whole, std, np.zeros(len(free)), np.asarray(-along)
+    return 0.0, whole, std, np.asarray(-own_way), np.asarray(-along)
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:
@@ -225,12 +231,14 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
         curvature += part.curvature
     free = np.flatnonzero(fit.free)
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
+    left = gradient[free] + fit.u[free]
     found = []
     for i in range(len(links)):
         own = np.arange(n + i * len(_PAIRS), n + (i + 1) * len(_PAIRS))
         B = curvature[np.ix_(free, own)]
-        gram = curvature[np.ix_(own, own)] - B.T @ np.linalg.solve(A, B)
-        found.append((gram, gradient[own]))
+        solved = np.linalg.solve(A, np.column_stack([B, left]))
+        gram = curvature[np.ix_(own, own)] - B.T @ solved[:, :-1]
+        found.append((gram, gradient[own] - B.T @ solved[:, -1]))
     return found
 
 

@@ -147,13 +147,18 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
     Parameters
     ----------
     stiffness
-        Believed stiffness of each joint: a coupling is counted in their geometric mean.
+        Believed stiffness of each joint: a coupling is counted in their geometric mean, a
+        compensator in its joint's.
     """
     p, place = effect["parameters"], effect["place"]
 
     def coupling() -> float:
         mean = float(np.sqrt(np.prod([stiffness[j] for j in place])))
         return float(p["cross_stiffness_n_m_per_rad"]) / mean
+
+    def compensator() -> float:
+        about_joint = p["stiffness_n_per_m"] * float(np.sum(np.square(p["eye_m"])))
+        return float(about_joint) / stiffness[place]
 
     sizes: dict[str, Callable[[], float]] = {
         "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
@@ -169,6 +174,13 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         "payload": lambda: p["mass_kg"],
         "rotor": lambda: p["inertia_kg_m2"],
         "hysteretic": lambda: p["loss_factor"],
+        "sensor_mass": lambda: p["extra_kg"],
+        "link_bending": lambda: 1.0 / p["bending_stiffness_n_m2"],
+        "link_torsion": lambda: 1.0 / p["torsional_stiffness_n_m2"],
+        "wrist_coupling": lambda: p["ratio"],
+        "gravity_compensator": compensator,
+        "nonproportional": lambda: p["damping_n_s_per_m"],
+        "load_damping": lambda: 1.0 / p["load_n_m"],
         "hit_direction": lambda: np.deg2rad(p["turn_deg"][0]),
     }
     if "by_m" in p:

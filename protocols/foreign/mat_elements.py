@@ -19,7 +19,8 @@ __all__ = ["VERSION_5", "plain_variables"]
 
 HEADER_BYTES = 128
 VERSION_5 = 0x0100
-MOST_BYTES = 2**30  # of one variable, decompressed
+MOST_BYTES = 2**29  # of one variable, decompressed
+PIECE_BYTES = 2**24  # decompressed at a time: a variable that is too large is never held
 MOST_CELLS = 100_000
 _COMPRESSED, _MATRIX = 15, 14
 _INT8, _INT32, _UINT32 = 1, 5, 6
@@ -51,6 +52,7 @@ def plain_variables(data: bytes) -> list[str]:
     if version != VERSION_5:
         raise ValueError(f"version {version:#06x}, wanted {VERSION_5:#06x}")
     names = []
+    whole = memoryview(data)
     at = HEADER_BYTES
     while at < len(data):
         if len(data) - at < 8:
@@ -58,7 +60,7 @@ def plain_variables(data: bytes) -> list[str]:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind not in {_COMPRESSED, _MATRIX} or size > len(data) - at - 8:
             raise ValueError(f"byte {at}: an element of type {kind} with {size} bytes")
-        body = data[at + 8 : at + 8 + size]
+        body = whole[at + 8 : at + 8 + size]
         at += 8 + size
         if kind == _COMPRESSED:
             body = _inflated(body, order)
@@ -69,22 +71,29 @@ def plain_variables(data: bytes) -> list[str]:
     return names
 
 
-def _inflated(body: bytes, order: str) -> bytes:
+def _inflated(body: memoryview, order: str) -> memoryview:
     """Return the matrix in a compressed element."""
-    try:
-        reader = zlib.decompressobj()
-        whole = reader.decompress(body, MOST_BYTES)
-    except zlib.error as error:
-        raise ValueError(str(error)) from error
-    if reader.unconsumed_tail or not reader.eof or len(whole) < 8:
-        raise ValueError("compressed data that are cut off or too large")
+    reader = zlib.decompressobj()
+    whole = bytearray()
+    left: bytes | memoryview = body
+    while not reader.eof:
+        try:
+            piece = reader.decompress(left, PIECE_BYTES)
+        except zlib.error as error:
+            raise ValueError(str(error)) from error
+        whole += piece
+        left = reader.unconsumed_tail
+        if len(whole) > MOST_BYTES or not (piece or reader.eof):
+            raise ValueError("compressed data that are cut off or too large")
+    if len(whole) < 8:
+        raise ValueError("compressed data that are cut off")
     kind, size = struct.unpack_from(f"{order}II", whole)
     if kind != _MATRIX or size != len(whole) - 8:
         raise ValueError(f"compressed element of type {kind} with {size} of {len(whole) - 8} bytes")
-    return whole[8:]
+    return memoryview(whole)[8:]
 
 
-def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+def _elements(body: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
     """Yield type and data of the elements in a matrix."""
     at = 0
     while at < len(body):
@@ -105,14 +114,16 @@ def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:
         at = end
 
 
-def _next(elements: Iterator[tuple[int, bytes]], kinds: frozenset[int], what: str) -> bytes:
-    kind, data = next(elements, (0, b""))
+def _next(
+    elements: Iterator[tuple[int, memoryview]], kinds: frozenset[int], what: str
+) -> memoryview:
+    kind, data = next(elements, (0, memoryview(b"")))
     if kind not in kinds:
         raise ValueError(f"{what} of type {kind}")
     return data
 
 
-def _check_matrix(body: bytes, order: str, depth: int) -> str:
+def _check_matrix(body: memoryview, order: str, depth: int) -> str:
     """Check an array and return its name; raise _NotPlain where it is none of ours."""
     if not body and depth:
         return ""  # an empty cell
@@ -133,7 +144,7 @@ def _check_matrix(body: bytes, order: str, depth: int) -> str:
     sizes = struct.unpack(f"{order}{n}i", shape)
     if min(sizes) < 0:
         raise ValueError(f"dimensions {sizes}")
-    name = _next(elements, frozenset({_INT8}), "a name").decode("latin-1")
+    name = bytes(_next(elements, frozenset({_INT8}), "a name")).decode("latin-1")
     if kind == _CELL:
         if depth >= _DEEPEST or math.prod(sizes) > MOST_CELLS:
             raise ValueError("cells within cells, or too many of them")

@@ -88,6 +88,15 @@ def test_a_silence_of_the_bus_during_a_hit_speaks_against_it(around, bus, plan):
     assert reasons == ("stale",)
 
 
+def test_a_silence_counts_from_before_the_hit(around, bus, plan):
+    (posture,) = plan.postures
+    bus.cycles(posture.joints_rad, [1.0, 1.0 + 1.2 * SILENCE_S, 1.008 + 1.2 * SILENCE_S])
+    before = around.before(1.0 + 0.6 * SILENCE_S)
+    after = bus.joints.reading_after(1.0 + 0.7 * SILENCE_S)
+    reasons, _ = around.judged(before, after, posture)
+    assert reasons == ("stale",)
+
+
 def test_a_steady_arm_on_a_steady_bus_has_nothing_against_it(around, bus, plan):
     (posture,) = plan.postures
     bus.cycles(posture.joints_rad, np.arange(1.0, 1.5, 0.008))

@@ -53,6 +53,13 @@ def test_an_arm_that_moves_while_the_bus_is_silent_during_a_hit_is_noticed():
     assert outcome.counts["stale"] == 1
 
 
+def test_a_silence_that_began_before_the_hit_hides_no_motion_in_it():
+    script = (("can-silence@3472+218", "arm-twitches@3472"), ())
+    outcome = run_seed(134, script=script)
+    assert outcome.violations == []
+    assert outcome.counts["stale"] == 1
+
+
 @pytest.mark.parametrize("after", [-30, 8, 120])
 def test_a_hit_is_not_used_whose_time_is_lost_to_a_jump_of_the_board_s_clock(after):
     outcome = run_seed(12, script=((), ((2, "clock-jump", after, 0),)))

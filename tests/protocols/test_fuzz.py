@@ -1,7 +1,10 @@
 """Bytes from outside: a little of `bench/torture_fuzz.py`, and what it once found."""
 
 import io
+import struct
 import sys
+import tracemalloc
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +21,7 @@ from support.fuzz_lines import decode_board
 from support.fuzz_material import decoders_in
 
 from protocols.errors import ForeignFileError
+from protocols.foreign import mat_elements
 from protocols.foreign.arrays_measured import npy_array
 from protocols.foreign.mat_elements import plain_variables
 
@@ -89,6 +93,32 @@ def test_numbers_of_a_matlab_file_are_of_a_type_it_knows():
     for kind in (0, 8, 11, 14, 19, 200, 65535):
         with pytest.raises(ValueError, match=f"data of type {kind}"):
             plain_variables(mat_with_type(kind))
+
+
+def test_a_small_matlab_file_of_very_much_data_is_refused_before_it_is_held(monkeypatch):
+    much = 2**27  # zeros, an eighth of a megabyte compressed
+    monkeypatch.setattr(mat_elements, "MOST_BYTES", 2**20)
+    packed = zlib.compress(struct.pack("<II", 14, much) + bytes(much))
+    data = b"MATLAB 5.0".ljust(124) + b"\x00\x01IM" + struct.pack("<II", 15, len(packed)) + packed
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match="too large"):
+            plain_variables(data)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 4 * mat_elements.PIECE_BYTES  # a piece, its copy, and what they grow by
+
+
+def test_a_compressed_variable_that_is_cut_off_is_refused():
+    stream = io.BytesIO()
+    scipy.io.savemat(stream, {"time": np.arange(400.0)}, do_compression=True)
+    data = stream.getvalue()
+    size = len(data) - 136
+    for kept in (0, 1, size // 2, size - 1):
+        cut = data[:128] + struct.pack("<II", 15, kept) + data[136 : 136 + kept]
+        with pytest.raises(ValueError, match=r"cut off|incomplete|compressed"):
+            plain_variables(cut)
 
 
 def test_structs_of_a_matlab_file_are_passed_over():

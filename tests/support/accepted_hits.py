@@ -33,8 +33,13 @@ header.arm_from_texts = cache(header.arm_from_texts)
 
 def quick_folder() -> tempfile.TemporaryDirectory[str]:
     """Make a folder for disks that are only laid out: in memory, where there is such a place."""
+    return tempfile.TemporaryDirectory(dir=quick_place())
+
+
+def quick_place() -> Path | None:
+    """Return where files lie in memory; None where there is no such place."""
     memory = Path("/dev/shm")  # noqa: S108
-    return tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else None)
+    return memory if memory.is_dir() else None
 
 
 def laid_out(files: Mapping[str, bytes], folder: Path) -> None:

@@ -218,7 +218,7 @@ class VirtualLab:
 
     def advance(self, seconds):
         until_s = self.wall_s + seconds
-        while self.wall_s < until_s - 1e-9:
+        while self.wall_s < until_s:
             self.wall_s = min(self.wall_s + STEP_S, until_s)
             self.step()
         if self.wall_s > self.operator.begun_s + HANGS_AFTER_S:
@@ -281,7 +281,7 @@ class VirtualClock:
         until_s = self._lab.wall_s + max(wall_s, 0.0)
         while True:
             ready = [fd for fd in descriptors if self._is_ready(fd)]
-            if ready or self._lab.wall_s >= until_s - 1e-9:
+            if ready or self._lab.wall_s >= until_s:
                 return ready
             self._lab.advance(min(WAIT_S, until_s - self._lab.wall_s))
 

@@ -19,11 +19,10 @@ WORDS = EffectWords(
     changes="stiffness and damping between two joints, beside the diagonal of K and C",
     signature="a hit on one joint's freedom moves the other more than inertia explains",
     confused_with=("wrist_coupling", "link_axis"),
-    equivalent=("wrist_coupling",),
     told_by="a posture in which the mass matrix does not couple the two",
     remedy="look for belts, a parallelogram, cables or a common gear between the two joints",
 )
-_MATERIAL = 0.03  # of the geometric mean of both stiffnesses
+_MATERIAL = 0.02  # of the geometric mean of both stiffnesses
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -48,8 +47,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 c: float = c,
             ) -> None:
                 at_a, at_b = assembly.names[a], assembly.names[b]
-                assembly.add_term("stiffness", at_a, at_b, values[stiff] * k)
-                assembly.add_term("damping", at_a, at_b, values[lossy] * c)
+                assembly.add_term(
+                    "stiffness", at_a, at_b, values[stiff] * k, parameter=stiff, slope=k
+                )
+                assembly.add_term(
+                    "damping", at_a, at_b, values[lossy] * c, parameter=lossy, slope=c
+                )
 
             found.append(
                 Instance(

@@ -24,6 +24,7 @@ class EffectWords:
     signature: str
     confused_with: tuple[str, ...] = ()  # names of effects
     equivalent: tuple[str, ...] = ()  # cannot be told apart by these tests: not a wrong name
+    contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
 

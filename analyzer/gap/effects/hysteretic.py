@@ -15,7 +15,7 @@ WORDS = EffectWords(
     title="Hysteretic damping of the joints",
     changes="K becomes K (1 + i eta): the loss factor takes the place of the dashpots",
     signature="damping ratios that stay alike from low to high modes instead of growing",
-    confused_with=("nonproportional_damping",),
+    confused_with=("nonproportional",),
     told_by="a posture that moves a mode far in frequency",
     remedy="use a loss factor for grease and seals instead of a dashpot",
 )

@@ -22,8 +22,7 @@ WORDS = EffectWords(
     title="Compliance axis inside a link",
     changes="releases one rotation about a line of the link, between its joint and its mass",
     signature="a mode whose motion turns about one line that moves with the link",
-    confused_with=("bearing", "released_joint", "base", "link_bending"),
-    equivalent=("link_bending",),
+    confused_with=("bearing", "released_joint", "base", "link_bending", "link_torsion"),
     told_by="triplets of points on both sides of the line; postures that move the masses beyond",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
 )

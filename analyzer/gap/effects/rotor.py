@@ -43,7 +43,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             name: str = name,
         ) -> None:
             at = assembly.names[joint]
-            assembly.add_term("mass", at, at, values[name])
+            assembly.add_term("mass", at, at, values[name], parameter=name)
 
         found.append(
             Instance(

@@ -119,8 +119,8 @@ def _every_instance(ordinary):
 
 def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, posed):
     """One hypothesis at a time, away from zero; 2 % where gravity's part of an inertia is left."""
-    rng = np.random.default_rng(5)
     for instance in _every_instance(ordinary):
+        rng = np.random.default_rng(5)
         hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
         space = hypothesis.space()
         u = np.clip(space.start() + 0.2 * rng.random(len(space)), space.low, space.high)

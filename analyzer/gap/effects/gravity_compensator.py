@@ -1,0 +1,104 @@
+"""A spring cylinder beside a joint that carries a part of the weight.
+
+Its ends are r_a and r_b from the joint's axis, an angle phi = q + phi_0 apart. With rho = r_a / r_b
+and L its length, its stiffness about the joint is k L'^2, L' = dL/dq:
+
+    k L'^2 = k r_b^2 rho^2 sin^2 phi / (1 + rho^2 - 2 rho cos phi) .
+
+It is k times the shorter arm squared where the cylinder stands square to that arm. The tension's
+own part, F L'', is below a hundredth of it for cylinders that are stiff enough to be seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.compliance import loss_parameter
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["STD", "WORDS", "instances", "lifting_joints", "names_at", "share"]
+
+Array = npt.NDArray[np.float64]
+
+WORDS = EffectWords(
+    name="gravity_compensator",
+    title="Gravity compensator stiffens a joint",
+    changes="stiffness and damping beside a joint's own, by an angle that turns with the joint",
+    signature="a joint stiffer in some postures than in others, by its own angle alone",
+    confused_with=("coupling", "servo", "encoder_offset"),
+    told_by="three postures that differ in that joint's angle alone; or the cylinder taken off",
+    remedy="put the cylinder's ends and stiffness into the model, or test with its valve open",
+)
+STD = 0.3  # of the joint's stiffness, where it is square to its lever
+_MATERIAL = 0.03
+_RATIO, _LN_RATIO_STD = 1.5, 0.3
+_ANY_ANGLE = 3.0
+
+
+def share(angle_rad: npt.ArrayLike, ratio: float) -> Array:
+    """Stiffness about the joint over what it is where the cylinder is square to the shorter arm.
+
+    Parameters
+    ----------
+    angle_rad
+        Between both arms.
+    ratio
+        Of the fixed arm to the turning one.
+    """
+    phi = np.asarray(angle_rad, dtype=np.float64)
+    square = (ratio * np.sin(phi)) ** 2 / (1.0 + ratio**2 - 2.0 * ratio * np.cos(phi) + 1e-9)
+    return np.asarray(square / min(1.0, ratio) ** 2)
+
+
+def lifting_joints(ordinary: Ordinary) -> tuple[int, ...]:
+    """Return the joints that such a cylinder may stand beside: the second and third with a spring.
+
+    The first turns about the vertical, and further ones have no room.
+    """
+    return ordinary.elastic[1:3]
+
+
+def names_at(joint: str) -> tuple[str, str, str, str]:
+    """Return the names of stiffness, loss, angle and ratio."""
+    what = ("stiffness", "loss", "angle", "ln ratio")
+    return tuple(f"compensator {word} {joint}" for word in what)  # type: ignore[return-value]
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each joint that lifts; a scan of angles tells where to begin."""
+    return tuple(_beside(ordinary, i) for i in lifting_joints(ordinary))
+
+
+def _beside(ordinary: Ordinary, i: int) -> Instance:
+    joint = ordinary.arm.joints[i]
+    stiff, loss, angle, ratio = names_at(joint.name)
+    k = 1.0 if joint.stiffness is None else joint.stiffness.value
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        phi = float(assembly.lines.joints_rad[i]) + values[angle]
+        part = float(share(phi, float(np.exp(values[ratio])))) * k
+        at, tau = assembly.names[joint.name], values[loss]
+        assembly.add_term("stiffness", at, at, values[stiff] * part, parameter=stiff, slope=part)
+        c = values[stiff] * part * tau
+        assembly.add_term("damping", at, at, c, parameter=stiff, slope=part * tau)
+        assembly.terms_of.setdefault(loss, []).append(("damping", at, at, values[stiff] * part))
+
+    return Instance(
+        effect=WORDS,
+        place=joint.name,
+        parameters=(
+            Parameter(name=stiff, mean=0.0, std=STD, low=0.0),
+            loss_parameter(loss),
+            Parameter(name=angle, mean=0.0, std=_ANY_ANGLE),
+            Parameter(name=ratio, mean=float(np.log(_RATIO)), std=_LN_RATIO_STD),
+        ),
+        builder=build,
+        size=stiff,
+        material=_MATERIAL,
+    )

@@ -1,0 +1,31 @@
+"""A long link that bends all along, both ways across its line."""
+
+from __future__ import annotations
+
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.long_link import LongLink, given_way, long_links
+from analyzer.gap.ordinary import Ordinary, across
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="link_bending",
+    title="Link bends along its length",
+    changes="hinges both ways across the link's line, its bending stiffness spread over them",
+    signature="points along the link turn more the further out they sit, in two planes",
+    confused_with=("link_axis", "bearing", "released_joint"),
+    told_by="points at three places along the link; hits along two directions across it",
+    remedy="take the link as a beam: its section's bending stiffness over its length",
+)
+_MATERIAL = 0.012  # of the arm's compliance, root to tip
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each long link."""
+    return tuple(_of(ordinary, line) for line in long_links(ordinary))
+
+
+def _of(ordinary: Ordinary, line: LongLink) -> Instance:
+    sides = across(line.along)
+    directions = (sides[:, 0], sides[:, 1])
+    return given_way(ordinary, line, directions, WORDS, word="bending", material=_MATERIAL)

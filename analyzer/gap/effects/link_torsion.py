@@ -1,0 +1,28 @@
+"""A long link that twists all along about its line."""
+
+from __future__ import annotations
+
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.long_link import given_way, long_links
+from analyzer.gap.ordinary import Ordinary
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="link_torsion",
+    title="Link twists along its length",
+    changes="hinges about the link's line, its torsional stiffness spread over them",
+    signature="points along the link turn about its line, the more the further out they sit",
+    confused_with=("link_axis", "released_joint"),
+    told_by="points off the line at three places along the link; a posture bent beyond it",
+    remedy="take the link as a tube: its section's torsional stiffness over its length",
+)
+_MATERIAL = 0.03  # of the arm's compliance, root to tip
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each long link."""
+    return tuple(
+        given_way(ordinary, line, (line.along,), WORDS, word="torsion", material=_MATERIAL)
+        for line in long_links(ordinary)
+    )

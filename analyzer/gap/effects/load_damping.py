@@ -1,0 +1,93 @@
+"""A joint whose losses grow with the weight it carries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.geometry import PostureGeometry
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+from protocols.arm.records import InertialLink
+
+__all__ = ["WORDS", "gravity_load", "instances"]
+
+Array = npt.NDArray[np.float64]
+
+WORDS = EffectWords(
+    name="load_damping",
+    title="Damping grows with the joint's load",
+    changes="a joint's damping by its gravity torque in each posture",
+    signature="a mode damped more where its joint carries more, at a frequency that fits",
+    confused_with=("hysteretic", "nonproportional", "friction"),
+    told_by="two postures that load the joint alike, but one with the inertia far out",
+    remedy="give the joint's damping for its load; look at the seals and the gear's lubrication",
+)
+_MOST = 3.0  # more damping at the largest load, one standard deviation
+_MATERIAL = 0.3  # more damping at the largest load
+_VERTICAL = 0.99
+
+
+def gravity_load(geometry: PostureGeometry, links: tuple[InertialLink, ...], column: int) -> float:
+    """Torque in N m that the links' believed weight puts on a freedom of the superset."""
+    torque = 0.0
+    for J, link in zip(geometry.link_jacobian, links, strict=True):
+        weight = link.mass_kg * (J[:3, :3] @ geometry.gravity_m_s2)  # along the link's axes
+        motion = J[:3, column] + np.cross(J[3:, column], link.center_m)
+        torque += float(weight @ motion)
+    return torque
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """One for each elastic joint that weight can load."""
+    gravity = ordinary.arm.gravity_m_s2 / np.linalg.norm(ordinary.arm.gravity_m_s2)
+    first = ordinary.arm.joints[0]
+    upright = abs(gravity @ first.T_parent_joint[:3, :3] @ first.axis) > _VERTICAL
+    return tuple(_at(ordinary, i) for i in ordinary.elastic if i > 0 or not upright)
+
+
+def _at(ordinary: Ordinary, i: int) -> Instance:
+    joint = ordinary.arm.joints[i].name
+    name = f"damping per load {joint}"
+    links = tuple(j.link for j in ordinary.arm.joints)
+    column = ordinary.superset.joint_column(i)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        load = abs(gravity_load(assembly.geometry, links, column))
+        c = float(np.exp(values[f"ln c {joint}"]))
+        row = assembly.joint_row(joint)
+        assembly.add_stretch(
+            "damping", row, values[name] * load * c, parameter=name, slope=load * c
+        )
+        # The joint's own damping is a factor of it.
+        assembly.stretches_of.setdefault(f"ln c {joint}", []).append(
+            ("damping", row, values[name] * load * c)
+        )
+
+    largest = _largest_load(ordinary, i)
+    return Instance(
+        effect=WORDS,
+        place=joint,
+        parameters=(Parameter(name=name, mean=0.0, std=_MOST / largest, low=0.0),),
+        builder=build,
+        size=name,
+        material=_MATERIAL / largest,
+    )
+
+
+def _largest_load(ordinary: Ordinary, i: int) -> float:
+    """Torque of everything beyond a joint, stretched out halfway."""
+    joints = ordinary.arm.joints[i:]
+    lengths = [float(np.linalg.norm(j.T_parent_joint[:3, 3])) for j in joints]
+    lengths[0] = 0.0
+    reach = np.cumsum(lengths)
+    g = float(np.linalg.norm(ordinary.arm.gravity_m_s2))
+    far = sum(
+        j.link.mass_kg * (r + float(np.linalg.norm(j.link.center_m)))
+        for j, r in zip(joints, reach, strict=True)
+    )
+    return 0.5 * g * float(far)

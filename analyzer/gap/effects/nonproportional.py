@@ -1,0 +1,129 @@
+"""A damper between two links, or a link and the floor: losses that follow no joint's stiffness.
+
+It resists the rate of its length. With u along it and v the velocities of its ends,
+
+    C + c r r',    r x' = u (v_to - v_from) ,
+
+so one number of damping couples all joints between its ends, by levers that change with posture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly, skew
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.geometry import PostureGeometry
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["FLOOR", "WORDS", "between", "ends_of", "instances", "size_std", "velocity"]
+
+Array = npt.NDArray[np.float64]
+
+WORDS = EffectWords(
+    name="nonproportional",
+    title="Damper between links that no joint explains",
+    changes="damping between several joints at once, beside the diagonal of C",
+    signature="damping ratios that change with posture; complex shapes near each other",
+    confused_with=("load_damping", "coupling", "friction"),
+    told_by="postures that turn the line between both ends; the hose or pack taken off",
+    remedy="look for a hose, a dress pack, a damper or a seal that reaches over several joints",
+)
+FLOOR = -1
+_MATERIAL = 0.1  # of a standard deviation
+_STD_M, _FLOOR_STD_M = 0.15, 0.3
+_FLOOR_M = (0.0, 0.0, 0.1)
+_SIZE = 5.0  # of the mean joint damping over the square of a lever
+_LEAST_M = 1e-3
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """From the floor or the first link to what is beyond the second joint, wrist left out."""
+    last = len(ordinary.arm.joints) - 2
+    return tuple(
+        between(ordinary, near, far) for near in (FLOOR, 0) for far in range(2, min(4, last))
+    )
+
+
+def ends_of(ordinary: Ordinary, near: int, far: int) -> tuple[str, str]:
+    """Return the names of both ends."""
+    names = [joint.link.name for joint in ordinary.arm.joints]
+    return "floor" if near == FLOOR else names[near], names[far]
+
+
+def size_std(ordinary: Ordinary) -> float:
+    """Return damping of such a damper that is much beside the joints' own, N s/m."""
+    dampings = [ordinary.arm.joints[i].damping for i in ordinary.elastic[:3]]
+    mean = float(np.mean([1.0 if d is None else d.value for d in dampings]))
+    lengths = [float(np.linalg.norm(j.T_parent_joint[:3, 3])) for j in ordinary.arm.joints]
+    return _SIZE * mean / (0.6 * max(*lengths, _LEAST_M)) ** 2
+
+
+def middle_of(ordinary: Ordinary, link: int) -> Array:
+    """Return where an end is likely, in the link's frame."""
+    return np.array(_FLOOR_M) if link == FLOOR else ordinary.arm.joints[link].link.center_m
+
+
+def between(ordinary: Ordinary, near: int, far: int) -> Instance:
+    """A damper between two links, its ends somewhere about their middles."""
+    from_link, to_link = ends_of(ordinary, near, far)
+    tag = f"{from_link} {to_link}"
+    name = f"damper {tag}"
+    starts = [f"damper from {axis} {tag}" for axis in "xyz"]
+    ends = [f"damper to {axis} {tag}" for axis in "xyz"]
+    std = size_std(ordinary)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        start, end = (np.array([values[n] for n in names]) for names in (starts, ends))
+        row = _row(assembly.geometry, near, far, start, end) @ np.stack(assembly.columns, axis=1)
+        assembly.add_stretch("damping", row, values[name], parameter=name, slope=1.0)
+
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        return {
+            "from_link": from_link,
+            "from_m": [values[n] for n in starts],
+            "link": to_link,
+            "point_m": [values[n] for n in ends],
+        }
+
+    def place(names: list[str], link: int) -> list[Parameter]:
+        std_m = _FLOOR_STD_M if link == FLOOR else _STD_M
+        middle = middle_of(ordinary, link).tolist()
+        return [Parameter(name=n, mean=m, std=std_m) for n, m in zip(names, middle, strict=True)]
+
+    return Instance(
+        effect=WORDS,
+        place=f"{from_link} and {to_link}",
+        parameters=(
+            Parameter(name=name, mean=0.0, std=std, low=0.0),
+            *place(starts, near),
+            *place(ends, far),
+        ),
+        builder=build,
+        describe=describe,
+        size=name,
+        material=_MATERIAL * std,
+    )
+
+
+def velocity(geometry: PostureGeometry, link: int, place_m: Array) -> tuple[Array, Array]:
+    """Place (3,) in the base frame and velocity (3, N) by the superset's freedoms of a point."""
+    J = geometry.link_jacobian[link]
+    R = J[:3, :3].T  # the base's own motion, seen along the link's axes
+    turned = R @ J[:3, 3:6]  # minus the cross product with the link's origin
+    origin = np.array([turned[1, 2], turned[2, 0], turned[0, 1]])
+    return origin + R @ place_m, R @ (J[:3] - skew(place_m) @ J[3:])
+
+
+def _row(geometry: PostureGeometry, near: int, far: int, start: Array, end: Array) -> Array:
+    to, v = velocity(geometry, far, end)
+    at = start
+    if near != FLOOR:
+        at, v_from = velocity(geometry, near, start)
+        v = v - v_from
+    line = to - at
+    return np.asarray(line / max(float(np.linalg.norm(line)), _LEAST_M) @ v)

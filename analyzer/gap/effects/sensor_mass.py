@@ -1,0 +1,44 @@
+"""An accelerometer that is heavier than its file says: magnet, base, cable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="sensor_mass",
+    title="Accelerometer heavier than its file says",
+    changes="a mass at the sensor's place, another place for every row of the FRF matrix",
+    signature="frequencies differ from point to point, lower where the sensor moves much",
+    confused_with=("payload", "wrong_point"),
+    told_by="the same point with and without a known mass beside the sensor",
+    remedy="weigh the sensor with its magnet and the cable it carries; put that in the plan",
+)
+_MATERIAL_KG = 0.01
+_STD_KG = 0.1
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """The one roving sensor."""
+    del ordinary
+    name = "sensor mass"
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        assembly.sensor_mass_kg += values[name]
+
+    return (
+        Instance(
+            effect=WORDS,
+            place="",
+            parameters=(Parameter(name=name, mean=0.0, std=_STD_KG, low=0.0),),
+            builder=build,
+            size=name,
+            material=_MATERIAL_KG,
+        ),
+    )

@@ -1,0 +1,65 @@
+"""Gears of a wrist: a drive runs through the joint before it, whose turn winds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.space import Parameter
+
+__all__ = ["WORDS", "instances"]
+
+WORDS = EffectWords(
+    name="wrist_coupling",
+    title="Wrist gears couple two joints",
+    changes="the driven link turns back by a ratio of what the driving joint's spring gives way",
+    signature="where the joint before gives way, the last link turns about its own axis with it",
+    confused_with=("coupling", "released_joint"),
+    contains=("released_joint",),  # the driven drive's own spring
+    told_by="a point off the last axis on the last link; postures that turn the last joint",
+    remedy="put the coupling ratio of the wrist's gears into the model; the maker's manual has it",
+)
+_MATERIAL = 0.1
+_STD = 1.0
+
+
+def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
+    """Every joint without a spring whose drive can run through an elastic one before it."""
+    joints = ordinary.arm.joints
+    return tuple(
+        _through(ordinary, i - 1, i)
+        for i in range(1, len(joints))
+        if joints[i].stiffness is None and joints[i - 1].stiffness is not None
+    )
+
+
+def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
+    """With x the driver's turn the driven link turns by -ratio x, and beside by its own spring.
+
+    Two joints with springs are a coupling: the same terms of K.
+    """
+    a, b = ordinary.arm.joints[driver].name, ordinary.arm.joints[driven].name
+    name, own, loss = f"wrist ratio {a} {b}", f"wrist compliance {a} {b}", f"wrist loss {a} {b}"
+    column = ordinary.superset.joint_column(driven)
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        at = assembly.names[a]
+        turned = assembly.unit(column)
+        assembly.columns[at] = assembly.columns[at] - values[name] * turned
+        assembly.add_compliance(turned, values[own], values[loss], own, loss)
+
+    return Instance(
+        effect=WORDS,
+        place=f"{a} and {b}",
+        parameters=(
+            Parameter(name=name, mean=0.0, std=_STD),
+            compliance_parameter(own, ordinary),
+            loss_parameter(loss),
+        ),
+        builder=build,
+        size=name,
+        material=_MATERIAL,
+    )

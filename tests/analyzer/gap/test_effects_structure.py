@@ -1,0 +1,308 @@
+"""Effects of links, drives and dampers beside small models that share nothing with them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.add import added_effects, instances_of_file
+from analyzer.gap.assembly import Pieces, skew, spatial_inertia
+from analyzer.gap.effects.gravity_compensator import share
+from analyzer.gap.effects.load_damping import gravity_load
+from analyzer.gap.effects.long_link import LongLink, long_links
+from analyzer.gap.effects.nonproportional import FLOOR
+from analyzer.gap.geometry import GeometryNear
+from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.library import all_instances
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.records import EffectFound, Interval
+from protocols.arm.files import arm_from_texts, load_arm
+from protocols.arm.rewrite import text_with_effects
+from tests.support.gap_results import made_result
+
+INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
+JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
+
+
+@pytest.fixture(scope="module")
+def superset():
+    return Superset(load_arm("bench57"))
+
+
+@pytest.fixture(scope="module")
+def ordinary(superset):
+    return Ordinary(superset=superset, postures=("p",))
+
+
+@pytest.fixture(scope="module")
+def lines(superset):
+    n_points = len(superset.arm.points)
+    s = 2 * np.pi * (2.0 + 1j * np.array([8.0, 13.0, 31.0, 64.0, 110.0]))
+    return PostureLines(
+        name="p",
+        joints_rad=JOINTS,
+        s_rad_s=s,
+        sensor_point=np.arange(n_points),
+        hit=np.zeros(n_points, dtype=int),
+        hit_point=np.array([0]),
+        hit_direction=np.array([[-0.45, -0.62, -0.6427]]),
+        values=np.ones((n_points, 3, s.size), dtype=complex),
+        variance=np.ones((n_points, 3, s.size)),
+        sensor_mass_kg=0.0093,
+    )
+
+
+@pytest.fixture(scope="module")
+def posed(superset):
+    return PosedModel(superset, JOINTS)
+
+
+def instance_of(ordinary, name, place=""):
+    return next(
+        i for i in all_instances(ordinary) if i.effect.name == name and i.place.startswith(place)
+    )
+
+
+def start_of(hypothesis):
+    """Values to begin with, bearings and loss at zero."""
+    space = hypothesis.space()
+    values = space.values(space.start())
+    return values | {n: 0.0 for n in values if n.startswith("bearing") or n == "loss"}
+
+
+def test_a_heavier_sensor_is_one_whose_file_says_so(ordinary, lines, posed):
+    heavy = Hypothesis(ordinary=ordinary, instances=(instance_of(ordinary, "sensor_mass"),))
+    values = start_of(heavy)
+    told = replace(lines, sensor_mass_kg=lines.sensor_mass_kg + 0.08)
+    np.testing.assert_allclose(
+        posed.response(heavy, lines, values | {"sensor mass": 0.08}).values,
+        posed.response(Hypothesis(ordinary=ordinary), told, values).values,
+        rtol=1e-12,
+    )
+
+
+def test_the_load_of_a_joint_is_the_slope_of_the_potential_energy(superset, ordinary):
+    links = tuple(joint.link for joint in superset.arm.joints)
+
+    def energy(q):
+        T = superset.posture(q).T_base_link
+        centers = [T[i, :3, :3] @ link.center_m + T[i, :3, 3] for i, link in enumerate(links)]
+        weight = np.asarray(superset.arm.gravity_m_s2)
+        return -sum(link.mass_kg * weight @ c for link, c in zip(links, centers, strict=True))
+
+    geometry = GeometryNear(superset, JOINTS).at(np.zeros(6))
+    for i in range(6):
+        step = np.zeros(6)
+        step[i] = 1e-5
+        slope = (energy(JOINTS + step) - energy(JOINTS - step)) / 2e-5
+        load = gravity_load(geometry, links, superset.joint_column(i))
+        assert load == pytest.approx(-slope, abs=1e-6 + 1e-6 * abs(slope))
+
+
+def test_load_damping_adds_to_the_joint_s_own_by_its_load(superset, ordinary, lines, posed):
+    instance = instance_of(ordinary, "load_damping", "axis_3")
+    loaded = Hypothesis(ordinary=ordinary, instances=(instance,))
+    values = start_of(loaded)
+    links = tuple(joint.link for joint in superset.arm.joints)
+    geometry = GeometryNear(superset, JOINTS).at(np.zeros(6))
+    load = abs(gravity_load(geometry, links, superset.joint_column(2)))
+    more = values | {"ln c axis_3": values["ln c axis_3"] + np.log(1.0 + 0.02 * load)}
+    np.testing.assert_allclose(
+        posed.response(loaded, lines, values | {instance.size: 0.02}).values,
+        posed.response(Hypothesis(ordinary=ordinary), lines, more).values,
+        rtol=1e-10,
+    )
+
+
+@pytest.mark.parametrize("ratio", [0.7, 1.5])
+def test_a_compensator_is_as_stiff_as_the_square_of_its_lever(ratio):
+    """k L'^2 over k min(r_a, r_b)^2, L from the law of cosines, L' by differences."""
+    phi = np.linspace(0.3, 2.9, 7)
+
+    def length(angle):
+        return np.sqrt(1.0 + ratio**2 - 2.0 * ratio * np.cos(angle))
+
+    slope = (length(phi + 1e-5) - length(phi - 1e-5)) / 2e-5
+    np.testing.assert_allclose(share(phi, ratio), slope**2 / min(1.0, ratio) ** 2, rtol=1e-6)
+
+
+def test_wound_wrist_gears_are_a_stiff_spring_on_both_turns(superset, ordinary, lines, posed):
+    """A 7th power of ten N m/rad on x6 + ratio x5 leaves 1e-3 of x5's turn at most."""
+    instance = instance_of(ordinary, "wrist_coupling")
+    wound = Hypothesis(ordinary=ordinary, instances=(instance,))
+    values = start_of(wound) | {instance.size: 0.8}
+    still = replace(lines, sensor_mass_kg=0.0)
+    got = posed.response(wound, still, values).values
+    dynamics, arm = superset.posture(JOINTS), superset.arm
+    columns = [superset.joint_column(i) for i in range(6)]
+    own = [(j.stiffness.value, j.damping.value) if j.stiffness else (0.0, 0.0) for j in arm.joints]
+    K = np.diag([k for k, _ in own]) + dynamics.gravity_stiffness[np.ix_(columns, columns)]
+    C = np.diag([c for _, c in own])
+    row = np.array([0.0, 0.0, 0.0, 0.0, 0.8, 1.0])
+    K = K + 1e8 * np.outer(row, row)
+    M = dynamics.mass[np.ix_(columns, columns)]
+    b = dynamics.point_jacobian[0][:3, columns].T @ still.hit_direction[0]
+    for m in (0, 4, 9):
+        J, R = dynamics.point_jacobian[m][:, columns], dynamics.point_rotation[m]
+        for i, s in enumerate(still.s_rad_s):
+            x = np.linalg.solve(s * s * M + s * C + K, b)
+            want = R.T @ (s * s * J[:3] @ x + np.cross(J[3:] @ x, dynamics.gravity_m_s2))
+            size = np.abs(want).max()
+            np.testing.assert_allclose(got[m, :, i], want, atol=2e-3 * size)
+
+
+def test_slices_bend_as_a_cantilever_and_twist_as_a_tube():
+    """Tip force: L^3 / 3 EI (1 - 1 / 4 n^2), n = 3; tip moment: L / GJ."""
+    along, length, stiffness = np.array([0.0, 0.6, 0.8]), 0.4, 5e4
+    line = LongLink(link=0, name="l", along=along, length_m=length)
+    across = np.array([1.0, 0.0, 0.0])
+    part = length / stiffness / len(line.places_m)
+    tip = length * along
+    force = np.cross(across, along)
+    bends = turns = 0.0
+    for _, twist in line.twists([across]):
+        at_tip = twist[:3] + np.cross(twist[3:], tip)
+        bends += part * (at_tip @ force) ** 2
+    for _, twist in line.twists([along]):
+        turns += part * (twist[3:] @ along) ** 2
+    assert bends == pytest.approx(length**3 / (3 * stiffness) * (1 - 1 / 36))
+    assert turns == pytest.approx(length / stiffness)
+
+
+def test_long_links_are_those_that_bend(ordinary):
+    assert [line.name for line in long_links(ordinary)] == ["lower_arm", "knuckle", "fore_tube"]
+
+
+def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
+    """A point or a piece follows the hinges before it; the pieces together are the link."""
+    instance = instance_of(ordinary, "link_bending", "lower_arm")
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+    values = start_of(hypothesis) | {instance.size: 1e-5}
+    system = posed.response(hypothesis, lines, values).system
+    line = next(x for x in long_links(ordinary) if x.name == "lower_arm")
+    n = system.moved.shape[-1]
+    hinges = range(n - 6, n)  # three places, two ways
+    for m, point in enumerate(ordinary.arm.points):
+        if point.link != "lower_arm":
+            continue
+        at = float(point.position_m @ line.along)
+        for k in hinges:
+            moves = bool(np.any(system.moved[m, :, k] != 0.0))
+            assert moves == (at >= line.places_m[(k - hinges.start) // 2])
+    pieces = system.pieces[1]
+    still = ~pieces.motion[..., n - 6 :].any(axis=1)  # (pieces, hinges)
+    np.testing.assert_array_equal(still.sum(axis=0), [1, 1, 2, 2, 3, 3])
+    np.testing.assert_allclose(pieces.split(INERTIA).sum(axis=0), INERTIA, atol=1e-12)
+
+
+def test_what_is_not_there_changes_nothing(ordinary, lines, posed):
+    """All other effects beside a bending link, their sizes at zero."""
+    bending = instance_of(ordinary, "link_bending", "lower_arm")
+    alone = Hypothesis(ordinary=ordinary, instances=(bending,))
+    values = start_of(alone) | {bending.size: 1e-5, "bending spread lower_arm": 0.2}
+    others = [
+        i
+        for i in all_instances(ordinary)
+        if i.parameters and not i.relaxes and i.effect.name != "base" and i.key != bending.key
+    ]
+    beside = Hypothesis(ordinary=ordinary, instances=(bending, *others))
+    space = beside.space()
+    zero = {n: 0.0 for i in others for n in (i.size, *i.sizes)}
+    every = space.values(space.start()) | zero | values
+    np.testing.assert_allclose(
+        posed.response(beside, lines, every).values,
+        posed.response(alone, lines, values).values,
+        rtol=1e-8,
+    )
+
+
+def test_pieces_of_a_rod_are_rods_where_they_lie():
+    """A straight rod of 6 kg and 0.6 m in four pieces, each its own m (c^2 + l^2 / 12)."""
+    along = np.array([1.0, 0.0, 0.0])
+    shares = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
+    edges = np.concatenate([[0.0], np.cumsum(shares)]) * 0.6
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    whole = spatial_inertia(6.0, 0.3 * along, np.diag([0.0, 1.0, 1.0]) * 6.0 * 0.6**2 / 12.0)
+    pieces = Pieces(
+        shares=shares, offsets_m=np.outer(middles - 0.3, along), motion=np.zeros((4, 6, 1))
+    )
+    total = 0.0
+    for piece, part, middle in zip(pieces.split(whole), shares, middles, strict=True):
+        np.testing.assert_allclose(piece[0, 0], 6.0 * part)
+        np.testing.assert_allclose(piece[3:, :3], 6.0 * part * skew(middle * along), atol=1e-12)
+        total += piece[5, 5] - 6.0 * part * middle**2
+    # Their own inertia: what the rod has less what its pieces' centres make, shared by mass.
+    own = np.sum(6.0 * shares * (0.6 * shares) ** 2 / 12.0)
+    assert total == pytest.approx(own)
+
+
+@pytest.mark.parametrize("near", [FLOOR, 0])
+def test_a_damper_resists_the_rate_of_its_length(superset, ordinary, lines, posed, near):
+    start, end = np.array([0.1, 0.2, 0.05]), np.array([0.05, -0.1, 0.02])
+    place = "floor and fore_tube" if near == FLOOR else "carousel and fore_tube"
+    instance = instance_of(ordinary, "nonproportional", place)
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+    names = [p.name for p in instance.parameters]
+    places = dict(zip(names[1:], np.concatenate([start, end]).tolist(), strict=True))
+    plain = start_of(hypothesis) | places | {instance.size: 0.0}
+    damped = plain | {instance.size: 700.0}
+
+    def length(q):
+        T = superset.posture(q).T_base_link
+        far = T[3, :3, :3] @ end + T[3, :3, 3]
+        here = start if near == FLOOR else T[0, :3, :3] @ start + T[0, :3, 3]
+        return np.linalg.norm(far - here)
+
+    rate = []
+    for i in range(6):
+        step = np.zeros(6)
+        step[i] = 1e-5
+        rate.append((length(JOINTS + step) - length(JOINTS - step)) / 2e-5)
+    more, less = (posed.response(hypothesis, lines, v).system.damping for v in (damped, plain))
+    elastic = len(ordinary.elastic)
+    want = 700.0 * np.outer(rate[:elastic], rate[:elastic])
+    np.testing.assert_allclose(
+        (more - less)[:elastic, :elastic], want, atol=1e-5 * np.abs(want).max()
+    )
+
+
+def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
+    """Named, written as text, read: the same place, and a fit begins with the same values."""
+    arm = ordinary.arm
+    for instance in all_instances(ordinary):
+        space = Hypothesis(ordinary=ordinary, instances=(instance,)).space()
+        start = space.values(space.start())
+        found = {n: 0.9 * start[n] + 0.02 for n in instance.owned}
+        effect = EffectFound(
+            name=instance.effect.name,
+            title=instance.effect.title,
+            place=instance.place,
+            parameters={
+                n: Interval(value=v, std=0.01, low=v - 0.02, high=v + 0.02)
+                for n, v in found.items()
+            },
+            size=instance.size,
+            description={} if instance.describe is None else instance.describe(start | found),
+            confidence=0.99,
+            gain=100.0,
+            held_out_gain=10.0,
+            signature="",
+            confused_with=(),
+            told_by="",
+            remedy="",
+        )
+        result = replace(made_result("named", []), effects=(effect,))
+        added = added_effects(result, session_sha256="0" * 64, created="2026-01-31T12:00:00+00:00")
+        again = arm_from_texts(
+            text_with_effects(arm, added),
+            urdf_text=arm.urdf_text,
+            database_text=None if arm.can is None else arm.can.database_text,
+        )
+        instances, values = instances_of_file(
+            Ordinary(superset=Superset(again), postures=ordinary.postures)
+        )
+        assert [i.key for i in instances] == [instance.key]
+        for name, value in found.items():
+            assert values[name] == pytest.approx(value, rel=1e-4), instance.title
