@@ -44,6 +44,8 @@ _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is
 _BELIEVABLE = (
     4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
 )
+# Where soft and hard hits are told apart: a joint that follows the level leaves much, and is near.
+_NEAR_BY_LEVEL = 4.0
 _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is not worth a fit
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
@@ -87,8 +89,9 @@ def find_rivals(
     at_middle = _further(middle, base, postures, 5)
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
+    near = _NEAR_BY_LEVEL if present.ordinary.level_span else _NEAR
     lost = at_sharp.farthest > _BELIEVABLE
-    if per_line < _NEAR and not lost:
+    if per_line < near and not lost:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
         chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)

@@ -8,11 +8,14 @@ import pytest
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import file_key, instances_of_file
 from analyzer.gap.effects import backlash, friction, microslip, softening
+from analyzer.gap.fit import Stage
 from analyzer.gap.hit_levels import has_levels, weight_factors
 from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import Annealing, PostureLines, own_lines
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.weigh import Discrepancy
 from hil_sim.study import make_case
 from protocols.arm.files import load_arm
 from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
@@ -196,9 +199,53 @@ def test_named_in_an_arm_file_it_comes_back_without_levels_too(ordinary, superse
     assert start == values
 
 
-def test_soft_and_hard_hits_make_lines_of_their_own():
-    case = make_case(seed=3001, arm="rv4frl", ladder=True)
-    session = case.session()
+@pytest.fixture(scope="module")
+def linear():
+    """A session of a plain arm, every point hit at three levels."""
+    return make_case(seed=3001, arm="rv4frl", ladder=True).session()
+
+
+def told(session):
+    """Stages of soft and of hard hits, or None, from the two broader of them."""
+    superset = Superset(session.header.arm)
+    stages = []
+    for sigma_hz, step_hz in ((16.0, 12.0), (6.0, 8.0)):
+        stage = Annealing(sigma_rad_s=2 * np.pi * sigma_hz, step_hz=step_hz, band_hz=(8.0, 120.0))
+        lines = own_lines(superset, session, stage, by_level=True)
+        stages.append(Stage(superset, lines, Discrepancy()))
+    names = tuple(dict.fromkeys(lines.name for lines in stages[0].lines))
+    levelled = Ordinary(superset=superset, postures=names, level_span=stages[0].lines[1].level)
+    present = Hypothesis(ordinary=levelled)
+    return told_apart(superset, [*stages, stages[1]], present, {}, Discrepancy())
+
+
+def test_a_plain_arm_s_soft_and_hard_hits_are_not_told_apart(linear):
+    assert told(linear) is None
+
+
+def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level():
+    session = make_case(seed=3001, arm="rv4frl", effect="friction", ladder=True).session()
+    stages = told(session)
+    assert stages is not None
+    at_first = own_lines(
+        Superset(session.header.arm),
+        session,
+        Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 120.0)),
+        by_level=True,
+    )
+    for before, after in zip(at_first, stages[1].lines, strict=True):
+        assert np.median(after.variance / before.variance) < 1.0
+
+
+def test_a_joint_s_stiffness_may_be_what_it_is_at_any_level_near(ordinary):
+    for kind in KINDS:
+        instance = kind.instances(ordinary)[0]
+        by_k = instance.parameters[0].name
+        assert instance.reaches == {f"ln k {instance.place}": (by_k, 2.2)}  # twice 1.1
+
+
+def test_soft_and_hard_hits_make_lines_of_their_own(linear):
+    session = linear
     superset = Superset(session.header.arm)
     stage = Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 100.0))
     assert has_levels(session)
@@ -214,18 +261,18 @@ def test_soft_and_hard_hits_make_lines_of_their_own():
     assert 0.0 < off < 0.1
 
 
-def test_a_plain_session_has_no_levels():
-    assert not has_levels(make_case(seed=3001, arm="rv4frl").session())
+def test_hits_of_one_level_have_no_levels(linear):
+    alike = [replace(h, verdict=replace(h.verdict, peak_n=50.0)) for h in linear.hits]
+    assert not has_levels(replace(linear, hits=tuple(alike)))
 
 
-def test_a_mean_that_one_hit_rules_has_that_hit_s_error():
+def test_a_mean_that_one_hit_rules_has_that_hit_s_error(linear):
     """Ten thousand averages of three hits with relative errors, weighted as H1 weighs them."""
     rng = np.random.default_rng(7)
     peaks = np.array([15.0, 45.0, 130.0])
-    session = make_case(seed=3001, arm="rv4frl").session()
     hits = [
         replace(hit, verdict=replace(hit.verdict, peak_n=float(peak)))
-        for hit, peak in zip(session.hits[:3], peaks, strict=True)
+        for hit, peak in zip(linear.hits[:3], peaks, strict=True)
     ]
     w = peaks**2 / np.sum(peaks**2)
     errors = rng.standard_normal((10_000, 3))
