@@ -161,15 +161,16 @@ def gap_study_command(
         seed, nulls=nulls, effects=effects, pairs=pairs, outside=outside, library=FIRST
     )
     directory.mkdir(parents=True, exist_ok=True)
-    for number, digest in seal_hashes(specs).items():
-        _say(f"case {number}: truth sealed as {digest}")
     path = directory / f"study-{seed}.jsonl"
 
     def tell(line: dict[str, Any]) -> None:
         _say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
 
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
-        lines = run_study(specs, path, executor, tell)
+        hashes = seal_hashes(specs, executor)
+        for number, digest in hashes.items():
+            _say(f"case {number}: truth sealed as {digest}")
+        lines = run_study(specs, hashes, path, executor, tell)
     summary = study_summary(lines)
     if as_json:
         _print_json(summary | {"file": str(path)})

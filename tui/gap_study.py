@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from dataclasses import asdict
 from pathlib import Path
@@ -37,9 +37,14 @@ __all__ = ["Line", "run_case", "run_study", "seal_hashes"]
 Line = dict[str, Any]
 
 
-def seal_hashes(specs: Sequence[CaseSpec]) -> dict[int, str]:
+def seal_hashes(specs: Sequence[CaseSpec], executor: Executor) -> dict[int, str]:
     """Return the hash of every case's truth, by number."""
-    return {spec.number: sealed(spec).truth_sha256 for spec in specs}
+    hashes = executor.map(_hash_of, specs)
+    return {spec.number: digest for spec, digest in zip(specs, hashes, strict=True)}
+
+
+def _hash_of(spec: CaseSpec) -> str:
+    return sealed(spec).truth_sha256
 
 
 def run_case(spec: CaseSpec) -> Line:
@@ -133,6 +138,7 @@ def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> l
 
 def run_study(
     specs: Sequence[CaseSpec],
+    hashes: Mapping[int, str],
     path: Path,
     executor: Executor,
     tell: Callable[[Line], None] = lambda _: None,
@@ -141,13 +147,14 @@ def run_study(
 
     Parameters
     ----------
+    hashes
+        Of the truths, by number, told before: a line of another truth does not count.
     path
         JSON lines; made if it is not there.
     executor
         Any executor whose workers can import this project.
     """
     done: dict[int, Line] = {}
-    hashes = seal_hashes(specs)
     if path.exists():
         for text in path.read_text().splitlines():
             line = json.loads(text)

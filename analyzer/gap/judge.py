@@ -26,10 +26,10 @@ _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 class Thresholds:
     """Calibrated on seeds that no study uses (`docs/theory-gap.md`)."""
 
-    clear: float = 45.0  # nats of evidence over the present hypothesis
+    clear: float = 100.0  # nats of evidence over the present hypothesis
     apart: float = 20.0  # nats to the next rival
     ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
-    relaxed: float = 15.0  # nats for an ordinary error beyond its tolerance: no new term
+    relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
     outside_misfit: float = 0.70  # above this something is missing
     held_out: float = 3.0  # nats that held-out postures must gain together
 

@@ -51,7 +51,16 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
-_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending", "servo")
+_ASTRAY = (
+    "base",
+    "bearing",
+    "hysteretic",
+    "link_bending",
+    "payload",
+    "released_joint",
+    "sensor_mass",
+    "servo",
+)
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these

@@ -18,7 +18,7 @@ from protocols.errors import ArmError, ArmodalError, EstimateError
 from protocols.session.hdf5 import write_session
 from tui.cli import app
 from tui.gap import with_arm
-from tui.gap_study import run_study
+from tui.gap_study import run_study, seal_hashes
 from tui.gap_study_summary import study_summary, study_tables
 
 
@@ -118,10 +118,11 @@ def test_a_small_study_is_sealed_judged_marked_and_goes_on_where_it_stopped(tmp_
     )
     told: list[dict] = []
     with ThreadPoolExecutor(1) as executor:
-        lines = run_study(specs, tmp_path / "study.jsonl", executor, told.append)
+        hashes = seal_hashes(specs, executor)
+        lines = run_study(specs, hashes, tmp_path / "study.jsonl", executor, told.append)
         assert [x["outcome"] for x in lines] == ["right", "right"]
         assert len(told) == 2
-        again = run_study(specs, tmp_path / "study.jsonl", executor, told.append)
+        again = run_study(specs, hashes, tmp_path / "study.jsonl", executor, told.append)
     assert len(told) == 2  # nothing was judged twice
     assert again == lines
     summary = study_summary(lines)
