@@ -1,0 +1,71 @@
+"""Expected evidence of a further test."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.library import all_instances
+from analyzer.gap.next_test import Test, expected_evidence, hidden_rival, possible_tests, proposed
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.scan import scan_instances
+from analyzer.gap.stages import stages_of
+from analyzer.identification.identify import estimate_frfs
+from hil_sim.study import make_case
+
+
+@pytest.fixture(scope="module")
+def known():
+    session = make_case(seed=9, arm="ur5").session()
+    superset = Superset(session.header.arm)
+    stage = stages_of(superset, session, estimate_frfs(session, superset))[0]
+    ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
+    return stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=6)
+
+
+@pytest.fixture(scope="module")
+def servo(known):
+    """The model with a servo that the session does not tell from none."""
+    stage, null = known
+    instances = all_instances(null.hypothesis.ordinary)
+    found = scan_instances(stage, null, [i for i in instances if i.effect.name == "servo"])
+    candidate = max(found, key=lambda c: c.size_std)
+    return hidden_rival(stage, null, candidate, candidate.size_std)
+
+
+def test_a_model_is_not_told_from_itself(known):
+    stage, null = known
+    test = Test(joints_rad=stage.lines[0].joints_rad, hit_direction=np.eye(3)[2])
+    # The same number on both sides; only rounding is left.
+    assert expected_evidence(stage, [null, null], test) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_brakes_tell_a_servo_from_none_better_than_the_same_posture_without(known, servo):
+    stage, null = known
+    free = Test(joints_rad=stage.lines[0].joints_rad, hit_direction=stage.lines[0].hit_direction[0])
+    braked = replace(free, brakes=True)
+    without = expected_evidence(stage, [null, servo], free)
+    assert expected_evidence(stage, [null, servo], braked) > without
+
+
+def test_the_proposed_one_is_the_best_of_those_possible_and_the_same_each_time(known, servo):
+    stage, null = known
+    tests = possible_tests(stage, null, rng=np.random.default_rng(1))[-4:]
+    best = proposed(stage, [null, servo], rng=np.random.default_rng(1), tests=tests)
+    assert best is not None
+    gains = [expected_evidence(stage, [null, servo], test) for test in tests]
+    assert best[1] == max(gains)
+    assert best[0] is tests[int(np.argmax(gains))]
+    assert proposed(stage, [null], rng=np.random.default_rng(1)) is None
+
+
+def test_every_possible_test_is_within_the_joints_ranges(known):
+    stage, null = known
+    for test in possible_tests(stage, null, rng=np.random.default_rng(2)):
+        for angle, joint in zip(test.joints_rad, null.hypothesis.ordinary.arm.joints, strict=True):
+            assert joint.range_rad[0] <= angle <= joint.range_rad[1]

@@ -1,0 +1,59 @@
+"""A proposed posture as a plan file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from protocols.arm.files import load_arm
+from protocols.errors import PlanError
+from protocols.plan import load_plan, plan_from_text
+from protocols.plan_records import KnownMass
+from protocols.plan_rewrite import text_with_posture
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return load_arm("rv4frl")
+
+
+@pytest.fixture(scope="module")
+def plan(arm):
+    return load_plan("rv4frl-three-postures", arm)
+
+
+def test_one_posture_stands_in_the_place_of_all_and_the_rest_is_as_it_was(arm, plan):
+    body = KnownMass(link="hand_flange", mass_kg=1.5, center_m=np.array([0.0, 0.01, 0.02]))
+    wanted = replace(
+        plan.postures[1], name="next test", validation=False, brakes=True, known_mass=body
+    )
+    made = plan_from_text(text_with_posture(plan, arm, wanted, comment="why"), arm)
+    (posture,) = made.postures
+    assert posture.brakes
+    assert posture.known_mass is not None
+    assert posture.known_mass.link == "hand_flange"
+    assert posture.known_mass.mass_kg == 1.5
+    np.testing.assert_array_equal(posture.known_mass.center_m, body.center_m)
+    assert posture.points == wanted.points
+    # The file keeps hundredths of a degree.
+    np.testing.assert_allclose(posture.joints_rad, wanted.joints_rad, atol=np.deg2rad(0.006))
+    assert (made.sampling, made.trigger, made.windows) == (
+        plan.sampling,
+        plan.trigger,
+        plan.windows,
+    )
+    assert made.name != plan.name
+
+
+def test_a_posture_the_arm_cannot_reach_is_refused(arm, plan):
+    beyond = replace(plan.postures[0], joints_rad=np.full(len(arm.joints), 9.0))
+    with pytest.raises(PlanError, match="joints_deg"):
+        text_with_posture(plan, arm, beyond, comment="why")
+
+
+def test_a_known_mass_on_a_link_that_is_not_there_is_refused(arm, plan):
+    body = KnownMass(link="tail", mass_kg=1.0, center_m=np.zeros(3))
+    with pytest.raises(PlanError, match=r"known_mass\.link: wanted a link of the arm"):
+        text_with_posture(plan, arm, replace(plan.postures[0], known_mass=body), comment="why")
