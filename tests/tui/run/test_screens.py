@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from made import (
     ARM,
@@ -14,6 +16,7 @@ from made import (
     HIT_EVENTS,
     LAB_EVENTS,
     OPENED,
+    PLAN,
     SESSION_EVENTS,
     judged,
     mass_hit,
@@ -26,6 +29,7 @@ from stage import Stage, play
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
 from daq.events import Failed, Finished, LossNoted
 from daq.session_machine import begin, hit_judged, point_ready, posture_reached
+from protocols.plan_records import KnownMass
 from protocols.session.journal_payloads import CALIBRATION
 from protocols.session.records import Loss
 from tui.run.happenings import (
@@ -409,5 +413,22 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
         stage.now_s += 5.0
         stage.app._tick()
         assert stage.app.state.safe is told_meanwhile
+
+    play(stage, body)
+
+
+def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(tmp_path):
+    mass = KnownMass(link="wrist", mass_kg=2.5, center_m=np.array([0.0, 0.01, 0.1]))
+    first = replace(PLAN.postures[0], brakes=True, known_mass=mass)
+    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
+    stage = Stage(tmp_path, plan=plan)
+    at_posture = begin(plan)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(at_posture))
+        told = " Brakes on. Bolt 2.5 kg to wrist, its centre at 0, 10, 100 mm."
+        assert told in stage.text()
+        await stage.tell(pilot, prompted(posture_reached(at_posture)))
+        assert f"At its posture, held.{told} Look" in stage.text()
 
     play(stage, body)
