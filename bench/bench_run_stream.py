@@ -79,7 +79,7 @@ def main() -> int:
             share = (cpu_s(pid) - begun_cpu_s) / (time.monotonic() - begun_s)
             screen = terminal.screen()
             terminal.keys("q")
-            terminal.until("ended", 60.0)
+            terminal.until("ended", 600.0)  # all hits become a session file
         sent = json.loads(feeder.communicate("stop\n", timeout=20)[0])
         session = load_journal(journal)
         print(

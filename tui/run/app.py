@@ -9,6 +9,7 @@ from typing import ClassVar
 from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.worker import Worker
 
 from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Noted, Prompted
 from tui.run.ask_mass import MassScreen
@@ -67,6 +68,7 @@ class RunApp(App[int]):
         self._overview = False  # the operator looks at the progress
         self._bell = False
         self._stale = True
+        self._deriving: Worker[None] | None = None
         self._offered: tuple[bool, ...] = ()
 
     @property
@@ -104,7 +106,7 @@ class RunApp(App[int]):
         if isinstance(event, HitJudged | Failed):
             self._overview = False
         if isinstance(event, Finished) and self.state.phase is Phase.ENDED:
-            self.run_worker(self.conductor.derive())
+            self._deriving = self.run_worker(self.conductor.derive())
         if isinstance(event, SEEN_AT_ONCE):
             self.redraw()
 
@@ -209,6 +211,12 @@ class RunApp(App[int]):
 
     async def action_leave(self) -> None:
         """Leave; what was accepted is in the journal, and the session can be gone on with."""
-        self.notify("Leaving: the journal is being closed.")
+        self.notify("Leaving: the journal is being closed, the session file written.")
+        self.run_worker(self._leave(), group="leave", exclusive=True)
+
+    async def _leave(self) -> None:
+        """Leave once all is written; the screen says meanwhile what is under way."""
         await self.conductor.leave()
+        if self._deriving is not None:
+            await self._deriving.wait()
         self.exit(0)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from analyzer.ratio_calibration import RatioCalibration
 from daq.session_machine import PromptKind
-from protocols.plan_records import Mode
+from protocols.plan_records import Mode, PlannedPosture
 from tui.run.state import FEWEST_MASS_HITS, RunState
 
 __all__ = [
     "advice_for",
+    "conditions",
     "error_advice",
     "off_words",
     "ratio_words",
@@ -55,6 +56,19 @@ _ERRORS: dict[str, tuple[str, str]] = {
         "What it had accepted is in the journal.",
     ),
 }
+
+
+def conditions(posture: PlannedPosture) -> str:
+    """Return what else the plan wants of the arm in a posture; empty where nothing.
+
+    A plan without brakes has the drives hold the arm.
+    """
+    words = " Brakes on." if posture.brakes else ""
+    mass = posture.known_mass
+    if mass is not None:
+        at_mm = ", ".join(f"{1e3 * x:.0f}" for x in mass.center_m)
+        words += f" Bolt {mass.mass_kg:g} kg to {mass.link}, its centre at {at_mm} mm."
+    return words
 
 
 def reason_word(reason: str) -> str:

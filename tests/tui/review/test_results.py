@@ -92,10 +92,10 @@ def test_the_next_test_is_shown_with_its_reason_and_its_key(session):
 
 def test_a_result_as_the_workflow_writes_it_shows_its_next_test(session):
     test = NextTest(words="Hit it.", why="to know", gain=3.0, plan_toml=session.header.plan.text)
-    found = gap_json(replace(made_result("ambiguous", ()), next_test=test))
+    found = gap_json(replace(made_result("ambiguous", ()), next_test=test), {})
     assert "Next test: Hit it." in plain(gap_view(found))
     assert next_test_plan(session, found) == session.header.plan.text
-    assert "Next test" not in plain(gap_view(gap_json(made_result("ambiguous", ()))))
+    assert "Next test" not in plain(gap_view(gap_json(made_result("ambiguous", ()), {})))
 
 
 @pytest.mark.parametrize("test", [None, "words", {}, {"plan_toml": "name = 1"}])

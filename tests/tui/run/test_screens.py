@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from made import (
     ARM,
@@ -13,10 +15,9 @@ from made import (
     HAMMER_PLAN,
     HIT_EVENTS,
     LAB_EVENTS,
-    OPENED,
+    PLAN,
     SESSION_EVENTS,
     judged,
-    mass_hit,
     prompted,
     reading,
     trial,
@@ -26,18 +27,15 @@ from stage import Stage, play
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
 from daq.events import Failed, Finished, LossNoted
 from daq.session_machine import begin, hit_judged, point_ready, posture_reached
-from protocols.session.journal_payloads import CALIBRATION
+from protocols.plan_records import KnownMass
 from protocols.session.records import Loss
 from tui.run.happenings import (
     HandAtWork,
     HandIdle,
-    MassChosen,
     SafeConfirmed,
     SensorsConfirmed,
-    SessionWanted,
 )
 from tui.run.screens.step import Pane
-from tui.run.state import Phase
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
 
@@ -284,52 +282,6 @@ def test_help_comes_and_goes(tmp_path):
     play(stage, body, (80, 24))
 
 
-def test_a_known_mass_is_asked_for_and_hits_on_it_tell_the_ratio(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *LAB_EVENTS)
-        await pilot.press("c")
-        await pilot.pause()
-        await pilot.press("2", ".", "5", "enter")
-        await stage.settle(pilot)
-        assert stage.app.state.mass_kg == 2.5
-        assert stage.app.state.board_port == "/dev/ttyACM0"  # the digits chose no port
-        await stage.tell(pilot, *[mass_hit(2.5 / 1.02)] * 3)
-        # The counts are of a pair that is wrong by 2 %; coupling and rounding are far below.
-        assert stage.app.state.ratio.ratio == pytest.approx(1.02, rel=2e-3)
-        assert "ratio       1.02" in stage.text()
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert stage.app.state.mass_kg is None
-        assert "ratio       1.02" in stage.text()
-        assert not stage.app.state.ratio_asks  # two certificates leave that open
-
-    play(stage, body)
-
-
-def test_a_pair_of_sensors_that_is_off_is_told_confirmed_and_kept(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        hits = [mass_hit(2.0 / 1.1)] * 3
-        await stage.tell(pilot, *LAB_EVENTS, SensorsConfirmed(), MassChosen(mass_kg=2.0), *hits)
-        await pilot.press("c")
-        await stage.settle(pilot)
-        assert "every FRF comes out 10.0 % too large. Enter: go on all the same" in stage.text()
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert stage.app.state.phase is Phase.LAB
-        assert "Enter: begin the session" in stage.text()
-        await stage.tell(pilot, SessionWanted(), OPENED)
-        kept = [note.text for note in stage.sent if note.text.startswith(CALIBRATION)]
-        assert len(kept) == 1
-        assert "1.10" in kept[0]
-        assert "not applied, every FRF comes out 10.0 % too large" in kept[0]
-
-    play(stage, body)
-
-
 def test_enter_waits_for_the_simulated_hand_that_mounts_the_sensor(tmp_path):
     stage = Stage(tmp_path)
 
@@ -409,5 +361,22 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
         stage.now_s += 5.0
         stage.app._tick()
         assert stage.app.state.safe is told_meanwhile
+
+    play(stage, body)
+
+
+def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(tmp_path):
+    mass = KnownMass(link="wrist", mass_kg=2.5, center_m=np.array([0.0, 0.01, 0.1]))
+    first = replace(PLAN.postures[0], brakes=True, known_mass=mass)
+    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
+    stage = Stage(tmp_path, plan=plan)
+    at_posture = begin(plan)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(at_posture))
+        told = " Brakes on. Bolt 2.5 kg to wrist, its centre at 0, 10, 100 mm."
+        assert told in stage.text()
+        await stage.tell(pilot, prompted(posture_reached(at_posture)))
+        assert f"At its posture, held.{told} Look" in stage.text()
 
     play(stage, body)

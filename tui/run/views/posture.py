@@ -8,6 +8,7 @@ from rich.text import Text
 from tui.run.big_text import big_lines
 from tui.run.state import RunState
 from tui.run.views.parts import BAD, DIM, GOOD, WARN, big
+from tui.run.words import conditions
 
 __all__ = ["joints_text", "posture_word", "word_text"]
 
@@ -19,7 +20,8 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
     prompt = state.prompt
     if prompt is None or prompt.posture is None:
         return "WAIT", WARN, "The session is being opened."
-    name = prompt.posture.name
+    name, also = prompt.posture.name, conditions(prompt.posture)
+    by = "" if prompt.posture.brakes else " by its drives"
     if not state.posture_known:
         return (
             "UNKNOWN",
@@ -32,15 +34,19 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
         return (
             "APPROACH?",
             GOOD,
-            "At its posture, held by its drives. Look: is it safe to go near? Enter: yes, it is.",
+            f"At its posture, held{by}.{also} Look: is it safe to go near? Enter: yes, it is.",
         )
     reading = state.joints
     known = reading.joints_rad if reading is not None else None
     off_rad = np.inf if known is None else float(np.abs(known - prompt.posture.joints_rad).max())
     if off_rad <= prompt.posture.tolerance_rad:
-        return "KEEP STILL", WARN, f"At {name}. It goes on by itself when the arm is still."
+        still = (
+            f"At {name}.{conditions(prompt.posture)} It goes on by itself when the arm is still."
+        )
+        return "KEEP STILL", WARN, still
     hand = " h: the simulated hand moves it." if state.simulated else ""
-    return "MOVE ARM", WARN, f"Bring the arm to posture {name}, from outside its reach.{hand}"
+    bring = f"Bring the arm to posture {name}, from outside its reach.{also}"
+    return "MOVE ARM", WARN, bring + hand
 
 
 def word_text(state: RunState, width: int, height: int) -> Text:
