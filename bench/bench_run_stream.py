@@ -21,13 +21,18 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
-from bench_run_app import cpu_s
+from bench_run_app import TICKS_HZ, cpu_s
 from support.terminal import Terminal, armodal
 
 from protocols.plan import PLANS_DIRECTORY
 from protocols.session.journal import load_journal
 
 LOOK_EVERY_S = 1.0
+
+
+def stolen_s() -> float:
+    """Seconds in which the machine's host gave the cores to others, over all cores."""
+    return int(Path("/proc/stat").read_text(encoding="ascii").split()[8]) / TICKS_HZ
 
 
 def main() -> int:
@@ -58,11 +63,19 @@ def main() -> int:
                 terminal.keys(key)
             terminal.until("hits at point", 30.0)
             pid = terminal.program_pid()
-            begun_s, begun_cpu_s = time.monotonic(), cpu_s(pid)
+            begun_s, begun_cpu_s, stolen_begun_s, asked = (
+                time.monotonic(),
+                cpu_s(pid),
+                stolen_s(),
+                0,
+            )
             while time.monotonic() - begun_s < seconds:
                 time.sleep(LOOK_EVERY_S)
-                if "Enter: mounted, ready to hit" in terminal.screen():
+                shown = terminal.screen()
+                asked += "APPROACH?" in shown or "Enter: yes, it is" in shown
+                if "Enter: " in shown:
                     terminal.keys("Enter")
+            stolen = stolen_s() - stolen_begun_s
             share = (cpu_s(pid) - begun_cpu_s) / (time.monotonic() - begun_s)
             screen = terminal.screen()
             terminal.keys("q")
@@ -79,6 +92,8 @@ def main() -> int:
                     "hits": len(session.hits),
                     "accepted": len(session.accepted()),
                     "app_core_share_percent": round(100.0 * share, 1),
+                    "approach_asked_again": asked,
+                    "cores_stolen_by_the_host_s": round(stolen, 2),
                     "load_average": os.getloadavg(),
                 },
                 indent=2,

@@ -14,7 +14,7 @@ import numpy as np
 from rich.table import Table
 
 from analyzer.gap.add import added_effects, joint_estimates
-from analyzer.gap.records import GapResult, PostureGap
+from analyzer.gap.records import GapResult, PostureGap, Verdict
 from analyzer.gap.workflow import GapOutcome
 from analyzer.report import gap_path, gap_to_json
 from protocols.arm.records import Arm
@@ -30,7 +30,7 @@ _SAME_POINT_M = 1e-6  # positions are copied, not measured again
 def keep_gap(
     session: Session, session_path: Path, outcome: GapOutcome, arm_out: Path | None
 ) -> dict[str, Path]:
-    """Write the result beside the session and, if something was named, a new arm file.
+    """Write the result beside the session and, if the verdict is a name, a new arm file.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def keep_gap(
     """
     written = {"result": gap_path(session_path)}
     replace_text(written["result"], gap_to_json(outcome.result))
-    if outcome.result.effects:
+    if outcome.result.verdict is Verdict.NAMED:
         path = arm_out or session_path.with_suffix(".arm.toml")
         arm = session.header.arm
         if arm_out is not None and path.exists():

@@ -33,6 +33,7 @@ class Fit:
     space: Space
     u: Array  # (n,)
     cost: float  # chi^2 / 2 + prior
+    first_cost: float  # where the fit began
     misfit: tuple[float, ...]  # chi^2 / 2 of each posture used
     curvature: Array  # (n, n) of the data at u
     slope: Array  # (n,) of the cost; not zero at bounds
@@ -145,7 +146,7 @@ def fit_hypothesis(
     damping = 1e-3
     parts = stage.quadratics(hypothesis, space, space.values(u), used)
     now = total(parts)
-    cost = now.cost + 0.5 * float(u @ u)
+    cost = first_cost = now.cost + 0.5 * float(u @ u)
     converged = False
     iteration = 0
     for iteration in range(1, max_iterations + 1):
@@ -179,6 +180,7 @@ def fit_hypothesis(
         space=space,
         u=u,
         cost=cost,
+        first_cost=first_cost,
         misfit=tuple(p.cost for p in parts),
         curvature=now.curvature,
         slope=slope,

@@ -22,6 +22,7 @@ from analyzer.modal.noise import smooth_lines
 from protocols.arrays import frozen_array
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfForm
+from protocols.plan_records import KnownMass
 from protocols.session.records import Hit, Session
 
 __all__ = ["Annealing", "PostureLines", "between", "own_lines", "shifted_lines"]
@@ -62,6 +63,8 @@ class PostureLines:
     variance: Array  # (n_mountings, 3, n_lines): E|error of values|^2
     sensor_mass_kg: float
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
+    brakes: bool = False  # on
+    known_mass: KnownMass | None = None  # bolted on
 
     @property
     def title(self) -> str:

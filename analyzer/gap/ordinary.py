@@ -157,6 +157,10 @@ class Ordinary:
         inertias, moments = self.link_inertias(every, z)
         assembly.link_inertia += list(inertias)
         assembly.link_moments += list(moments)
+        if lines.known_mass is not None:
+            body = lines.known_mass
+            link = [joint.link.name for joint in arm.joints].index(body.link)
+            assembly.add_body(link, body.mass_kg, body.center_m, np.zeros((3, 3)))
         for i, joint in enumerate(arm.joints):
             column = assembly.unit(superset.joint_column(i))
             if joint.stiffness is not None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from analyzer.gap.advice import advise
 from analyzer.gap.compare import disagreement_map, posture_gap
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
@@ -31,6 +33,7 @@ from analyzer.modal.fit import fit_modes
 from analyzer.modal.modes import ModalModel
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
+from protocols.plan_records import Plan
 
 __all__ = ["GapOutcome", "Step", "conclude"]
 
@@ -68,8 +71,13 @@ def conclude(
     notes: list[str],
     limits: Thresholds,
     with_modes: bool,
+    plan: Plan | None,
+    tell: Callable[[str], None],
 ) -> GapOutcome:
-    """Verdict, effects, rivals, ranges and gaps of the models a search ended with."""
+    """Verdict, effects, rivals, ranges and gaps of the models a search ended with.
+
+    With a plan the next test is proposed as one.
+    """
     sharp = stages[-1]
     misfit = misfit_per_line(sharp, final)
     standing = judged.standing
@@ -88,6 +96,9 @@ def conclude(
         notes.append(f"something more is there that cannot be told: {titles}")
     alive = (final, *standing)
     hiding = _could_hide(sharp, final)
+    advice = None
+    if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
+        advice = advise(sharp, final, standing, hiding, partial(_largest, phi=phi), plan, tell)
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
     )
@@ -108,6 +119,7 @@ def conclude(
         gates=gates,
         notes=tuple(notes),
         misfit_per_line=misfit,
+        next_test=advice,
     )
     return GapOutcome(
         result=result, stages=stages, before=before, final=final, standing=standing, scale=phi

@@ -27,7 +27,9 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
-_FROM_START = 14
+_FROM_START, _BETTER_HALF = 10, 10
+_LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
+_FEW_PARAMETERS, _MANY_STEPS = 6, 12
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 # Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
 _AT_MOST = {
@@ -47,7 +49,7 @@ _WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is no
 _HOPELESS = 400.0
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
-_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending")
+_ASTRAY = ("bearing", "base", "hysteretic", "sensor_mass", "link_bending", "servo")
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 _STEPS = 24  # a finalist converges within these
@@ -85,7 +87,8 @@ def find_rivals(
     at_middle = _further(middle, base, postures, 5)
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
-    if per_line < _NEAR and at_sharp.farthest < _BELIEVABLE:
+    lost = at_sharp.farthest > _BELIEVABLE
+    if per_line < _NEAR and not lost:
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
         chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)
@@ -95,10 +98,11 @@ def find_rivals(
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
-        looked_at = _looked_at(broad, base, start or {}, from_start=True)
-        chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
-        coarse = _first_steps(broad, base, chosen, postures, start or {})
-        coarse += _from_the_start(broad, present, postures, start or {})
+        looked_at, coarse = _from_the_start(broad, present, postures, start or {}, alone=lost)
+        if not lost:
+            looked_at = _looked_at(broad, base, start or {}, from_start=True)
+            chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+            coarse += _first_steps(broad, base, chosen, postures, start or {})
         coarse.sort(key=lambda f: f.cost)
         coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
@@ -187,11 +191,17 @@ def _from_the_start(
     present: Hypothesis,
     postures: Sequence[int] | None,
     start: dict[str, float],
-) -> list[Fit]:
-    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back."""
+    *,
+    alone: bool,
+) -> tuple[list[Candidate], list[Fit]]:
+    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
+
+    Where they stand alone, more of them and further.
+    """
     first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
     looked_at = _looked_at(stage, first, start, from_start=False)
-    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)[:_FROM_START]
+    chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
+    chosen = chosen[: _LOOKED_AT if alone else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
     known = {instance.key for instance in (*present.instances, *instances)}
     instances += [
@@ -202,8 +212,14 @@ def _from_the_start(
     fits = []
     for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        fits.append(fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4))
-    return fits
+        steps = _MANY_STEPS if len(instance.parameters) > _FEW_PARAMETERS else _FIRST_STEPS
+        fits.append(
+            fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
+        )
+    fits.sort(key=lambda f: f.cost)
+    better = len(fits) if alone else _BETTER_HALF
+    further = [_further(stage, f, postures, _FIRST_STEPS) for f in fits[:better]]
+    return looked_at, [*further, *fits[better:]]
 
 
 def _axes_of_bearings(
@@ -240,9 +256,16 @@ def _key(fit: Fit) -> tuple[str, str]:
 
 
 def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
-    return fit_hypothesis(
-        stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
-    )
+    """Some steps more; and again while the cost still falls by leaps."""
+    for _ in range(_MOST_LEAPS):
+        further = fit_hypothesis(
+            stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
+        )
+        leapt = further.n_iterations == steps and further.cost < _LEAP * further.first_cost
+        fit = further
+        if not leapt:
+            break
+    return fit
 
 
 def _leading(fits: Sequence[Fit], base: Fit | None) -> list[Fit]:

@@ -143,9 +143,9 @@ def _gain(
     S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
     own_way = np.linalg.solve(A, left)
     slope = gradient[own] - B.T @ own_way
-    std = 1.0 / np.sqrt(S.diagonal())
+    std: Array = 1.0 / np.sqrt(S.diagonal())
     active = ~(one_sided & (slope >= 0.0))
-    whole = np.zeros(len(own))
+    whole: Array = np.zeros(len(own))
     for _ in range(3):
         if not active.any():
             break
@@ -154,9 +154,10 @@ def _gain(
         if not wrong.any():
             whole[active] = step
             gain = -0.5 * float(step @ slope[active])
-            return gain, whole, np.asarray(std), -along @ whole - own_way, np.asarray(-along)
+            follow: Array = np.asarray(-along @ whole - own_way)
+            return gain, whole, std, follow, np.asarray(-along)
         active[np.flatnonzero(active)[wrong]] = False
-    return 0.0, whole, np.asarray(std), -own_way, np.asarray(-along)
+    return 0.0, whole, std, np.asarray(-own_way), np.asarray(-along)
 
 
 def _relaxed_gain(fit: Fit, instance: Instance) -> tuple[float, float, float]:

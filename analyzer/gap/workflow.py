@@ -7,8 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.arm.reduced import model_modes, reduce_model
-from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.checks.session import check_session
 from analyzer.gap.add import instances_of_file
@@ -16,16 +14,17 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_levels
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import Judged, Thresholds, judge, scale
 from analyzer.gap.levels import told_apart
-from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
+from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
 from analyzer.gap.records import (
     Gate,
 )
 from analyzer.gap.rivals import find_rivals
+from analyzer.gap.stages import FEWEST_POSTURES, stages_of, with_test
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from protocols.errors import EstimateError
@@ -35,9 +34,7 @@ from protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
 
-_STAGES = ((16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
-_SPARSER = 1.7  # where soft and hard hits are told apart
-_FEWEST_POSTURES, _FEWEST_POINTS = 2, 4
+_FEWEST_POINTS = 4
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 
 Tell = Callable[[str], None]
@@ -46,10 +43,12 @@ Tell = Callable[[str], None]
 def find_gap(
     session: Session,
     *,
+    more: Sequence[Session] = (),
     frfs: Sequence[FrequencyResponse] | None = None,
     thresholds: Thresholds | None = None,
     gates: bool = True,
     modes: bool = True,
+    advice: bool = True,
     tell: Tell = lambda _: None,
 ) -> GapOutcome:
     """Find where model and measurement disagree, and what is missing.
@@ -58,10 +57,14 @@ def find_gap(
     ----------
     session
         Own or imported. Where it has no records of single hits its averaged FRFs are used.
+    more
+        Further tests of the same arm, such as a proposed one: their postures count with its own,
+        in the state their plans tell (brakes, known masses).
     frfs
-        FRFs of its postures if they are at hand.
-    gates, modes
-        Run the checks without a model; pair modes in the comparison before and after.
+        FRFs of the session's postures if they are at hand.
+    gates, modes, advice
+        Run the checks without a model; pair modes in the comparison before and after; propose the
+        next test.
     tell
         Told what is being done.
 
@@ -79,20 +82,20 @@ def find_gap(
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     tell("checks without a model")
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
-    stages = _stages(superset, session, frfs)
+    stages = stages_of(superset, session, frfs)
+    for number, other in enumerate(more, start=2):
+        stages, own = with_test(stages, superset, other, number)
+        frfs = [*frfs, *own]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
     notes = _notes(session, single_hits)
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
-    if single_hits and has_levels(session):
+    if single_hits and not more and has_levels(session):
         tell("soft hits beside hard ones")
-        apart = _stages(superset, session, frfs, models=stages[-1].models, by_level=True)
-        span = max(lines.level for lines in apart[-1].lines)
-        levelled = replace(present, ordinary=replace(ordinary, level_span=span))
-        by_level = told_apart(superset, apart, levelled, start, Discrepancy())
+        by_level = _by_level(session, superset, frfs, stages, present, start)
         if by_level is not None:
-            stages, present = by_level, levelled
+            stages, present = by_level
             notes.append("the response depends on the hits' level: soft and hard were kept apart")
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
@@ -142,7 +145,25 @@ def find_gap(
         notes=notes,
         limits=limits,
         with_modes=modes,
+        plan=session.header.plan if advice and single_hits else None,
+        tell=tell,
     )
+
+
+def _by_level(
+    session: Session,
+    superset: Superset,
+    frfs: Sequence[FrequencyResponse],
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    start: dict[str, float],
+) -> tuple[tuple[Stage, ...], Hypothesis] | None:
+    """Stages with soft and hard hits apart, if the level tells something."""
+    apart = stages_of(superset, session, frfs, models=stages[-1].models, by_level=True)
+    span = max(lines.level for lines in apart[-1].lines)
+    levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
+    found = told_apart(superset, apart, levelled, start, Discrepancy())
+    return None if found is None else (found, levelled)
 
 
 def _only_relaxes(fit: Fit) -> bool:
@@ -191,9 +212,9 @@ def _check_enough(session: Session) -> None:
     else:
         postures = {frf.posture for frf in session.frfs}
         points = {dof.point for frf in session.frfs for dof in (*frf.responses, *frf.references)}
-    if len(postures) < _FEWEST_POSTURES:
+    if len(postures) < FEWEST_POSTURES:
         raise EstimateError(
-            f"wanted at least {_FEWEST_POSTURES} postures to tell effects apart, got "
+            f"wanted at least {FEWEST_POSTURES} postures to tell effects apart, got "
             f"{len(postures)}; measure two more that move the masses beyond each joint"
         )
     if len(points) < _FEWEST_POINTS:
@@ -214,54 +235,6 @@ def _gates(
         )
         for finding in check_session(session, frfs, superset)
     )
-
-
-def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[float, float]:
-    """From below the lowest believed mode to well above the highest, as far as was measured."""
-    structure = believed_structure(superset.arm)
-    lowest, highest = [], []
-    for frf in frfs:
-        if frf.joints_rad is None:
-            continue
-        modes = model_modes(reduce_model(superset, superset.posture(frf.joints_rad), structure))
-        lowest.append(modes.f_hz[0])
-        highest.append(modes.f_hz[-1])
-    low = max(0.6 * min(lowest), *(float(f.freq_hz[0]) for f in frfs))
-    wanted = min(max(1.3 * max(highest), 150.0), 250.0)
-    return low, min(wanted, *(0.95 * float(f.freq_hz[-1]) for f in frfs))
-
-
-def _stages(
-    superset: Superset,
-    session: Session,
-    frfs: Sequence[FrequencyResponse],
-    *,
-    models: Sequence[PosedModel] = (),
-    by_level: bool = False,
-) -> tuple[Stage, ...]:
-    known = [frf for frf in frfs if frf.joints_rad is not None]
-    if len(known) < _FEWEST_POSTURES:
-        raise EstimateError(
-            f"wanted joint angles for at least {_FEWEST_POSTURES} postures, got {len(known)}; "
-            "measure with the controller's angles on the bus"
-        )
-    band = _band_hz(superset, known)
-    made: list[Stage] = []
-    for sigma_hz, step_hz in _STAGES:
-        # Twice as many lines take every second frequency or so: it costs about the same.
-        step = _SPARSER * step_hz if by_level else step_hz
-        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
-        lines: tuple[PostureLines, ...]
-        if session.hits:
-            lines = own_lines(superset, session, stage, by_level=by_level)
-        else:
-            mass = session.header.plan.sensor.mass_kg
-            lines = shifted_lines(superset, known, stage, sensor_mass_kg=mass)
-        # Soft and hard hits are of the same posture: they share its geometry.
-        shared = [model for model in models for _ in range(2)] if by_level else None
-        models_of = made[-1].models if made else shared
-        made.append(Stage(superset, lines, Discrepancy(), models=models_of))
-    return tuple(made)
 
 
 def _test_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int, ...]:

@@ -87,7 +87,7 @@ def _effects(found: Mapping[str, Any]) -> RenderableType | None:
     lines: list[tuple[str, str] | str] = []
     for row in _rows(found, "effects"):
         sure = row.get("confidence")
-        told = f", {100 * sure:.0f} % sure" if isinstance(sure, (int, float)) else ""
+        told = f", {_sure(sure)} sure" if isinstance(sure, (int, float)) else ""
         lines.append((f"{_name(row)}{told}\n", "bold"))
         lines += [f"  {parameter}\n" for parameter in _parameters(row)]
         described = row.get("description")
@@ -99,6 +99,10 @@ def _effects(found: Mapping[str, Any]) -> RenderableType | None:
         if row.get("remedy"):
             lines.append(f"  do now: {row['remedy']}\n")
     return Text.assemble(*lines) if lines else None
+
+
+def _sure(share: float) -> str:
+    return "more than 99 %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
 def _error(row: Mapping[str, Any] | None) -> float | None:
@@ -269,11 +273,11 @@ def _evidence(found: Mapping[str, Any]) -> RenderableType | None:
 
 _SECTIONS = (
     _effects,
+    _next_test,
     _before_after,
     gap_map,
     _rivals,
     _stiffness,
-    _next_test,
     _hidden,
     _evidence,
 )

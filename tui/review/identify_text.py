@@ -11,8 +11,11 @@ from rich.text import Text
 
 __all__ = ["identification_view"]
 
-_WHOLE = "all FRFs, whole arm"
-_ONE = "one mode, one joint"
+_WHOLE, _ONE = "all FRFs", "one mode"
+_METHODS = (
+    "all FRFs: the whole arm fitted to every line; one mode: one joint alone beside it\n"
+    "± inertia: one standard deviation from the tolerance of the inertias"
+)
 
 
 def identification_view(found: dict[str, Any]) -> RenderableType:
@@ -57,7 +60,7 @@ def _joints(rows: list[dict[str, Any]]) -> RenderableType:
     return _titled(
         "Joint stiffness k in N m/rad, damping c in N m s/rad",
         table,
-        "± inertia: one standard deviation from the tolerance of the inertias",
+        _METHODS,
     )
 
 

@@ -13,7 +13,7 @@ from textual.binding import Binding, BindingType
 from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Noted, Prompted
 from tui.run.ask_mass import MassScreen
 from tui.run.conductor import CONFIRMED, Conductor, RunOptions
-from tui.run.happenings import HandIdle, Happening, SensorsConfirmed, Tick
+from tui.run.happenings import HandIdle, Happening, SensorsConfirmed
 from tui.run.help import HelpScreen
 from tui.run.keys import ACTIONS, works
 from tui.run.screens.hit import HitScreen
@@ -62,8 +62,7 @@ class RunApp(App[int]):
 
     def __init__(self, options: RunOptions, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
-        self._clock = clock
-        self.conductor = Conductor(options, self._changed, clock())
+        self.conductor = Conductor(options, self._changed, clock)
         self._steps: dict[Step, StepScreen] = {}
         self._overview = False  # the operator looks at the progress
         self._bell = False
@@ -110,7 +109,7 @@ class RunApp(App[int]):
             self.redraw()
 
     def _tick(self) -> None:
-        self.conductor.tell(Tick(now_s=self._clock()))
+        self.conductor.tick()
         self.redraw()
 
     def redraw(self) -> None:

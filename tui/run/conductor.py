@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from daq.commands import Note, Ready, Retake, Skip, Stop, TriggerLevel, Withdraw
-from daq.events import SessionOpened, TrialHit
+from daq.events import JointsSeen, SessionOpened, TrialHit
 from daq.ports import find_ports
 from daq.session_machine import PromptKind
 from daq.settings import AcquisitionSettings
@@ -32,6 +32,7 @@ from tui.run.happenings import (
     SensorsConfirmed,
     SessionFileReady,
     SessionWanted,
+    Tick,
     TriggerChosen,
 )
 from tui.run.laboratory import SimulatedLab
@@ -71,13 +72,17 @@ class Conductor:
         Ports, session, simulation.
     changed
         Told of every event, after the state has taken it in.
-    now_s
-        The app's clock now, wall seconds.
+    clock
+        Wall seconds.
     """
 
     def __init__(
-        self, options: RunOptions, changed: Callable[[Happening], None], now_s: float
+        self,
+        options: RunOptions,
+        changed: Callable[[Happening], None],
+        clock: Callable[[], float],
     ) -> None:
+        self._clock = clock
         self.options = options
         self.place = options.place
         self._changed = changed
@@ -92,11 +97,15 @@ class Conductor:
             earlier_hits=place.hits,
             earlier_end=ended,
         )
-        self.state: RunState = replace(begun, now_s=now_s)
+        self.state: RunState = replace(begun, now_s=clock())
 
     def tell(self, event: Happening) -> None:
         """Take an event in."""
-        self.state = reduce(self.state, event)
+        before = self.state
+        if isinstance(event, JointsSeen):
+            # What is heard now is known now, however long ago the clock was last looked at.
+            before = replace(before, now_s=self._clock())
+        self.state = reduce(before, event)
         self._changed(event)
         if isinstance(event, TrialHit) and self.state.mass_kg is not None:
             found = mass_ratio(self.state)
@@ -104,6 +113,11 @@ class Conductor:
                 self.tell(RatioFound(calibration=found))
         elif isinstance(event, SessionOpened):
             self._note_what_was_confirmed()
+
+    def tick(self) -> None:
+        """Look at the clock, once all that was said meanwhile has been heard."""
+        self._engine.hear()
+        self.tell(Tick(now_s=self._clock()))
 
     async def start(self) -> None:
         """Begin as it was asked for: simulated, with the ports given, or by looking for them."""

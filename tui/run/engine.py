@@ -40,6 +40,10 @@ class Engine:
         """Start the acquisition; what ran before is let go."""
         self._start("acquire", settings)
 
+    def hear(self) -> None:
+        """Take in at once what the process has said and nobody has listened to yet."""
+        self._hear()
+
     def send(self, command: Command) -> None:
         """Tell the process something; one that has gone says so by itself."""
         if self._running is not None:

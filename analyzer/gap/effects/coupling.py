@@ -22,7 +22,7 @@ WORDS = EffectWords(
     told_by="a posture in which the mass matrix does not couple the two",
     remedy="look for belts, a parallelogram, cables or a common gear between the two joints",
 )
-_MATERIAL = 0.03  # of the geometric mean of both stiffnesses
+_MATERIAL = 0.02  # of the geometric mean of both stiffnesses
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

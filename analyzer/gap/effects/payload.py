@@ -25,7 +25,7 @@ WORDS = EffectWords(
     told_by="a known mass added at the same place",
     remedy="weigh what the link carries: tool, valves, cables; put it into the arm file",
 )
-_MATERIAL_KG = 0.2
+_MATERIAL_KG, _MATERIAL = 0.2, 0.003  # or of the arm's mass, whichever is less
 _MOMENT_STD_KG_M = 0.1
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
 _RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's own tolerance
@@ -72,5 +72,5 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         builder=build,
         describe=describe,
         size=mass,
-        material=_MATERIAL_KG,
+        material=min(_MATERIAL_KG, _MATERIAL * total),
     )

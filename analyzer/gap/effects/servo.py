@@ -23,6 +23,7 @@ WORDS = EffectWords(
     told_by="brakes on against servo; a posture in which the joint carries little inertia",
     remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
 )
+_BRAKED = 1e-3  # of its compliance, a brake leaves a servo
 _MATERIAL = 0.05  # servo compliance over the joint's
 
 
@@ -49,7 +50,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         ) -> None:
             link = assembly.names[joint]
             none = np.zeros(ordinary.superset.n)
-            own = assembly.add_compliance(none, values[soft], values[loss], soft, loss)
+            part = _BRAKED if assembly.lines.brakes else 1.0
+            own = assembly.add_compliance(none, values[soft], values[loss], soft, loss, part=part)
             k = float(np.exp(values[f"ln k {joint}"]))
             c = float(np.exp(values[f"ln c {joint}"]))
             # The joint's spring stretches by the difference of link and rotor.

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 from support.gap_results import made_result
+from support.shown_results import GAP
 
 from analyzer.gap.records import NextTest
 from protocols.errors import EstimateError, PlanError, SessionError
@@ -19,31 +20,6 @@ from tui.review.gap_text import gap_view
 from tui.review.identify_text import identification_view
 from tui.review.next_test import next_test_plan
 from tui.review.picked_file import picked_path
-
-GAP = {
-    "verdict": "named",
-    "summary": "The base rocks.",
-    "effects": [
-        {
-            "name": "base",
-            "title": "Base rocking",
-            "place": "base",
-            "parameters": {"rock_x": {"value": 1.0e5, "std": 10.0, "low": 9.0e4, "high": 1.1e5}},
-            "confidence": 0.97,
-            "confused_with": ["bearing"],
-            "remedy": "Tighten the bolts.",
-        }
-    ],
-    "rivals": [{"name": "bearing", "place": "joint_1", "behind": 12.0, "standing": False}],
-    "gap_before": [{"posture": "test 1", "held_out": True, "frf_error": 0.4, "floor": 0.03}],
-    "gap_after": [{"posture": "test 1", "held_out": True, "frf_error": 0.1, "floor": 0.03}],
-    "joint_stiffness_ranges": [{"joint": "joint_1", "k_n_m_per_rad": 2e4, "low": 1e4, "high": 3e4}],
-    "where": [
-        {"posture": "test 1", "point": "7", "axis": "x", "band_hz": [3, 60], "ratio": 9.0},
-        {"posture": "test 1", "point": "7", "axis": "y", "band_hz": [3, 60], "ratio": 2.0},
-    ],
-    "arm_file": "new.toml",
-}
 
 
 def plain(renderable, width=100):
@@ -206,9 +182,10 @@ def test_stiffness_stands_with_its_range_and_its_method():
         "validation": [],
         "notes": ["a note"],
     }
-    shown = plain(identification_view(found))
+    shown = plain(identification_view(found), 76)  # what 80 columns leave beside the scroll bar
     for words in ("20000", "19985 to 20015", "all FRFs", "one mode", "none", "note: a note"):
         assert words in shown
+    assert "…" not in shown
 
 
 def test_identify_runs_beside_the_app_and_its_result_stays(drive, screen_text):

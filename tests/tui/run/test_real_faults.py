@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
+from by_hand import first_accepted_hit
 from support.terminal import Terminal, armodal
 
-from daq.session_machine import begin, point_ready, posture_reached
 from hil_sim.lab import start_laboratory
 from protocols.arm.files import load_arm
 from protocols.plan import load_plan
@@ -16,15 +16,6 @@ from tui.acquire import ScriptedOperator
 
 TIME_SCALE = 8.0
 PLAN_NAME = "rv4frl-three-postures"
-
-
-def hit_until_accepted(terminal: Terminal, hit: Callable[[], object]) -> None:
-    for _ in range(8):
-        hit()
-        screen = terminal.until(r"record \d+\b", 20.0)
-        if "is in the journal" in screen:
-            return
-    raise AssertionError("eight hits, and none was accepted")
 
 
 def plug_in(link: Path, process: int, other_port: str) -> None:
@@ -36,34 +27,22 @@ def plug_in(link: Path, process: int, other_port: str) -> None:
 
 
 def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_path: Path):
-    journal = tmp_path / "f.journal"
+    journal, board = tmp_path / "f.journal", tmp_path / "board"
     arm = load_arm("rv4frl")
     plan = load_plan(PLAN_NAME, arm)
-    at_posture = begin(plan)
-    at_point = posture_reached(at_posture)
-    with start_laboratory("rv4frl", seed=2, time_scale=TIME_SCALE) as laboratory:
-        hand = ScriptedOperator(laboratory.operator, arm, plan, time_scale=TIME_SCALE)
+    with (
+        start_laboratory("rv4frl", seed=2, time_scale=TIME_SCALE) as laboratory,
+        closing(ScriptedOperator(laboratory.operator, arm, plan, time_scale=TIME_SCALE)) as hand,
+    ):
 
         def fault(name: str, *, active: bool) -> None:
             hand.ask({"do": "fault", "name": name, "active": active})
 
-        command = armodal("run", PLAN_NAME, "--session", str(journal))
-        board = tmp_path / "board"
         plug_in(board, laboratory.pid, laboratory.can)
-        command += ["--board", str(board), "--can", laboratory.can]
-        with Terminal([*command, "--time-scale", str(TIME_SCALE)]) as terminal:
-            for words in ("Are these sensors mounted", "Enter: begin"):
-                terminal.until(words, 60.0)
-                terminal.keys("Enter")
-            terminal.until("Bring the arm to posture test 1", 30.0)
-            hand.act(at_posture.prompt)
-            terminal.until("Enter: yes, it is", 30.0)
-            terminal.keys("Enter")
-            terminal.until("Mount the sensor at point 1", 10.0)
-            hand.act(at_point.prompt)
-            terminal.keys("Enter")
-            terminal.until("Hit point 1", 10.0)
-            hit_until_accepted(terminal, lambda: hand.act(point_ready(at_point).prompt))
+        command = armodal("run", PLAN_NAME, "--session", str(journal), "--board", str(board))
+        command += ["--can", laboratory.can, "--time-scale", str(TIME_SCALE)]
+        with Terminal(command) as terminal:
+            first_accepted_hit(terminal, hand, plan)
 
             fault("can-silence", active=True)
             screen = terminal.until("Stay away from the arm", 20.0)
@@ -85,5 +64,4 @@ def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_pa
             assert "point 1" in screen
             terminal.keys("q")
             terminal.until("ended 0", 30.0)
-        hand.close()
     assert len(load_journal(journal).accepted()) == 1

@@ -5,16 +5,20 @@ from __future__ import annotations
 import os
 import re
 import signal
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from by_hand import first_accepted_hit
 from support.key_operator import act_until_done
 from support.terminal import Terminal, armodal
 
 from hil_sim.lab import start_laboratory
-from protocols.plan import PLANS_DIRECTORY
+from protocols.arm.files import load_arm
+from protocols.plan import PLANS_DIRECTORY, load_plan
 from protocols.session.hdf5 import read_session
 from protocols.session.journal import load_journal
+from tui.acquire import ScriptedOperator
 
 TIME_SCALE = "4"
 
@@ -56,27 +60,29 @@ def test_a_session_is_done_by_doing_what_the_screen_says(small_plan, tmp_path):
 
 def test_killing_the_app_loses_no_hit_and_coming_back_goes_on(small_plan, tmp_path):
     journal = tmp_path / "k.journal"
-    with start_laboratory("rv4frl", seed=2, time_scale=float(TIME_SCALE)) as laboratory:
-        command = armodal(
-            "run", str(small_plan), "--session", str(journal), "--time-scale", TIME_SCALE
-        )
-        command += ["--board", laboratory.board, "--can", laboratory.can]
-        with Terminal(command) as terminal:
-            terminal.until("Are these sensors mounted", 60.0)
-            terminal.keys("Enter")
-            terminal.until("Enter: begin", 20.0)
-            terminal.keys("Enter")
-            terminal.until("wanted ", 60.0)
+    arm = load_arm("rv4frl")
+    plan = load_plan(small_plan, arm)
+    scale = float(TIME_SCALE)
+    with (
+        start_laboratory("rv4frl", seed=2, time_scale=scale) as laboratory,
+        closing(ScriptedOperator(laboratory.operator, arm, plan, time_scale=scale)) as hand,
+    ):
+        ports = ["--board", laboratory.board, "--can", laboratory.can, "--time-scale", TIME_SCALE]
+        command = armodal("run", "--session", str(journal), *ports)
+        with Terminal([*command, str(small_plan)]) as terminal:
+            first_accepted_hit(terminal, hand, plan)
+            accepted = len(load_journal(journal).accepted())
             os.kill(terminal.program_pid(), signal.SIGKILL)
             terminal.until("ended 137", 20.0)
-        with Terminal([*command[:3], "run", *command[5:]]) as terminal:
+        with Terminal(command) as terminal:
             # The acquisition that was left alone closes its journal first.
-            terminal.until("go on at the same point|Are these sensors", 60.0)
+            terminal.until("Are these sensors", 60.0)
             terminal.keys("Enter")
             screen = terminal.until("go on at the same point", 20.0)
-            assert "0 accepted hits are safe" in screen
+            assert f"{accepted} accepted hits are safe" in screen
             terminal.keys("Enter")
-            terminal.until("Bring the arm", 60.0)
+            screen = terminal.until("Enter: yes, it is", 60.0)
+            assert "test 1, point 1" in screen
             terminal.keys("q")
             terminal.until("ended 0", 30.0)
-    assert load_journal(journal).hits == ()
+    assert len(load_journal(journal).accepted()) == accepted == 1

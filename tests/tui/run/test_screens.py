@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
-from pathlib import Path
 
 import pytest
 from made import (
@@ -16,7 +14,6 @@ from made import (
     HIT_EVENTS,
     LAB_EVENTS,
     OPENED,
-    PLAN,
     SESSION_EVENTS,
     judged,
     mass_hit,
@@ -24,66 +21,25 @@ from made import (
     reading,
     trial,
 )
-from textual.pilot import Pilot
+from stage import Stage, play
 
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
 from daq.events import Failed, Finished, LossNoted
 from daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from protocols.session.journal_payloads import CALIBRATION
 from protocols.session.records import Loss
-from tui.run.app import RunApp
-from tui.run.conductor import RunOptions
 from tui.run.happenings import (
     HandAtWork,
     HandIdle,
-    Happening,
     MassChosen,
     SafeConfirmed,
     SensorsConfirmed,
     SessionWanted,
 )
-from tui.run.place import SessionPlace
 from tui.run.screens.step import Pane
 from tui.run.state import Phase
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
-NOW_S = 100.0
-
-
-class Stage:
-    """An app whose process is a list of what it was told."""
-
-    def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
-        place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
-        self.app = RunApp(RunOptions(place=place, **options), clock=lambda: NOW_S)
-        self.sent: list[object] = []
-        self.app.conductor._engine.send = self.sent.append
-
-    async def tell(self, pilot: Pilot[int], *events: Happening) -> None:
-        for event in events:
-            self.app.conductor.tell(event)
-        await self.settle(pilot)
-
-    async def settle(self, pilot: Pilot[int]) -> None:
-        self.app.redraw()
-        await pilot.pause()
-        self.app._stale = True
-        self.app.redraw()
-        await pilot.pause()
-
-    def text(self) -> str:
-        panes = [pane for pane in self.app.screen.query(Pane) if pane.display]
-        return "\n".join(pane.plain for pane in panes)
-
-
-def play(
-    stage: Stage, body: Callable[[Pilot[int]], Awaitable[None]], size: tuple[int, int] = (120, 36)
-) -> None:
-    async def run() -> None:
-        async with stage.app.run_test(size=size) as pilot:
-            await body(pilot)
-
-    asyncio.run(run())
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -425,3 +381,33 @@ def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tm
         assert any("test 1  0 of 18" in row for row in rows())
 
     play(stage, body, (80, 20))
+
+
+def test_a_screen_whose_panes_are_being_taken_away_is_left_alone(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await stage.app.screen.query_one("#safety").remove()
+        await stage.tell(pilot, judged(1))  # nothing is raised
+        assert stage.app.state.last_hit is not None
+
+    play(stage, body)
+
+
+@pytest.mark.parametrize("told_meanwhile", [True, False])
+def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_old(
+    tmp_path, told_meanwhile
+):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        conductor = stage.app.conductor
+        waiting = [reading()] if told_meanwhile else []
+        conductor._engine.hear = lambda: [conductor.tell(event) for event in waiting]
+        stage.now_s += 5.0
+        stage.app._tick()
+        assert stage.app.state.safe is told_meanwhile
+
+    play(stage, body)

@@ -41,7 +41,7 @@ class HitScreen(StepScreen):
         width = self.pane("verdict").room[0]
         self.pane("verdict").show(verdict_text(state, width, 8 if high else 6))
         self.pane("left").show(left_text(state, self.pane("left").room[0], 5))
-        self.call_after_refresh(self._draw_pictures)
+        self.call_after_refresh(self.while_there, self._draw_pictures)
 
     def _draw_pictures(self) -> None:
         """Draw what takes longer, once the verdict is on the screen."""

@@ -26,7 +26,7 @@ class PointScreen(StepScreen):
     """Sensor and hammer go to their points."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "turn(-1)", "Turn"),
+        Binding("left", "turn(-1)", "Turn", key_display="←→"),
         Binding("right", "turn(1)", "Turn picture", show=False),
     ]
 
@@ -49,7 +49,7 @@ class PointScreen(StepScreen):
         beside = self.widget("beside").content_size.width
         self.pane("instructions").show(point_text(state, beside))
         self.pane("last-verdict").show(last_verdict_text(state, beside))
-        self.call_after_refresh(self._draw_pictures)
+        self.call_after_refresh(self.while_there, self._draw_pictures)
 
     def _draw_pictures(self) -> None:
         """Draw what takes longer, once the words are on the screen."""

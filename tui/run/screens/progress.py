@@ -28,7 +28,7 @@ class ProgressScreen(StepScreen):
     """Postures by points."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "move(-1)", "Choose"),
+        Binding("left", "move(-1)", "Choose", key_display="←→"),
         Binding("right", "move(1)", "Choose point", show=False),
         Binding("up", "row(-1)", "Choose point", show=False),
         Binding("down", "row(1)", "Choose point", show=False),

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
+
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal
+from textual.css.query import NoMatches
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Footer, Static
@@ -70,8 +74,15 @@ class StepScreen(Screen[None]):
     def show(self, state: RunState) -> None:
         """Show a state."""
         self._state = state
-        if not self._composed or not self.size.width or not self.query("#title"):
-            return  # it is drawn when it is composed, and no more once it goes
+        if self._composed and self.size.width:  # else it is drawn when it is composed
+            self.while_there(lambda: self._fill(state))
+
+    def while_there(self, draw: Callable[[], None]) -> None:
+        """Draw, unless the app is being left and the panes are being taken away."""
+        with suppress(NoMatches):
+            draw()
+
+    def _fill(self, state: RunState) -> None:
         small = self.size.width < LEAST_COLUMNS or self.size.height < LEAST_ROWS
         self.set_class(small, "small")
         self.pane("title").show(title(state, self.size.width))

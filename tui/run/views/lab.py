@@ -59,9 +59,9 @@ def _ready(state: RunState) -> str:
     if state.resuming:
         done = sum(p.accepted for p in state.progress)
         return f"{done} accepted hits are safe in the journal. Enter: go on at the same point"
-    trial = "h: trial hit" if state.simulated else "Trial hits set the trigger"
-    take = "   a: take the trigger suggested" if suggested_level_n(state) is not None else ""
-    return f"Enter: begin the session   {trial}{take}"
+    trial = "h: trial hit   " if state.simulated else ""
+    take = "a: take the suggested trigger" if suggested_level_n(state) is not None else ""
+    return f"Enter: begin the session   {trial}{take}".rstrip()
 
 
 def devices_text(state: RunState) -> Text:

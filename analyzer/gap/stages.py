@@ -1,0 +1,136 @@
+"""The stages of a session: lines of all postures, from broad to sharp."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analyzer.arm.reduced import model_modes, reduce_model
+from analyzer.arm.structure import believed_structure
+from analyzer.arm.superset import Superset
+from analyzer.gap.fit import Stage
+from analyzer.gap.hypothesis import PosedModel
+from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
+from analyzer.gap.weigh import Discrepancy
+from analyzer.identification.identify import estimate_frfs
+from protocols.errors import EstimateError
+from protocols.frf_records import FrequencyResponse
+from protocols.session.records import Session
+
+__all__ = ["FEWEST_POSTURES", "stages_of", "with_test"]
+
+FEWEST_POSTURES = 2
+_STAGES = ((16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
+_SPARSER = 1.7  # where soft and hard hits are told apart
+
+
+def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[float, float]:
+    """From below the lowest believed mode to well above the highest, as far as was measured."""
+    structure = believed_structure(superset.arm)
+    lowest, highest = [], []
+    for frf in frfs:
+        if frf.joints_rad is None:
+            continue
+        modes = model_modes(reduce_model(superset, superset.posture(frf.joints_rad), structure))
+        lowest.append(modes.f_hz[0])
+        highest.append(modes.f_hz[-1])
+    low = max(0.6 * min(lowest), *(float(f.freq_hz[0]) for f in frfs))
+    wanted = min(max(1.3 * max(highest), 150.0), 250.0)
+    return low, min(wanted, *(0.95 * float(f.freq_hz[-1]) for f in frfs))
+
+
+def stages_of(
+    superset: Superset,
+    session: Session,
+    frfs: Sequence[FrequencyResponse],
+    *,
+    models: Sequence[PosedModel] = (),
+    by_level: bool = False,
+) -> tuple[Stage, ...]:
+    """Return the broad, middle and sharp lines of every posture with known angles.
+
+    Parameters
+    ----------
+    frfs
+        Of its postures: they give the band and, where there are no hits, the lines.
+    models
+        Postures already solved, in order.
+    by_level
+        Soft and hard hits apart.
+
+    Raises
+    ------
+    EstimateError
+        If fewer than two postures have joint angles.
+    """
+    known = [frf for frf in frfs if frf.joints_rad is not None]
+    if len(known) < FEWEST_POSTURES:
+        raise EstimateError(
+            f"wanted joint angles for at least {FEWEST_POSTURES} postures, got {len(known)}; "
+            "measure with the controller's angles on the bus"
+        )
+    band = _band_hz(superset, known)
+    made: list[Stage] = []
+    for sigma_hz, step_hz in _STAGES:
+        # Twice as many lines take every second frequency or so: it costs about the same.
+        step = _SPARSER * step_hz if by_level else step_hz
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
+        lines: tuple[PostureLines, ...]
+        if session.hits:
+            lines = own_lines(superset, session, stage, by_level=by_level)
+        else:
+            mass = session.header.plan.sensor.mass_kg
+            lines = shifted_lines(superset, known, stage, sensor_mass_kg=mass)
+        # Soft and hard hits are of the same posture: they share its geometry.
+        shared = [model for model in models for _ in range(2)] if by_level else None
+        models_of = made[-1].models if made else shared
+        lines = _in_state(lines, session)
+        made.append(Stage(superset, lines, Discrepancy(), models=models_of))
+    return tuple(made)
+
+
+def _in_state(lines: Sequence[PostureLines], session: Session) -> tuple[PostureLines, ...]:
+    """Lines with what the laboratory did to the arm in their posture."""
+    planned = {posture.name: posture for posture in session.header.plan.postures}
+    found = []
+    for own in lines:
+        state = planned.get(own.name)
+        brakes, mass = (False, None) if state is None else (state.brakes, state.known_mass)
+        found.append(replace(own, brakes=brakes, known_mass=mass))
+    return tuple(found)
+
+
+def with_test(
+    stages: Sequence[Stage], superset: Superset, session: Session, number: int
+) -> tuple[tuple[Stage, ...], list[FrequencyResponse]]:
+    """The stages with a further test's postures, and that test's FRFs."""
+    if not session.hits:
+        raise EstimateError(
+            "wanted a further test with records of its hits, got one without; give a session "
+            "that was measured with armodal"
+        )
+    if session.header.arm.name != superset.arm.name:
+        raise EstimateError(
+            f"wanted a further test of arm '{superset.arm.name}', got one of "
+            f"'{session.header.arm.name}'; give sessions of one arm"
+        )
+    made: list[Stage] = []
+    for (sigma_hz, step_hz), old in zip(_STAGES, stages, strict=True):
+        band = (_frequency(old, 0), _frequency(old, -1))
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=band)
+        lines = [
+            replace(own, name=f"{own.name} (test {number})")
+            for own in _in_state(own_lines(superset, session, stage), session)
+        ]
+        models = [*old.models, *made[-1].models[len(old.models) :]] if made else None
+        if models is None:
+            models = [*old.models, *(PosedModel(superset, own.joints_rad) for own in lines)]
+        made.append(Stage(superset, [*old.lines, *lines], Discrepancy(), models=models))
+    frfs = estimate_frfs(session, superset)
+    return tuple(made), [replace(f, posture=f"{f.posture} (test {number})") for f in frfs]
+
+
+def _frequency(stage: Stage, at: int) -> float:
+    return float(stage.lines[0].s_rad_s[at].imag) / (2.0 * np.pi)

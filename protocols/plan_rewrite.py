@@ -1,0 +1,64 @@
+"""A plan file with one posture of its own in the place of another's: the proposed next test."""
+
+from __future__ import annotations
+
+import math
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from protocols.arm.records import Arm
+from protocols.errors import PlanError
+from protocols.plan import plan_from_text
+from protocols.plan_records import Plan, PlannedPosture
+
+__all__ = ["text_with_posture"]
+
+_LONGEST_NAME = 64
+_TOLERANCE_DEG = 0.5
+
+
+def text_with_posture(plan: Plan, arm: Arm, posture: PlannedPosture, *, comment: str) -> str:
+    """Return a plan's text with one posture alone, everything else as it was.
+
+    Parameters
+    ----------
+    comment
+        One line of what the test is for.
+
+    Raises
+    ------
+    PlanError
+        If the posture is not possible for the arm.
+    """
+    try:
+        document = tomlkit.parse(plan.text)
+    except TOMLKitError as problem:
+        raise PlanError(f"the session's plan cannot be read again: {problem}") from problem
+    table = tomlkit.table()
+    table["name"] = posture.name
+    table["joints_deg"] = _degrees(posture)
+    table["tolerance_deg"] = _TOLERANCE_DEG
+    table["points"] = list(posture.points)
+    if posture.hit_direction is not None:
+        table["hit_direction"] = [round(float(x), 4) for x in posture.hit_direction]
+    if posture.brakes:
+        table["brakes"] = True
+    if posture.known_mass is not None:
+        body = tomlkit.inline_table()
+        body["link"] = posture.known_mass.link
+        body["mass_kg"] = posture.known_mass.mass_kg
+        body["center_m"] = [round(float(x), 4) for x in posture.known_mass.center_m]
+        table["known_mass"] = body
+    postures = tomlkit.aot()
+    postures.append(table)
+    document.pop("postures", None)
+    document["name"] = f"{plan.name}-next"[-_LONGEST_NAME:].lstrip("-_")
+    document["postures"] = postures
+    text = f"# {comment}\n{tomlkit.dumps(document)}"
+    plan_from_text(text, arm, origin="proposed plan")
+    return text
+
+
+def _degrees(posture: PlannedPosture) -> list[float]:
+    return [round(math.degrees(float(angle)), 2) for angle in posture.joints_rad]

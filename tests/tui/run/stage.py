@@ -1,0 +1,55 @@
+"""The app on a stage: events are told to it, and what it says to the acquisition is noted."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+from made import ARM, PLAN
+from textual.pilot import Pilot
+
+from tui.run.app import RunApp
+from tui.run.conductor import RunOptions
+from tui.run.happenings import Happening
+from tui.run.place import SessionPlace
+from tui.run.screens.step import Pane
+
+NOW_S = 100.0
+
+
+class Stage:
+    """An app whose process is a list of what it was told."""
+
+    def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
+        place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
+        self.now_s = NOW_S
+        self.app = RunApp(RunOptions(place=place, **options), clock=lambda: self.now_s)
+        self.sent: list[object] = []
+        self.app.conductor._engine.send = self.sent.append
+
+    async def tell(self, pilot: Pilot[int], *events: Happening) -> None:
+        for event in events:
+            self.app.conductor.tell(event)
+        await self.settle(pilot)
+
+    async def settle(self, pilot: Pilot[int]) -> None:
+        self.app.redraw()
+        await pilot.pause()
+        self.app._stale = True
+        self.app.redraw()
+        await pilot.pause()
+
+    def text(self) -> str:
+        panes = [pane for pane in self.app.screen.query(Pane) if pane.display]
+        return "\n".join(pane.plain for pane in panes)
+
+
+def play(
+    stage: Stage, body: Callable[[Pilot[int]], Awaitable[None]], size: tuple[int, int] = (120, 36)
+) -> None:
+    async def run() -> None:
+        async with stage.app.run_test(size=size) as pilot:
+            await body(pilot)
+
+    asyncio.run(run())
