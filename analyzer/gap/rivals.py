@@ -27,6 +27,8 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
+# A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
+_SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
 _FROM_START, _BETTER_HALF = 10, 10
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _FEW_PARAMETERS, _MANY_STEPS = 6, 12
@@ -59,7 +61,6 @@ _ASTRAY = (
     "payload",
     "released_joint",
     "sensor_mass",
-    "servo",
 )
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
@@ -124,8 +125,10 @@ def find_rivals(
             best.append(_further(broad, f, postures, 6))
         best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
         best = _leading(best, at_middle)
+    behind = _behind_joints(middle, at_middle, postures)
+    best += [f for f in _leading(behind, at_middle)[:1] if _key(f) not in map(_key, best)]
     finals = []
-    for f in best[: _FINALISTS + 1]:
+    for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
         finals.append(_further(sharp, f, postures, 8))
     finals.sort(key=lambda f: f.evidence)
@@ -232,6 +235,36 @@ def _from_the_start(
     better = len(fits) if alone else _BETTER_HALF
     further = [_further(stage, f, postures, _FIRST_STEPS) for f in fits[:better]]
     return looked_at, [*further, *fits[better:]]
+
+
+def _behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> list[Fit]:
+    """Servos from several starts that leave each joint as soft as it was: no linear look sees one.
+
+    Between them the plain fit has the whole compliance in the joint's own spring.
+    """
+    taken = {instance.key for instance in fit.hypothesis.instances}
+    found = []
+    for servo in all_instances(fit.hypothesis.ordinary):
+        if servo.effect.name != "servo" or servo.key in taken:
+            continue
+        soft, _, rotor = servo.parameters
+        name = f"ln k {servo.place}"
+        starts = [
+            {
+                **fit.values,
+                soft.name: float(part * np.exp(-fit.values[name])),
+                rotor.name: turns * rotor.mean,
+                name: fit.values[name] - float(np.log(1.0 - part)),
+            }
+            for part in _SERVO_PARTS
+            for turns in _ROTORS
+        ]
+        richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, servo))
+        begin = _better_start(stage, richer, starts, postures)
+        found.append(
+            fit_hypothesis(stage, richer, start=begin, postures=postures, max_iterations=4)
+        )
+    return found
 
 
 def _axes_of_bearings(

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
+import numpy as np
+
+from analyzer.arm.reduced import reduce_model
+from analyzer.arm.structure import believed_structure
+from analyzer.arm.superset import Superset
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
-__all__ = ["WORDS", "instances", "typical_moment"]
+__all__ = ["WORDS", "carried_moment", "instances"]
 
 WORDS = EffectWords(
     name="rotor",
@@ -20,13 +26,30 @@ WORDS = EffectWords(
     told_by="a posture in which the joint carries little inertia; brakes on against servo",
     remedy="brakes on, or put the reflected inertia (ratio squared times rotor) into the model",
 )
-_MATERIAL = 0.05  # kg m^2
+_MATERIAL_KG_M2 = 0.05
+_STD, _MATERIAL = 0.3, 0.01  # of the carried moment
+_POSTURES = 12
 
 
-def typical_moment(ordinary: Ordinary, joint: int) -> float:
-    """Return the largest moment of inertia of a joint's link about its frame, kg m^2."""
-    link = ordinary.arm.joints[joint].link
-    return float(link.inertia_kg_m2.diagonal().max() + link.mass_kg * (link.center_m**2).sum())
+def carried_moment(ordinary: Ordinary, joint: int) -> float:
+    """Return the moment of inertia about an elastic joint, all links beyond it held, kg m^2.
+
+    The largest of some postures: what a motor and gear are chosen for.
+    """
+    return dict(_carried(ordinary.superset))[joint]
+
+
+@lru_cache(maxsize=16)
+def _carried(superset: Superset) -> tuple[tuple[int, float], ...]:
+    structure = believed_structure(superset.arm)
+    low, high = np.array([joint.range_rad for joint in superset.arm.joints]).T
+    rng = np.random.default_rng(0)
+    diagonals = [
+        reduce_model(superset, superset.posture(q), structure).mass.diagonal()
+        for q in low + (high - low) * rng.random((_POSTURES, len(low)))
+    ]
+    largest = np.max(diagonals, axis=0)[: len(structure.joints)]
+    return tuple(zip(structure.joints, largest.tolist(), strict=True))
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -50,11 +73,11 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 effect=WORDS,
                 place=joint,
                 parameters=(
-                    Parameter(name=name, mean=0.0, std=typical_moment(ordinary, i), low=0.0),
+                    Parameter(name=name, mean=0.0, std=_STD * carried_moment(ordinary, i), low=0.0),
                 ),
                 builder=build,
                 size=name,
-                material=min(_MATERIAL, 0.1 * typical_moment(ordinary, i)),
+                material=min(_MATERIAL_KG_M2, _MATERIAL * carried_moment(ordinary, i)),
             )
         )
     return tuple(found)

@@ -8,7 +8,7 @@ import numpy as np
 
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.rotor import typical_moment
+from analyzer.gap.effects.rotor import carried_moment
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
@@ -24,6 +24,7 @@ WORDS = EffectWords(
     remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
 )
 _BRAKED = 1e-3  # of its compliance, a brake leaves a servo
+_ROTOR = 0.2  # of the carried moment, roughly: motor and gear are chosen for it
 _MATERIAL = 0.05  # servo compliance over the joint's
 
 
@@ -61,7 +62,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.add_term("mass", own, own, values[inertia])
             assembly.stretched_by[joint] = own
 
-        moment = typical_moment(ordinary, i)
+        moment = carried_moment(ordinary, i)
         found.append(
             Instance(
                 effect=WORDS,
@@ -69,7 +70,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 parameters=(
                     Parameter(name=soft, mean=0.0, std=gamma, low=0.0),
                     Parameter(name=loss, mean=3e-4, std=3e-4, low=0.0),
-                    Parameter(name=inertia, mean=0.5 * moment, std=0.5 * moment, low=0.0),
+                    Parameter(name=inertia, mean=_ROTOR * moment, std=_ROTOR * moment, low=0.0),
                 ),
                 builder=build,
                 size=soft,
