@@ -30,10 +30,10 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
     groups |= {"two at once": pairs, "outside": outside}
     table = {
         name: {
+            **{outcome: _count(group, outcome) for outcome in OUTCOMES},
             "n": len(group),
             "right": asdict(rate(_count(group, "right"), len(group))) if group else None,
             "wrong": asdict(rate(_count(group, "wrong name"), len(group))) if group else None,
-            **{outcome: _count(group, outcome) for outcome in OUTCOMES},
         }
         for name, group in groups.items()
     }

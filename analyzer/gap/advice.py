@@ -44,8 +44,7 @@ def advise(
     rng = np.random.default_rng(_SEED)
     if len(standing) > 1:
         rivals = list(standing[:_MOST_RIVALS])
-        names = [_title(fit) for fit in rivals]
-        why = "tells " + " from ".join(names)
+        why = f"tells apart: {', or '.join(_title(fit) for fit in rivals)}"
     else:
         found = _widest(final, hiding, changes)
         if found is None:
