@@ -50,8 +50,8 @@ def gap_command(
         typer.Option("--with", help="A further test of the same arm; repeatable."),
     ] = None,
     arm: Annotated[
-        Path | None,
-        typer.Option("--arm", help="Arm file to believe instead of the session's own."),
+        str | None,
+        typer.Option("--arm", help="Arm file, or a shipped arm, instead of the session's own."),
     ] = None,
     arm_out: Annotated[
         Path | None,

@@ -164,10 +164,11 @@ def run_study(
     with path.open("a") as file:
         futures = [executor.submit(run_case, spec) for spec in waiting]
         for future in as_completed(futures):
-            line = future.result()
-            file.write(json.dumps(line) + "\n")
+            text = json.dumps(future.result())
+            file.write(text + "\n")
             file.flush()
             os.fsync(file.fileno())
+            line = json.loads(text)
             done[line["number"]] = line
             tell(line)
     return [done[spec.number] for spec in specs if spec.number in done]
