@@ -52,9 +52,16 @@ def keep_gap(
             raise ArmError(f"{path} is there already; give --arm-out another name")
         digest = sha256(session_path.read_bytes()).hexdigest()
         now = datetime.now(UTC).isoformat(timespec="seconds")
+        # What the arm file had before stays, unless it no longer earned its place.
+        earning = {
+            (i.effect.name, i.place or "whole arm") for i in outcome.final.hypothesis.instances
+        }
+        added = added_effects(outcome.result, session_sha256=digest, created=now)
+        known = {(e.name, e.place) for e in added}
+        before = [e for e in arm.effects if (e.name, e.place) in earning - known]
         text = text_with_effects(
             arm,
-            added_effects(outcome.result, session_sha256=digest, created=now),
+            (*before, *added),
             stiffness=joint_estimates(outcome.result, f"armodal gap, session {digest[:12]}"),
         )
         replace_text(path, text)

@@ -87,13 +87,14 @@ def gap_command(
     beside: dict[str, Any] = {}
     if session is None:
         session, outcome, beside = _with_laboratory(lab_arm, hide, magnitude, seed, budget, folder)
+        measured = read_session(session)
     else:
         measured = read_session(session)
         if arm is not None:
             measured = with_arm(measured, load_arm(arm))
         further = [read_session(path) for path in more or ()]
         outcome = find_gap(measured, more=further, tell=_say)
-    written = keep_gap(read_session(session), session, outcome, arm_out)
+    written = keep_gap(measured, session, outcome, arm_out)
     if html is not None:
         replace_text(html, gap_page(outcome.result, session.name))
     if as_json:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from analyzer.gap.effects import link_axis, wrong_point
+from analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
@@ -16,6 +16,15 @@ from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, 
 from protocols.errors import ArmError
 
 __all__ = ["added_effects", "file_key", "instances_of_file", "joint_estimates"]
+
+
+# Effects that stand where a scan found them: the file describes the place.
+_DESCRIBED: dict[str, Callable[[Ordinary, Mapping[str, object]], Instance | None]] = {
+    channel_gain.WORDS.name: channel_gain.of_file,
+    sensor_axes.FLIPPED.name: sensor_axes.of_file,
+    sensor_axes.SWAPPED.name: sensor_axes.of_file,
+    wrong_point.WORDS.name: wrong_point.of_file,
+}
 
 
 def file_key(name: str, place: str) -> str:
@@ -107,10 +116,10 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
         if effect.place in links and direction is not None and point is not None:
             unit = direction / np.linalg.norm(direction)
             return link_axis.at_axis(ordinary, links.index(effect.place), unit, point)
-    if effect.name == wrong_point.WORDS.name:
-        described = wrong_point.of_file(ordinary, effect.description)
-        if described is not None:
-            return described
+    module = _DESCRIBED.get(effect.name)
+    described = None if module is None else module(ordinary, effect.description)
+    if described is not None:
+        return described
     # What depends on the level is in the file whether or not this session has levels.
     for instance in all_instances(replace(ordinary, level_span=1.0)):
         if instance.effect.name == effect.name and effect.place in (instance.place, "whole arm"):

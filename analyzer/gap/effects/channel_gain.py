@@ -54,11 +54,24 @@ def at_point(ordinary: Ordinary, axis: str, point: str) -> Instance:
         mix[assembly.lines.sensor_point == index, row] *= np.exp(values[name])
         assembly.mix = mix
 
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        del values
+        return {"axis": axis, "sensor_point": point}
+
     return Instance(
         effect=WORDS,
         place=f"axis {axis} at point {point}",
         parameters=(Parameter(name=name, mean=0.0, std=_WIDE),),
         builder=build,
+        describe=describe,
         size=name,
         material=_MATERIAL,
     )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the gain at one point that an arm file describes; None where it does not."""
+    axis, point = description.get("axis"), description.get("sensor_point")
+    if axis not in ("x", "y", "z") or point not in ordinary.superset.point_index:
+        return None
+    return at_point(ordinary, str(axis), str(point))

@@ -66,8 +66,12 @@ def lifting_joints(ordinary: Ordinary) -> tuple[int, ...]:
 
 def names_at(joint: str) -> tuple[str, str, str, str]:
     """Return the names of stiffness, loss, angle and ratio."""
-    what = ("stiffness", "loss", "angle", "ln ratio")
-    return tuple(f"compensator {word} {joint}" for word in what)  # type: ignore[return-value]
+    return (
+        f"compensator stiffness {joint}",
+        f"compensator loss {joint}",
+        f"compensator angle {joint}",
+        f"compensator ln ratio {joint}",
+    )
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -55,6 +55,10 @@ def turned_sensor(
         mix[rows] = matrix @ mix[rows]
         assembly.mix = mix
 
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        del values
+        return {"sensor_point": point or "", "axes": tuple(matrix.ravel().tolist())}
+
     where = "the roving sensor" if point is None else f"point {point}"
     recorded = ", ".join(
         f"{'xyz'[i]} is {'-' if row.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(row)))]}"
@@ -65,4 +69,15 @@ def turned_sensor(
         effect=FLIPPED if is_flip else SWAPPED,
         place=f"{where}: {recorded}",
         builder=build,
+        describe=describe,
     )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the instance an arm file describes; None where it does not."""
+    axes, point = description.get("axes"), description.get("sensor_point")
+    if not isinstance(axes, tuple) or len(axes) != 9 or not isinstance(point, str):
+        return None
+    if point and point not in ordinary.superset.point_index:
+        return None
+    return turned_sensor(ordinary, np.reshape(np.array(axes), (3, 3)), point or None)

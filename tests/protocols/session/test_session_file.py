@@ -18,6 +18,7 @@ from protocols.session.hdf5 import (
     read_session,
     write_session,
 )
+from protocols.session.hdf5_hits import write_losses
 from protocols.session.journal import load_journal
 from protocols.session.records import Hit, Session, SessionHeader
 from protocols.session.recovery import rebuild
@@ -126,7 +127,6 @@ def test_file_that_reads_back_otherwise_is_thrown_away(
 ) -> None:
     before = written.read_bytes()
     monkeypatch.setattr("protocols.session.hdf5.write_losses", lambda entry, _: lose(entry))
-    from protocols.session.hdf5_hits import write_losses  # noqa: PLC0415
 
     def lose(entry: h5py.Group) -> None:
         write_losses(entry, ())
