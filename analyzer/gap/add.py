@@ -115,7 +115,10 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
         direction, point = (_vector(effect.description, k) for k in ("direction", "point_m"))
         if effect.place in links and direction is not None and point is not None:
             unit = direction / np.linalg.norm(direction)
-            return link_axis.at_axis(ordinary, links.index(effect.place), unit, point)
+            before = link_axis.points_of(effect.description)
+            return link_axis.at_axis(
+                ordinary, links.index(effect.place), unit, point, before=before
+            )
     module = _DESCRIBED.get(effect.name)
     described = None if module is None else module(ordinary, effect.description)
     if described is not None:

@@ -125,7 +125,7 @@ def fit_hypothesis(
     postures: Sequence[int] | None = None,
     max_iterations: int = 12,
     tolerance: float = 0.05,
-    give_up_above: float = np.inf,
+    closing: bool = True,
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
@@ -137,8 +137,9 @@ def fit_hypothesis(
         Indices of the postures used; all when omitted.
     tolerance
         Stop when a step gains less than this in cost.
-    give_up_above
-        Stop when after three steps the cost is still above this.
+    closing
+        Take misfit, slope and curvature at the end; else they are those where the last step began,
+        enough for a fit that only tells by its cost whether to go on.
     """
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
@@ -149,7 +150,11 @@ def fit_hypothesis(
     cost = first_cost = now.cost + 0.5 * float(u @ u)
     converged = False
     iteration = 0
-    for iteration in range(1, max_iterations + 1):
+    moved = False
+    for iteration in range(1, max_iterations + 1):  # noqa: B007
+        if moved:
+            parts = stage.quadratics(hypothesis, space, space.values(u), used)
+            now, moved = total(parts), False
         slope = now.gradient + u
         gained = 0.0
         for _ in range(6):
@@ -162,18 +167,17 @@ def fit_hypothesis(
             except np.linalg.LinAlgError:
                 trial_cost = np.inf
             if np.isfinite(trial_cost) and trial_cost < cost:
-                gained = cost - trial_cost
+                gained, moved = cost - trial_cost, True
                 u, cost = trial, trial_cost
                 damping = max(damping / 10.0, 1e-8)
                 break
             damping *= 10.0
-        parts = stage.quadratics(hypothesis, space, space.values(u), used) if gained else parts
-        now = total(parts)
         if gained < tolerance:
             converged = True
             break
-        if iteration >= 3 and cost > give_up_above:
-            break
+    if moved and closing:
+        parts = stage.quadratics(hypothesis, space, space.values(u), used)
+        now = total(parts)
     slope = now.gradient + u
     return Fit(
         hypothesis=hypothesis,

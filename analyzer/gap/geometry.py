@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from analyzer.arm.superset import PostureDynamics, Superset
 
-__all__ = ["GeometryNear", "PostureGeometry"]
+__all__ = ["GeometryNear", "GeometrySlopes", "PostureGeometry"]
 
 Array = npt.NDArray[np.float64]
 
@@ -26,6 +26,15 @@ class PostureGeometry:
     point_rotation: Array  # (n_points, 3, 3)
     gravity_per_mass: Array  # (n_links, 4, N, N)
     gravity_m_s2: Array  # (3,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GeometrySlopes:
+    """What of a posture's geometry changes with each of its n_joints angles, per rad."""
+
+    link_jacobian: Array  # (n_joints, n_links, 6, N)
+    point_jacobian: Array  # (n_joints, n_points, 6, N)
+    point_rotation: Array  # (n_joints, n_points, 3, 3)
 
 
 class GeometryNear:
@@ -54,11 +63,10 @@ class GeometryNear:
             )
         )
 
-    def beside(self, offset_rad: Array, joint: int) -> tuple[PostureGeometry, float]:
-        """Geometry with one joint a little further, and how much."""
-        moved = offset_rad.copy()
-        moved[joint] += _STEP_RAD
-        return self.at(moved), _STEP_RAD
+    def slopes(self) -> GeometrySlopes:
+        """Return how the geometry of the last `at` changes with the angles."""
+        link, point, rotation = self._slope
+        return GeometrySlopes(link_jacobian=link, point_jacobian=point, point_rotation=rotation)
 
     def _centre_on(self, offset: Array) -> None:
         self._centre = offset.copy()

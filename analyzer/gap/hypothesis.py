@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
@@ -79,8 +79,7 @@ class PosedModel:
         dy : (n_parameters, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        offset = hypothesis.ordinary.encoder(values)
-        geometry = self._near.at(offset)
+        geometry = self._near.at(hypothesis.ordinary.encoder(values))
         assembly = _assembled(hypothesis, geometry, lines, values)
         system = assembly.system()
         found = respond(system, lines)
@@ -92,7 +91,7 @@ class PosedModel:
             posed.by_compliances(),
             posed.by_inertias(),
             posed.by_measurement(),
-            self._by_angles(posed, offset),
+            self._by_angles(posed),
             _by_effects(hypothesis, geometry, posed),
         ):
             if name in space.index:
@@ -141,12 +140,10 @@ class PosedModel:
         ]
         return np.stack(columns), geometry
 
-    def _by_angles(self, posed: _Posed, offset: Array) -> Iterator[tuple[str, ComplexArray]]:
-        for i, joint in enumerate(posed.ordinary.arm.joints):
-            beside, step = self._near.beside(offset, i)
-            moved = replace(posed.assembly, geometry=beside).system()
-            change = Change.between(posed.system, moved, step)
-            yield f"encoder {joint.name}", posed.found.by_change(change)
+    def _by_angles(self, posed: _Posed) -> Iterator[tuple[str, ComplexArray]]:
+        slopes = posed.assembly.slopes(posed.system, self._near.slopes())
+        names = [f"encoder {joint.name}" for joint in posed.ordinary.arm.joints]
+        return zip(names, posed.found.by_slopes(slopes), strict=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,7 +69,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     material = [r for r in better if _added(r).is_material(r.values)]
     if not material:
         return Judged(named=None, standing=(), phi=phi)
-    best = material[0]
+    best = _plainest(material, thresholds.apart * phi)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
@@ -82,6 +82,13 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)
     return Judged(named=best, standing=(best,), phi=phi)
+
+
+def _plainest(material: Sequence[Fit], apart: float) -> Fit:
+    """The best; the released joint where the best is an axis that lies on one."""
+    best = material[0]
+    near = (r for r in material if r.evidence - best.evidence < apart and _one_line(best, r))
+    return next(near, best)
 
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:

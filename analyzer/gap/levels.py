@@ -45,7 +45,7 @@ def told_apart(
     present
         A hypothesis about levelled lines (`Ordinary.level_span`).
     """
-    broad, middle, _ = stages
+    _, broad, middle, _ = stages
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
     fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
     changes = any_change(present.ordinary)

@@ -117,7 +117,7 @@ def conclude(
         gap_before=_gaps(sharp, before, first, measured),
         gap_after=_gaps(sharp, final, last, measured),
         where=where,
-        interface=_interface(stages[0], before),
+        interface=_interface(stages[1], before),
         gates=gates,
         notes=tuple(notes),
         misfit_per_line=misfit,

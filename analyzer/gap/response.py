@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import System
+from analyzer.gap.assembly import Slopes, System
 from analyzer.gap.lines import PostureLines
 
 __all__ = ["Change", "Response", "hysteresis", "respond"]
@@ -185,6 +185,35 @@ class Response:
         moved = [np.cross(turn, axis) * scale for axis in np.eye(3)]
         return np.stack([_last(np.matmul(self.system.mix, a[..., None])[..., 0]) for a in moved])
 
+    def by_slopes(self, slopes: Slopes) -> ComplexArray:
+        """Derivatives (k, m, 3, L) by the k joint angles."""
+        system, s = self.system, self.lines.s_rad_s
+        L, m, n = self.x.shape
+        k = len(slopes.mass)
+        s2 = (s**2)[:, None, None]  # (L, 1, 1)
+        x = self.x.swapaxes(0, 1)  # (m, L, n)
+
+        def seen(by: Array) -> ComplexArray:
+            """(m, L, k, 3) of motions (k, m, 3, n) at the mountings."""
+            rows = by.transpose(1, 3, 0, 2).reshape(m, n, k * 3)
+            return _times(x, rows).reshape(m, L, k, 3)
+
+        pull = s2 * _times(x, slopes.mass.transpose(2, 0, 1).reshape(n, k * n)).reshape(m, L, k, n)
+        if system.sensor_mass_kg:
+            U, dU = system.moved, slopes.moved
+            load = _times(seen(dU).reshape(m, L * k, 3), U).reshape(m, L, k, n)
+            still = _times(x, U.swapaxes(1, 2))  # (m, L, 3)
+            load = load + _times(still, dU.transpose(1, 2, 0, 3).reshape(m, 3, k * n)).reshape(
+                m, L, k, n
+            )
+            pull += system.sensor_mass_kg * s2 * load
+        push = np.einsum("ha,khan->khn", system.force, slopes.hit)[:, self.lines.hit]
+        pull -= push.swapaxes(0, 1)[:, None]
+        y = -np.matmul(pull, self.Y.transpose(1, 0, 3, 2))  # (m, L, k, 3)
+        more = s2 * seen(system.mix @ slopes.seen) + seen(system.mix @ slopes.tilted)
+        y += self.factor[:, None, None] * more
+        return np.asarray(y.transpose(2, 0, 3, 1))
+
     def by_change(self, change: Change) -> ComplexArray:
         """Derivative by a parameter that changes the system as told."""
         system, s = self.system, self.lines.s_rad_s
@@ -224,6 +253,16 @@ class Response:
         if change.mix is not None:
             y = y + np.matmul(change.mix, self.true_axes[..., None])[..., 0]
         return _last(y)
+
+
+def _times(z: ComplexArray, real: Array) -> ComplexArray:
+    """Complex (..., k, n) by real (..., n, j) matrices."""
+    found = np.empty(
+        (*np.broadcast_shapes(z.shape[:-2], real.shape[:-2]), z.shape[-2], real.shape[-1]),
+        dtype=np.complex128,
+    )
+    found.real, found.imag = np.matmul(z.real, real), np.matmul(z.imag, real)
+    return found
 
 
 def _last(y: ComplexArray) -> ComplexArray:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -27,11 +28,15 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
+_LOOKED_AT_SHARPLY = 14
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
-_FROM_START, _BETTER_HALF = 10, 10
+_FROM_START, _BETTER, _FEWEST = 10, 12, 3
+_BEHIND = 3.0  # of the least cost on the widest lines: what costs more is not it
+_OBVIOUS = 0.3  # of the plain fit's cost there: what costs less needs no other look
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
-_FEW_PARAMETERS, _MANY_STEPS = 6, 12
+_SPLIT = 2  # leading fits in which an axis may have a part of its link before it
+_FEW_PARAMETERS, _MANY_STEPS, _WIDE_STEPS = 6, 9, 3
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 # Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
 _AT_MOST = {
@@ -91,28 +96,31 @@ def find_rivals(
     Parameters
     ----------
     stages
-        Broad, middle and sharp lines of the same postures.
+        Widest, broad, middle and sharp lines of the same postures.
     """
-    broad, middle, sharp = stages
+    widest, broad, middle, sharp = stages
     tell("the arm as believed" if not present.instances else present.name)
-    base = fit_hypothesis(broad, present, start=start, postures=postures, max_iterations=7)
+    at_widest = fit_hypothesis(widest, present, start=start, postures=postures, max_iterations=7)
+    base = _further(broad, at_widest, postures, 5)
     at_middle = _further(middle, base, postures, 5)
     at_sharp = _further(sharp, at_middle, postures, 8)
     per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
     near = _NEAR_BY_LEVEL if present.ordinary.level_span else _NEAR
     lost = at_sharp.farthest > _BELIEVABLE
     if per_line < near and not lost:
+        least = base.cost
         at_sharp = _further(sharp, at_sharp, postures, _STEPS)
         looked_at = _looked_at(sharp, at_sharp, start or {}, from_start=False)
-        chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)
+        chosen = _most_promising(looked_at, _WORTH_SHARP, each_kind=False)[:_LOOKED_AT_SHARPLY]
         first = _first_steps(sharp, at_sharp, chosen, postures, start or {})
         # The best after two steps, and those that promise most: some need more than two.
         promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
     else:
-        looked_at, coarse = _from_the_start(broad, present, postures, start or {}, alone=lost)
-        if not lost:
+        looked_at, wide = _from_the_start(widest, present, postures, start or {}, alone=lost)
+        coarse = [_further(broad, f, postures, _FIRST_STEPS) for f in _not_hopeless(wide)]
+        if not lost and wide[0].cost > _OBVIOUS * at_widest.cost:
             looked_at = _looked_at(broad, base, start or {}, from_start=True)
             chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
             coarse += _first_steps(broad, base, chosen, postures, start or {})
@@ -123,15 +131,20 @@ def find_rivals(
         for f in coarse[:_COARSE]:
             tell(f.hypothesis.name)
             best.append(_further(broad, f, postures, 6))
+        least = min(f.cost for f in best)
+        best += _split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
         best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
         best = _leading(best, at_middle)
-    behind = _behind_joints(middle, at_middle, postures)
-    best += [f for f in _leading(behind, at_middle)[:1] if _key(f) not in map(_key, best)]
+    behind = _behind_joints(broad, base, postures)
+    behind = [f for f in _leading(behind, base)[:1] if f.cost < _BEHIND * least]
+    best += [f for f in behind if _key(f) not in map(_key, best)]
     finals = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
         finals.append(_further(sharp, f, postures, 8))
     finals.sort(key=lambda f: f.evidence)
+    finals += _split_axes(sharp, finals[:1], postures, 8)
+    finals = _leading(finals, None)
     finals = [
         f if f.converged else _further(sharp, f, postures, _STEPS)
         for f in finals
@@ -211,7 +224,8 @@ def _from_the_start(
 ) -> tuple[list[Candidate], list[Fit]]:
     """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
 
-    Where they stand alone, more of them and further.
+    On the widest lines nearly every start finds its way. Where these fits stand alone, more of
+    them. Least cost first.
     """
     first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
     looked_at = _looked_at(stage, first, start, from_start=False)
@@ -222,19 +236,37 @@ def _from_the_start(
     instances += [
         i
         for i in all_instances(present.ordinary)
-        if i.effect.name in _ASTRAY and i.key not in known
+        if i.effect.name in _ASTRAY and i.key not in known and _goes_with(i, present)
     ]
     fits = []
     for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        steps = _MANY_STEPS if len(instance.parameters) > _FEW_PARAMETERS else _FIRST_STEPS
-        fits.append(
-            fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
-        )
+        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
     fits.sort(key=lambda f: f.cost)
-    better = len(fits) if alone else _BETTER_HALF
-    further = [_further(stage, f, postures, _FIRST_STEPS) for f in fits[:better]]
-    return looked_at, [*further, *fits[better:]]
+    better = []
+    for fit in _not_hopeless(fits)[:_BETTER]:
+        many = len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
+        steps = _MANY_STEPS if many else _WIDE_STEPS
+        better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
+    return looked_at, sorted(better, key=lambda f: f.cost)
+
+
+def _not_hopeless(fits: Sequence[Fit]) -> list[Fit]:
+    """Some at least, and what does not cost far more than the best; of fits by rising cost."""
+    return [f for i, f in enumerate(fits) if i < _FEWEST or f.cost < _BEHIND * fits[0].cost]
+
+
+def _quickly(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    start: dict[str, float],
+    postures: Sequence[int] | None,
+    steps: int,
+) -> Fit:
+    """A fit of which only cost and values count."""
+    return fit_hypothesis(
+        stage, hypothesis, start=start, postures=postures, max_iterations=steps, closing=False
+    )
 
 
 def _behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> list[Fit]:
@@ -296,6 +328,30 @@ def _axes_of_bearings(
     return found
 
 
+def _split_axes(
+    stage: Stage, fits: Sequence[Fit], postures: Sequence[int] | None, steps: int
+) -> list[Fit]:
+    """Axes with some of their link's points, and a part of its mass, between joint and axis."""
+    found = []
+    for fit in fits:
+        *others, axis = fit.hypothesis.instances
+        if axis.effect.name != "link_axis" or axis.describe is None or axis.pieces:
+            continue
+        ordinary, where = fit.hypothesis.ordinary, axis.describe(fit.values)
+        link = next(i for i, j in enumerate(ordinary.arm.joints) if j.link.name == axis.place)
+        direction, point = np.asarray(where["direction"]), np.asarray(where["point_m"])
+        start = {k: v for k, v in fit.values.items() if k not in axis.shapes}
+        for before in link_axis.splits(ordinary, link):
+            split = link_axis.at_axis(ordinary, link, direction, point, before=before)
+            if any(split.excludes(other) for other in others):
+                continue
+            richer = replace(fit.hypothesis, instances=(*others, split))
+            found.append(
+                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
+            )
+    return found
+
+
 def _key(fit: Fit) -> tuple[str, str]:
     return fit.hypothesis.instances[-1].key
 
@@ -333,7 +389,11 @@ def _looked_at(
     """Every effect at every place by its linear gain; sensors also beside the first guess."""
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
-    instances = [i for i in all_instances(hypothesis.ordinary) if i.key not in taken]
+    instances = [
+        i
+        for i in all_instances(hypothesis.ordinary)
+        if i.key not in taken and _goes_with(i, hypothesis)
+    ]
     plain = [i for i in instances if i.effect.name not in _SOUGHT]
     found = scan_instances(stage, base, plain)
     found += scan_compensators(stage, base, instances)
@@ -351,6 +411,10 @@ def _looked_at(
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)
+
+
+def _goes_with(instance: Instance, present: Hypothesis) -> bool:
+    return not any(instance.excludes(other) for other in present.instances)
 
 
 def _most_promising(

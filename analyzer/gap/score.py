@@ -134,7 +134,8 @@ def instance_of_truth(ordinary: Ordinary, effect: Mapping[str, Any]) -> Instance
         links = [joint.link.name for joint in ordinary.arm.joints]
         p = effect["parameters"]
         direction, point = np.asarray(p["direction"]), np.asarray(p["point_m"])
-        return link_axis.at_axis(ordinary, links.index(place), direction, point)
+        before = tuple(p.get("points_before", ()))
+        return link_axis.at_axis(ordinary, links.index(place), direction, point, before=before)
     places = [place] if isinstance(place, str) else place
     fitting = [i for i in all_instances(ordinary) if i.effect.name == name]
     found = [i for i in fitting if not i.place or set(i.place.split(" and ")) == set(places)]

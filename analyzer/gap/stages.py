@@ -1,4 +1,4 @@
-"""The stages of a session: lines of all postures, from broad to sharp."""
+"""The stages of a session: lines of all postures, from the widest to sharp."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from protocols.session.records import Session
 __all__ = ["FEWEST_POSTURES", "stages_of", "with_test"]
 
 FEWEST_POSTURES = 2
-_STAGES = ((16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
+_STAGES = ((40.0, 20.0), (16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
 _SPARSER = 1.7  # where soft and hard hits are told apart
 
 
@@ -49,7 +49,7 @@ def stages_of(
     models: Sequence[PosedModel] = (),
     by_level: bool = False,
 ) -> tuple[Stage, ...]:
-    """Return the broad, middle and sharp lines of every posture with known angles.
+    """Return the widest, broad, middle and sharp lines of every posture with known angles.
 
     Parameters
     ----------

@@ -151,9 +151,11 @@ class Weighing:
     def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
         """Misfit of a prediction with its derivatives (n, m, 3, L)."""
         r, N = self._residual(y), self._nuisance(y)
-        J = _stacked(dy * self.scale)  # (n, m, 3, 2L)
+        n, m, _, L = dy.shape
+        J = np.empty((n, m, 3, 2 * L))
+        np.multiply(dy.real, self.scale, out=J[..., :L])
+        np.multiply(dy.imag, self.scale, out=J[..., L:])
         Nr = np.einsum("milk,mil->mik", N, r)
-        n, m = J.shape[0], J.shape[1]
         by_channel = J.transpose(1, 2, 0, 3)  # (m, 3, n, 2L)
         JN = np.matmul(by_channel, N)  # (m, 3, n, 3)
         solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))

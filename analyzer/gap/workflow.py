@@ -15,7 +15,7 @@ from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_levels
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged, Thresholds, judge, scale
+from analyzer.gap.judge import Judged, Thresholds, judge, misfit_per_line, scale
 from analyzer.gap.levels import told_apart
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
@@ -36,6 +36,7 @@ __all__ = ["GapOutcome", "find_gap"]
 
 _FEWEST_POINTS = 4
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
+_LEAST_EXPLAINED = 0.25  # of what ordinary errors do not leave; a name for less would be a guess
 
 Tell = Callable[[str], None]
 
@@ -109,20 +110,12 @@ def find_gap(
         if judged.named is None or len(named) == _MOST_EFFECTS or rounds > _MOST_ROUNDS:
             break
         better = judged.named
-        tell(f"held-out postures: {better.hypothesis.name}")
-        without = held_out(stages[-1], found.present, test)
-        with_it = held_out(stages[-1], better, test)
-        gains = np.subtract(without.surprise, with_it.surprise)
-        # What the null has with a narrow prior foretells little more when that is widened.
-        wanted = -limits.held_out if _only_relaxes(better) else limits.held_out
-        if gains.sum() < wanted * judged.phi:
-            notes.append(
-                f"{better.hypothesis.instances[-1].title} fits better but does not foretell "
-                "postures it was not fitted to; it was not named"
-            )
+        step, doubt = _foretold(stages[-1], found.present, judged, better, test, limits, tell)
+        if step is None:
+            notes.append(f"{_last(better).title} {doubt}; it was not named")
             judged = Judged(named=None, standing=(better, found.present), phi=judged.phi)
             break
-        named.append((found.present, better, without, with_it, judged))
+        named.append(step)
         present, start, gone = _still_earning(stages[-1], better, limits, judged.phi)
         named = [step for step in named if _last(step[1]) not in gone]
         notes += [
@@ -164,6 +157,36 @@ def _by_level(
     levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())
     return None if found is None else (found, levelled)
+
+
+def _foretold(
+    stage: Stage,
+    present: Fit,
+    judged: Judged,
+    better: Fit,
+    test: tuple[int, ...],
+    limits: Thresholds,
+    tell: Tell,
+) -> tuple[Step | None, str]:
+    """The step to a better model if it holds; else why it does not."""
+    if _explains_too_little(stage, present, better, limits):
+        return None, "is the best of the library, but leaves most of what is missing"
+    tell(f"held-out postures: {better.hypothesis.name}")
+    without = held_out(stage, present, test)
+    with_it = held_out(stage, better, test)
+    gains = np.subtract(without.surprise, with_it.surprise)
+    # What the null has with a narrow prior foretells little more when that is widened.
+    wanted = -limits.held_out if _only_relaxes(better) else limits.held_out
+    if gains.sum() < wanted * judged.phi:
+        return None, "fits better but does not foretell postures it was not fitted to"
+    return (present, better, without, with_it, judged), ""
+
+
+def _explains_too_little(stage: Stage, present: Fit, better: Fit, limits: Thresholds) -> bool:
+    """Whether most of what ordinary errors do not leave is still there."""
+    before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
+    explained = (before - after) / max(before - limits.ordinary_misfit, 1e-9)
+    return after > limits.outside_misfit and explained < _LEAST_EXPLAINED
 
 
 def _only_relaxes(fit: Fit) -> bool:

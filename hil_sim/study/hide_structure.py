@@ -52,6 +52,7 @@ def link_axis(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     link = str(rng.choice(places.structural()))
     point, direction = places.somewhere(rng, link), unit(rng)
     k = 1.0 / (AXIS * places.compliance * magnitude * about(rng))
+    near: tuple[str, ...] = ()
     table = {
         "kind": "link_axis",
         "link": link,
@@ -61,8 +62,9 @@ def link_axis(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "damping_n_m_s_per_rad": LOSS_S * k,
     }
     if rng.random() < 0.3 and len(places.points[link]) > 2:
-        near = min(places.points[link], key=lambda p: float(np.linalg.norm(p["position_m"])))
-        table |= {"mass_before": 0.25, "points_before": (near["id"],)}
+        nearest = min(places.points[link], key=lambda p: float(np.linalg.norm(p["position_m"])))
+        near = (nearest["id"],)
+        table |= {"mass_before": 0.25, "points_before": near}
     return hidden(
         "link_axis",
         link,
@@ -70,6 +72,8 @@ def link_axis(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         compliance_rad_per_n_m=1.0 / k,
         point_m=places.in_file(link, point),
         direction=places.in_file(link, direction),
+        points_before=list(near),
+        mass_before=0.25 if near else 0.0,
     )
 
 

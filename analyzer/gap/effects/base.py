@@ -25,7 +25,9 @@ WORDS = EffectWords(
 )
 _WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
 _MATERIAL = 0.01  # of rocking, of the arm's compliance
+_START = 0.05  # likewise of rocking: from nothing a fit finds its way slowly
 _SHIFT_MATERIAL = 2e-5  # m/N of shifting, likewise
+_FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
 _METRE = 0.3  # of lever between a shift's compliance and a rocking's
 
 
@@ -49,7 +51,13 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
 
     rock = compliance_parameter("", ordinary)
     parameters = [
-        Parameter(name=name, mean=0.0, low=0.0, std=rock.std * (1.0 if i >= 3 else _METRE**2))
+        Parameter(
+            name=name,
+            mean=0.0,
+            low=0.0,
+            std=rock.std * (1.0 if i >= 3 else _METRE**2),
+            start=_START * ordinary.compliance if name in names[3:5] else None,
+        )
         for i, name in enumerate(names)
     ]
     total = sum(joint.link.mass_kg for joint in ordinary.arm.joints)
@@ -60,9 +68,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             parameters=(
                 *parameters,
                 loss_parameter(loss),
-                Parameter(name=mass, mean=0.25 * total, std=0.2 * total, low=0.0),
-                Parameter(name=height, mean=0.08, std=0.05),
-                Parameter(name=pivot, mean=0.0, std=0.05),
+                Parameter(name=mass, mean=0.25 * total, std=0.2 * total, low=0.0, high=2.0 * total),
+                Parameter(name=height, mean=0.08, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M),
+                Parameter(name=pivot, mean=0.0, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M),
             ),
             builder=build,
             size=names[3],

@@ -60,6 +60,7 @@ class Instance:
     size_offset: float = 0.0  # of the size: what the null has anyway
     # By ordinary parameter: what else it may be, either way, per unit of an own one.
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
     @property
@@ -89,6 +90,11 @@ class Instance:
         largest = max(abs(values[name] - self.size_offset) for name in names)
         beside = any(abs(values[name]) >= least for name, least in self.side_sizes)
         return largest >= self.material or beside
+
+    def excludes(self, other: Instance) -> bool:
+        """Return whether it cuts the same link's mass into other pieces."""
+        own, theirs = self.pieces.split(maxsplit=1), other.pieces.split(maxsplit=1)
+        return own[1:] == theirs[1:] != [] and own[0] != theirs[0]
 
     def add(self, assembly: Assembly, values: Mapping[str, float]) -> None:
         """Add its terms."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.space import Parameter
 
-__all__ = ["WORDS", "at_axis", "instances"]
+__all__ = ["WORDS", "at_axis", "instances", "points_of", "splits"]
 
 Array = npt.NDArray[np.float64]
 
@@ -28,10 +28,16 @@ WORDS = EffectWords(
 )
 _MATERIAL = 0.012  # of the arm's compliance
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
+_BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.25, 0.2, 0.8  # of the link's mass
 
 
 def at_axis(
-    ordinary: Ordinary, link: int, direction: Array, point_m: Array, *, label: str = ""
+    ordinary: Ordinary,
+    link: int,
+    direction: Array,
+    point_m: Array,
+    *,
+    before: Sequence[str] = (),
 ) -> Instance:
     """An axis near a line of a link's frame.
 
@@ -39,12 +45,15 @@ def at_axis(
     ----------
     direction, point_m
         (3,) unit direction and a point of the line the fit begins with.
+    before
+        Ids of the link's points that stand between its joint and the axis, with a part of its
+        mass; without any the whole link is beyond.
     """
     name = ordinary.arm.joints[link].link.name
-    tag = f"{name}{label}"
     sides = across(direction)
-    gamma, loss = f"axis compliance {tag}", f"axis loss {tag}"
-    moves = [f"axis {what} {tag}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
+    gamma, loss, part = (f"axis {what} {name}" for what in ("compliance", "loss", "mass before"))
+    moves = [f"axis {what} {name}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
+    still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
     columns = ordinary.superset.interface_columns(link)
     nearest = point_m - direction * (direction @ point_m)
 
@@ -52,13 +61,19 @@ def at_axis(
         u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
         column = np.zeros(ordinary.superset.n)
         column[columns] = np.concatenate([np.cross(p, u), u])
-        assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
+        at = assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
+        if before:
+            shares = np.array([values[part], 1.0 - values[part]])
+            assembly.pieces[link] = shares, np.zeros((2, 3))
+            assembly.between[at] = (link, 1, still)
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
-        return {"link": name, "direction": u.tolist(), "point_m": p.tolist()}
+        found = {"link": name, "direction": u.tolist(), "point_m": p.tolist()}
+        return {**found, "points_before": " ".join(before)} if before else found
 
     stds = (_TILT_STD, _TILT_STD, _SHIFT_STD_M, _SHIFT_STD_M)
+    split = Parameter(name=part, mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
     return Instance(
         effect=WORDS,
         place=name,
@@ -66,13 +81,31 @@ def at_axis(
             compliance_parameter(gamma, ordinary),
             loss_parameter(loss),
             *(Parameter(name=m, mean=0.0, std=s) for m, s in zip(moves, stds, strict=True)),
+            *((split,) if before else ()),
         ),
         builder=build,
         describe=describe,
         size=gamma,
-        shapes=tuple(moves),
+        shapes=(*moves, part) if before else tuple(moves),
         material=_MATERIAL * ordinary.compliance,
+        pieces=f"axis {name}" if before else "",
     )
+
+
+def points_of(description: Mapping[str, object]) -> tuple[str, ...]:
+    """Return the ids of the points before an axis that was described."""
+    return tuple(str(description.get("points_before", "")).split())
+
+
+def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
+    """Return which of a link's points may stand before an axis: one, or more, nearest first."""
+    points = [
+        point
+        for point, own in zip(ordinary.arm.points, ordinary.superset.point_link, strict=True)
+        if own == link
+    ]
+    points.sort(key=lambda point: float(np.linalg.norm(point.position_m)))
+    return tuple(tuple(p.id for p in points[:n]) for n in range(1, len(points)))
 
 
 def axis_of(

@@ -122,5 +122,6 @@ def given_way(
         builder=build,
         size=gamma,
         shapes=(spread,),
+        pieces=f"hinges {line.name}",
         material=material * ordinary.compliance / line.length_m,
     )

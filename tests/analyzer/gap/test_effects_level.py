@@ -216,7 +216,7 @@ def told(session):
     names = tuple(dict.fromkeys(lines.name for lines in stages[0].lines))
     levelled = Ordinary(superset=superset, postures=names, level_span=stages[0].lines[1].level)
     present = Hypothesis(ordinary=levelled)
-    return told_apart(superset, [*stages, stages[1]], present, {}, Discrepancy())
+    return told_apart(superset, [stages[0], *stages, stages[1]], present, {}, Discrepancy())
 
 
 def test_a_plain_arm_s_soft_and_hard_hits_are_not_told_apart(linear):
