@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable
 from typing import ClassVar
@@ -11,7 +12,15 @@ from textual.app import App
 from textual.binding import Binding, BindingType
 from textual.worker import Worker
 
-from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Noted, Prompted
+from daq.events import (
+    Failed,
+    Finished,
+    HitJudged,
+    HitWithdrawn,
+    Noted,
+    Prompted,
+    SessionOpened,
+)
 from tui.run.ask_mass import MassScreen
 from tui.run.conductor import CONFIRMED, Conductor, RunOptions
 from tui.run.happenings import HandIdle, Happening, SensorsConfirmed
@@ -94,6 +103,7 @@ class RunApp(App[int]):
     def on_unmount(self) -> None:
         """Hang up; what still runs finishes by itself."""
         self.conductor.close()
+        gc.unfreeze()
 
     def _changed(self, event: Happening) -> None:
         self._stale = True
@@ -105,6 +115,8 @@ class RunApp(App[int]):
             self.notify(event.text, severity="warning")
         if isinstance(event, HitJudged | Failed):
             self._overview = False
+        if isinstance(event, SessionOpened):
+            _spare_the_collector()
         if isinstance(event, Finished) and self.state.phase is Phase.ENDED:
             self._deriving = self.run_worker(self.conductor.derive())
         if isinstance(event, SEEN_AT_ONCE):
@@ -220,3 +232,13 @@ class RunApp(App[int]):
         if self._deriving is not None:
             await self._deriving.wait()
         self.exit(0)
+
+
+def _spare_the_collector() -> None:
+    """Have the garbage collector never again look at what is there now.
+
+    Program and libraries are some hundred thousand objects. Looking at all of them takes a quarter
+    of a second, every few seconds, and a verdict would wait for it.
+    """
+    gc.collect()
+    gc.freeze()

@@ -14,6 +14,7 @@ from tui.run.overview import roving_place
 from tui.run.pictures import HitPictures, point_picture
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
+from tui.run.views.hit import last_hit_text
 from tui.run.views.point import last_verdict_text, point_text
 from tui.run.words import what_to_do
 
@@ -69,5 +70,7 @@ class PointScreen(StepScreen):
         self.again()
 
     def brief(self, state: RunState) -> Text:
-        """Return what to do, in one line."""
-        return Text().append(what_to_do(state), style="bold")
+        """Return what to do, and the verdict on the hit before."""
+        return (
+            Text().append(f"{what_to_do(state)}\n", style="bold").append_text(last_hit_text(state))
+        )
