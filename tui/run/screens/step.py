@@ -11,8 +11,9 @@ from textual.containers import Horizontal
 from textual.css.query import NoMatches
 from textual.screen import Screen
 from textual.widget import Widget
-from textual.widgets import Footer, Static
+from textual.widgets import Static
 
+from tui.run.screens.key_line import KeyLine
 from tui.run.state import RunState
 from tui.run.views.parts import losses_text, safety_text, title
 
@@ -61,7 +62,7 @@ class StepScreen(Screen[None]):
         with Horizontal(id="state-line"):
             yield Pane(id="safety")
             yield Pane(id="losses")
-        yield Footer(compact=True, show_command_palette=False)
+        yield KeyLine()
 
     def body(self) -> ComposeResult:
         """Return the widgets between title and state line."""
