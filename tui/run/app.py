@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import time
 from collections.abc import Callable
 from typing import ClassVar
@@ -22,6 +21,7 @@ from daq.events import (
     SessionOpened,
 )
 from tui.run.ask_mass import MassScreen
+from tui.run.collector import CalmCollector
 from tui.run.conductor import CONFIRMED, Conductor, RunOptions
 from tui.run.happenings import HandIdle, Happening, SensorsConfirmed
 from tui.run.help import HelpScreen
@@ -73,6 +73,8 @@ class RunApp(App[int]):
     def __init__(self, options: RunOptions, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
         self.conductor = Conductor(options, self._changed, clock)
+        self._clock = clock
+        self._collector = CalmCollector()
         self._steps: dict[Step, StepScreen] = {}
         self._overview = False  # the operator looks at the progress
         self._bell = False
@@ -103,12 +105,14 @@ class RunApp(App[int]):
     def on_unmount(self) -> None:
         """Hang up; what still runs finishes by itself."""
         self.conductor.close()
-        gc.unfreeze()
+        self._collector.end()
 
     def _changed(self, event: Happening) -> None:
         self._stale = True
-        if isinstance(event, HitJudged) and self._bell:
-            self.bell()
+        if isinstance(event, HitJudged):
+            self._collector.verdict_came(self._clock())
+            if self._bell:
+                self.bell()
         if isinstance(event, HandIdle) and event.trouble:
             self.notify(event.trouble, severity="error")
         if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
@@ -116,15 +120,22 @@ class RunApp(App[int]):
         if isinstance(event, HitJudged | Failed):
             self._overview = False
         if isinstance(event, SessionOpened):
-            _spare_the_collector()
+            self._collector.begin(self._clock())
         if isinstance(event, Finished) and self.state.phase is Phase.ENDED:
-            self._deriving = self.run_worker(self.conductor.derive())
+            self._deriving = self.run_worker(self._derive())
         if isinstance(event, SEEN_AT_ONCE):
             self.redraw()
+
+    async def _derive(self) -> None:
+        """Derive the session file, once the screen has said how the session ended."""
+        for _ in range(2):  # a screen shown for the first time is composed, and then drawn
+            await self.screen.wait_for_refresh()
+        await self.conductor.derive()
 
     def _tick(self) -> None:
         self.conductor.tick()
         self.redraw()
+        self._collector.turn(self._clock())
 
     def redraw(self) -> None:
         """Show the screen the state asks for, if it has changed."""
@@ -232,13 +243,3 @@ class RunApp(App[int]):
         if self._deriving is not None:
             await self._deriving.wait()
         self.exit(0)
-
-
-def _spare_the_collector() -> None:
-    """Have the garbage collector never again look at what is there now.
-
-    Program and libraries are some hundred thousand objects. Looking at all of them takes a quarter
-    of a second, every few seconds, and a verdict would wait for it.
-    """
-    gc.collect()
-    gc.freeze()
