@@ -36,7 +36,7 @@ from tui.run.state import Phase, RunState, Step
 
 __all__ = ["RunApp"]
 
-REDRAW_WALL_S = 0.1
+REDRAW_WALL_S = 0.08  # the live views are to come ten times a second, under load too
 SEEN_AT_ONCE = (HitJudged, HitWithdrawn, Prompted, Failed, Finished, SensorsConfirmed)
 
 
@@ -98,7 +98,9 @@ class RunApp(App[int]):
         }
         for step, screen in self._steps.items():
             self.install_screen(screen, step.value)  # kept when another one is shown
-        await self.push_screen(self._steps[Step.LAB])
+        # The screen that says how the session ended is ready when it ends.
+        await self.push_screen(self._steps[Step.PROGRESS])
+        await self.switch_screen(self._steps[Step.LAB])
         self.set_interval(REDRAW_WALL_S, self._tick)
         self.run_worker(self.conductor.start())
 

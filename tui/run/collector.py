@@ -39,8 +39,9 @@ class CalmCollector:
         self._next_s = now_s + EVERY_S
 
     def verdict_came(self, now_s: float) -> None:
-        """Collect soon, when the verdict is on the screen."""
-        self._next_s = now_s + AFTER_VERDICT_S
+        """Collect when the verdict is on the screen, if it would soon be time anyway."""
+        if self._next_s - now_s < EVERY_S / 2.0:
+            self._next_s = now_s + AFTER_VERDICT_S
 
     def turn(self, now_s: float) -> bool:
         """Collect if it is time, and return whether it was; call it a few times a second."""

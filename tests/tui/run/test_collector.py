@@ -48,6 +48,14 @@ def test_a_verdict_is_on_the_screen_before_garbage_goes(collector):
     collector.verdict_came(due_s)
     assert not collector.turn(due_s)
     assert collector.turn(due_s + AFTER_VERDICT_S)
+    collector.verdict_came(due_s + 2.0 * AFTER_VERDICT_S)
+    assert not collector.turn(due_s + 3.0 * AFTER_VERDICT_S)  # it has just been done
+
+
+def test_a_verdict_brings_forward_what_would_soon_come_before_another(collector):
+    half_s = 100.0 + 0.6 * EVERY_S
+    collector.verdict_came(half_s)
+    assert collector.turn(half_s + AFTER_VERDICT_S)
 
 
 def test_python_does_not_look_at_the_oldest_generation_by_itself(collector):

@@ -46,7 +46,7 @@ class HitScreen(StepScreen):
     def _draw_pictures(self) -> None:
         """Draw what takes longer, once the verdict is on the screen."""
         state = self._state
-        if state is None or self.has_class("small"):
+        if state is None or self.has_class("small") or not self.is_current:
             return
         self.pane("pulse").show(self._pictures.pulse(state, *self.pane("pulse").room))
         self.pane("frf").show(self._pictures.frf(state, *self.pane("frf").room, state.here))

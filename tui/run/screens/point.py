@@ -55,7 +55,7 @@ class PointScreen(StepScreen):
     def _draw_pictures(self) -> None:
         """Draw what takes longer, once the words are on the screen."""
         state = self._state
-        if state is None or self.has_class("small"):
+        if state is None or self.has_class("small") or not self.is_current:
             return
         size = self.pane("arm").room
         self.pane("arm").show(point_picture(state, *size, turned_rad=self._turned_rad))
