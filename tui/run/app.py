@@ -20,6 +20,7 @@ from daq.events import (
     Prompted,
     SessionOpened,
 )
+from daq.session_machine import PromptKind
 from tui.run.ask_mass import MassScreen
 from tui.run.collector import CalmCollector
 from tui.run.conductor import CONFIRMED, Conductor, RunOptions
@@ -123,6 +124,8 @@ class RunApp(App[int]):
             self._overview = False
         if isinstance(event, SessionOpened):
             self._collector.begin(self._clock())
+        if isinstance(event, Prompted) and event.prompt.kind is not PromptKind.HIT:
+            self._collector.pause_came(self._clock())
         if isinstance(event, Finished) and self.state.phase is Phase.ENDED:
             self._deriving = self.run_worker(self._derive())
         if isinstance(event, SEEN_AT_ONCE):

@@ -16,8 +16,8 @@ class CalmCollector:
 
     Program and libraries are some hundred thousand objects. Looking at all of them takes a quarter
     of a second; Python does so every few seconds, wherever it is, and a verdict waits for it. Here
-    what is there when a session is opened is left out from then on, and the rest, a fifth of it,
-    is looked at right after a verdict, or when none has come for a while. The young generations,
+    all of them are looked at between points only, and left out until the next pause. The rest is
+    looked at right after a verdict, or when none has come for a while. The young generations,
     which take a few milliseconds, are left to Python.
 
     It concerns the whole process: whoever begins also ends.
@@ -26,9 +26,10 @@ class CalmCollector:
     def __init__(self) -> None:
         self._threshold: tuple[int, int, int] | None = None  # Python's, while it is put aside
         self._next_s = 0.0
+        self._pause = False
 
     def begin(self, now_s: float) -> None:
-        """Leave out what is there now; may be called again."""
+        """Take over, and leave out what is there now; may be called again."""
         if self._threshold is None:
             self._threshold = gc.get_threshold()
             young, middle, _ = self._threshold
@@ -37,18 +38,27 @@ class CalmCollector:
         gc.collect()
         gc.freeze()
         self._next_s = now_s + EVERY_S
+        self._pause = False
 
     def verdict_came(self, now_s: float) -> None:
         """Collect when the verdict is on the screen, if it would soon be time anyway."""
         if self._next_s - now_s < EVERY_S / 2.0:
             self._next_s = now_s + AFTER_VERDICT_S
 
+    def pause_came(self, now_s: float) -> None:
+        """Look at everything soon: no verdict can come for a while."""
+        self._pause = True
+        self._next_s = now_s + AFTER_VERDICT_S
+
     def turn(self, now_s: float) -> bool:
         """Collect if it is time, and return whether it was; call it a few times a second."""
         if self._threshold is None or now_s < self._next_s:
             return False
-        self._next_s = now_s + EVERY_S
-        gc.collect()
+        if self._pause:
+            self.begin(now_s)
+        else:
+            gc.collect()
+            self._next_s = now_s + EVERY_S
         return True
 
     def end(self) -> None:

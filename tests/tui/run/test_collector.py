@@ -75,6 +75,18 @@ def test_what_was_there_at_the_beginning_is_left_out_until_the_end():
     assert (gc.get_threshold(), gc.get_freeze_count()) == (threshold, 0)
 
 
+def test_in_a_pause_all_that_has_come_since_is_left_out_too(collector):
+    seen, kept = old_garbage(), [[i] for i in range(1000)]
+    frozen = gc.get_freeze_count()
+    collector.pause_came(101.0)
+    assert not collector.turn(101.0)
+    assert collector.turn(101.0 + AFTER_VERDICT_S)
+    assert seen() is None
+    assert gc.get_freeze_count() >= frozen + len(kept)
+    assert collector.turn(101.0 + AFTER_VERDICT_S + EVERY_S)
+    assert gc.get_freeze_count() >= frozen + len(kept)
+
+
 def test_one_that_has_not_begun_does_nothing():
     assert not CalmCollector().turn(1e9)
     CalmCollector().end()
