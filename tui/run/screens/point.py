@@ -50,13 +50,10 @@ class PointScreen(StepScreen):
         beside = self.widget("beside").content_size.width
         self.pane("instructions").show(point_text(state, beside))
         self.pane("last-verdict").show(last_verdict_text(state, beside))
-        self.call_after_refresh(self.while_there, self._draw_pictures)
+        self.pictures_later()
 
-    def _draw_pictures(self) -> None:
-        """Draw what takes longer, once the words are on the screen."""
-        state = self._state
-        if state is None or self.has_class("small") or not self.is_current:
-            return
+    def draw_pictures(self, state: RunState) -> None:
+        """Draw what takes longer than words."""
         size = self.pane("arm").room
         self.pane("arm").show(point_picture(state, *size, turned_rad=self._turned_rad))
         judged = state.last_hit
