@@ -122,6 +122,8 @@ class RunApp(App[int]):
             self.notify(event.text, severity="warning")
         if isinstance(event, HitJudged | Failed):
             self._overview = False
+            if self.screen_stack and isinstance(self.screen, HelpScreen):
+                self.pop_screen()  # the verdict lies beneath
         if isinstance(event, SessionOpened):
             self._collector.begin(self._clock())
         if isinstance(event, Prompted) and event.prompt.kind is not PromptKind.HIT:

@@ -35,6 +35,7 @@ from tui.run.happenings import (
     SafeConfirmed,
     SensorsConfirmed,
 )
+from tui.run.help import HelpScreen
 from tui.run.screens.key_line import KeyLine
 from tui.run.screens.progress import ProgressScreen
 from tui.run.screens.step import Pane
@@ -126,6 +127,20 @@ def test_the_end_of_a_session_is_told_with_its_last_verdict(tmp_path, size):
         assert "record 1 is in the journal" in stage.text()
 
     play(stage, body, size)
+
+
+def test_a_verdict_takes_the_help_away(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await pilot.press("question_mark")
+        await stage.settle(pilot)
+        assert isinstance(stage.app.screen, HelpScreen)
+        await stage.tell(pilot, judged(1))
+        assert "record 1 is in the journal" in stage.text()
+
+    play(stage, body)
 
 
 def test_a_click_on_a_key_of_the_footer_presses_it(tmp_path):
