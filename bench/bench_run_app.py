@@ -1,8 +1,9 @@
 """A whole session in a real terminal by keys only: 3 postures x 18 points x 3 hits.
 
 Somebody who only does what the screen says presses the keys. Printed are the app's share of a
-core, the time from a record in the journal to its verdict on the terminal, and what was lost.
-Targets: below 35 % of a core, verdict within 150 ms, nothing lost.
+core, the time from a record in the journal to its verdict on the terminal, how often the live view
+was drawn, and what was lost. Targets: below 35 % of a core, every verdict within 150 ms, live views
+at 10 Hz, nothing lost.
 
     python bench/bench_run_app.py [--time-scale 8] [--points 18] [--columns 160] [--rows 45]
 """
@@ -25,14 +26,15 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is fo
 
 from support.key_operator import act_until_done
 from support.terminal import Terminal, armodal
+from terminal_watch import TerminalWatch
 
 from protocols.plan import PLANS_DIRECTORY
 from protocols.session.journal import load_journal
 
 LEAST_HIT_BYTES = 8_000  # a record with 2048 samples of four channels; marks are far smaller
 SAME_RECORD_S = 0.05
+LATEST_MS = 150.0
 TICKS_HZ = os.sysconf("SC_CLK_TCK")
-RECORD = re.compile(rb"record[^0-9]{1,12}([0-9]+)")
 
 
 def plan_of(points: int, folder: Path) -> Path:
@@ -47,17 +49,16 @@ def plan_of(points: int, folder: Path) -> Path:
     return path
 
 
-class Watch(threading.Thread):
-    """Note when records reach the journal's file, and when the terminal is told of them."""
+class JournalWatch(threading.Thread):
+    """Note when records reach the journal's file."""
 
-    def __init__(self, journal: Path, fifo: Path) -> None:
+    def __init__(self, journal: Path) -> None:
         super().__init__(daemon=True)
-        self._journal, self._fifo = journal, fifo
+        self._journal = journal
         self.written_s: list[float] = []  # of every hit record, in order
-        self.shown_s: dict[int, float] = {}  # record: when its verdict went to the terminal
-        threading.Thread(target=self._listen, daemon=True).start()
 
     def run(self) -> None:
+        """Look at the file every millisecond."""
         size = 0
         while True:
             time.sleep(0.001)
@@ -68,17 +69,6 @@ class Watch(threading.Thread):
             if now_size - size > LEAST_HIT_BYTES and size and apart:
                 self.written_s.append(now_s)
             size = now_size
-
-    def _listen(self) -> None:
-        tail = b""
-        with self._fifo.open("rb", buffering=0) as stream:
-            while chunk := stream.read(65536):
-                now_s = time.monotonic()
-                # Escape sequences may stand between the words.
-                plain = re.sub(rb"\x1b\[[0-9;?]*[a-zA-Z]", b"", tail + chunk)
-                for found in RECORD.finditer(plain):
-                    self.shown_s.setdefault(int(found.group(1)), now_s)
-                tail = chunk[-200:]
 
 
 def cpu_s(pid: int) -> float:
@@ -100,16 +90,18 @@ def main() -> int:
         os.mkfifo(fifo)
         command = armodal("run", str(plan_of(wanted.points, folder)), "--sim")
         command += ["--session", str(journal), "--time-scale", str(wanted.time_scale)]
-        watch = Watch(journal, fifo)
+        watch, told = JournalWatch(journal), TerminalWatch(fifo)
         with Terminal(command, columns=wanted.columns, rows=wanted.rows) as terminal:
             terminal.record_to(fifo)
             watch.start()
+            told.start()
             terminal.until("Are these sensors mounted", 120.0)
             pid = terminal.program_pid()
             begun_s, begun_cpu_s = time.monotonic(), cpu_s(pid)
             used: list[float] = [0.0, 0.0]
 
             def look(screen: str) -> None:
+                told.look(screen)
                 if "hits left" in screen:
                     used[:] = [time.monotonic() - begun_s, cpu_s(pid) - begun_cpu_s]
 
@@ -122,10 +114,11 @@ def main() -> int:
         session = load_journal(journal)
         numbers = [hit.number for hit in session.hits]
         delays_ms = sorted(
-            1e3 * (watch.shown_s[number] - written_s)
+            1e3 * (told.shown_s[number] - written_s)
             for number, written_s in zip(numbers, watch.written_s, strict=False)
-            if number in watch.shown_s
+            if number in told.shown_s
         )
+        live_hz = told.live_view_hz()
         lost = re.findall(r"lost: (.*)", screen)
         found = {
             "complete": session.complete,
@@ -140,6 +133,8 @@ def main() -> int:
             if delays_ms
             else None,
             "verdict_ms_worst": round(delays_ms[-1], 1) if delays_ms else None,
+            "verdicts_later_than_150_ms": sum(delay > LATEST_MS for delay in delays_ms),
+            "live_view_hz": None if live_hz is None else round(live_hz, 1),
             "lost": lost[-1].strip() if lost else "unknown",
             "load_average": os.getloadavg(),
         }

@@ -2,7 +2,7 @@
 
 A feeder is board and controller; the app is opened in a real terminal and kept at the hit screen,
 with its live views redrawn ten times a second and a hit every two seconds. Printed are what was
-lost by the journal, the hits, and the app's share of a core.
+lost by the journal, the hits, how often the live view was drawn, and the app's share of a core.
 
     python bench/bench_run_stream.py [seconds]
 """
@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is fo
 
 from bench_run_app import TICKS_HZ, cpu_s
 from support.terminal import Terminal, armodal
+from terminal_watch import TerminalWatch
 
 from protocols.plan import PLANS_DIRECTORY
 from protocols.session.journal import load_journal
@@ -52,7 +53,12 @@ def main() -> int:
         plan.write_text(re.sub(r"max_attempts = \d+", "max_attempts = 1000", text))
         command = armodal("run", str(plan), "--session", str(journal))
         command += ["--board", ports["board"], "--can", ports["can"]]
+        fifo = Path(folder) / "screen"
+        os.mkfifo(fifo)
+        told = TerminalWatch(fifo)
         with Terminal(command, columns=160, rows=45) as terminal:
+            terminal.record_to(fifo)
+            told.start()
             for words, key in (
                 ("Are these sensors mounted", "Enter"),
                 ("Enter: begin the session", "Enter"),
@@ -72,6 +78,7 @@ def main() -> int:
             while time.monotonic() - begun_s < seconds:
                 time.sleep(LOOK_EVERY_S)
                 shown = terminal.screen()
+                told.look(shown)
                 asked += "APPROACH?" in shown or "Enter: yes, it is" in shown
                 if "Enter: " in shown:
                     terminal.keys("Enter")
@@ -82,6 +89,7 @@ def main() -> int:
             terminal.until("ended", 600.0)  # all hits become a session file
         sent = json.loads(feeder.communicate("stop\n", timeout=20)[0])
         session = load_journal(journal)
+        live_hz = told.live_view_hz()
         print(
             json.dumps(
                 {
@@ -92,6 +100,7 @@ def main() -> int:
                     "hits": len(session.hits),
                     "accepted": len(session.accepted()),
                     "app_core_share_percent": round(100.0 * share, 1),
+                    "live_view_hz": None if live_hz is None else round(live_hz, 1),
                     "approach_asked_again": asked,
                     "cores_stolen_by_the_host_s": round(stolen, 2),
                     "load_average": os.getloadavg(),

@@ -25,6 +25,7 @@ from daq.joint_state import JointState
 from daq.judge import force_column, judge_record, prepare_judge
 from daq.losses import LossTally
 from daq.outbox import Outbox
+from daq.preview import PREVIEW_EVERY_WALL_S
 from daq.serial_port import SerialPort
 from daq.settings import AcquisitionSettings
 from protocols.errors import ArmError, ArmodalError
@@ -33,7 +34,12 @@ __all__ = ["run_lab_watch"]
 
 TURN_WALL_S = 0.012
 FAREWELL_WALL_S = 1.0
-EVERY_WALL_S = {"retry": 1.5, "preview": 0.1, "joints": 0.2, "health": HEALTH_EVERY_WALL_S}
+EVERY_WALL_S = {
+    "retry": 1.5,
+    "preview": PREVIEW_EVERY_WALL_S,
+    "joints": 0.2,
+    "health": HEALTH_EVERY_WALL_S,
+}
 
 
 def run_lab_watch(settings: AcquisitionSettings, channel: Connection[Any, Any]) -> int:

@@ -15,8 +15,9 @@ from protocols.board.messages import STREAM_PREFIX_SIZE
 from protocols.board.records import Frame
 from protocols.board.samples import BYTES_PER_COUNT, unpack_counts
 
-__all__ = ["StreamWatch"]
+__all__ = ["PREVIEW_EVERY_WALL_S", "StreamWatch"]
 
+PREVIEW_EVERY_WALL_S = 0.08  # with a turn's delay still more than ten a second
 BINS = 64
 MOST_BYTES = 2**20
 _PREFIX = struct.Struct("<HBB")

@@ -30,6 +30,7 @@ from daq.journal_writer import JournalWriter
 from daq.judge import force_column, judge_record
 from daq.judge_posture import with_posture
 from daq.losses import LossTally
+from daq.preview import PREVIEW_EVERY_WALL_S
 from daq.session_machine import PromptKind, SessionState
 from daq.settings import AcquisitionSettings
 from daq.stopping import Stopping, begin_stopping
@@ -41,7 +42,6 @@ from protocols.session.records import Hit, JointReading
 __all__ = ["SessionLoop"]
 
 POSTURE_EVERY_WALL_S = 0.05
-PREVIEW_EVERY_WALL_S = 0.1
 JOINTS_EVERY_WALL_S = 0.2
 LOSSES_EVERY_WALL_S = 1.0
 NOTE_LENGTH = 4096  # of a sentence in the journal

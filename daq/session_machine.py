@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from protocols.plan_records import Mode, Plan, PlannedPosture
-from protocols.session.progress import accepted_counts
+from protocols.session.progress import accepted_counts, roving_point
 from protocols.session.records import Hit
 
 __all__ = [
@@ -129,7 +129,11 @@ class SessionState:
 
 
 def begin(plan: Plan, hits: Iterable[Hit] = ()) -> SessionState:
-    """Return the state at the beginning, or after the hits of an interrupted session."""
+    """Return the state at the beginning, or after the hits of an interrupted session.
+
+    It goes on at the point hit last if that lacks hits, else at the first one that does.
+    """
+    hits = tuple(hits)
     counts = accepted_counts(plan, hits)
     progress = tuple(
         Progress(
@@ -141,7 +145,13 @@ def begin(plan: Plan, hits: Iterable[Hit] = ()) -> SessionState:
         for posture in plan.postures
         for point in posture.points
     )
-    return SessionState(plan=plan, progress=progress, current=_next(progress))
+    state = SessionState(plan=plan, progress=progress, current=_next(progress))
+    if hits:
+        place = hits[-1].posture, roving_point(plan, hits[-1])
+        for i, here in enumerate(progress):
+            if (here.posture, here.point) == place and not here.complete:
+                return replace(state, current=i)
+    return state
 
 
 def posture_reached(state: SessionState) -> SessionState:

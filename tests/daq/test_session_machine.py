@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,6 +9,7 @@ from daq import session_machine as machine
 from daq.session_machine import PromptKind, SessionState
 from protocols.arm.files import load_arm
 from protocols.plan import load_plan
+from protocols.session.records import Hit, JointReading, Verdict
 
 ARM = load_arm("rv4frl")
 PLAN = load_plan("rv4frl-three-postures", ARM)
@@ -137,3 +139,36 @@ def test_a_hit_withdrawn_after_the_sensor_went_on_asks_for_the_sensor_first(plan
     back = machine.withdraw(state, "test 1", "2")
     assert back.kind is PromptKind.POINT
     assert (back.prompt.sensor_point, back.prompt.accepted) == ("2", plan.hits_per_point - 1)
+
+
+def accepted(posture: str, point: str) -> Hit:
+    reading = JointReading(joints_rad=None, drive_state=None, held=True, age_s=0.0, host_s=0.0)
+    return Hit(
+        number=1,
+        posture=posture,
+        sensor_point=point,
+        hit_point=PLAN.fixed_point,
+        hit_direction=np.array([0.0, 0.0, 1.0]),
+        first_sample=0,
+        trigger_sample=0,
+        trigger_host_s=0.0,
+        counts=np.zeros((2, 1), dtype=np.int32),
+        before=reading,
+        after=reading,
+        verdict=Verdict(accepted=True, reasons=(), notes=(), peak_n=1.0, width_s=1e-3),
+    )
+
+
+def test_an_interrupted_session_goes_on_at_the_point_hit_last():
+    posture = PLAN.postures[0]
+    state = machine.begin(PLAN, [accepted(posture.name, posture.points[2])])
+    assert state.here is not None
+    assert state.here.point == posture.points[2]
+    assert state.here.accepted == 1
+
+
+def test_after_a_finished_point_an_interrupted_session_goes_on_at_the_first_that_lacks_hits():
+    posture = PLAN.postures[0]
+    state = machine.begin(PLAN, [accepted(posture.name, posture.points[2])] * PLAN.hits_per_point)
+    assert state.here is not None
+    assert state.here.point == posture.points[0]

@@ -11,8 +11,18 @@ from textual.app import App
 from textual.binding import Binding, BindingType
 from textual.worker import Worker
 
-from daq.events import Failed, Finished, HitJudged, HitWithdrawn, Noted, Prompted
+from daq.events import (
+    Failed,
+    Finished,
+    HitJudged,
+    HitWithdrawn,
+    Noted,
+    Prompted,
+    SessionOpened,
+)
+from daq.session_machine import PromptKind
 from tui.run.ask_mass import MassScreen
+from tui.run.collector import CalmCollector
 from tui.run.conductor import CONFIRMED, Conductor, RunOptions
 from tui.run.happenings import HandIdle, Happening, SensorsConfirmed
 from tui.run.help import HelpScreen
@@ -27,7 +37,7 @@ from tui.run.state import Phase, RunState, Step
 
 __all__ = ["RunApp"]
 
-REDRAW_WALL_S = 0.1
+REDRAW_WALL_S = 0.08  # the live views are to come ten times a second, under load too
 SEEN_AT_ONCE = (HitJudged, HitWithdrawn, Prompted, Failed, Finished, SensorsConfirmed)
 
 
@@ -64,6 +74,8 @@ class RunApp(App[int]):
     def __init__(self, options: RunOptions, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
         self.conductor = Conductor(options, self._changed, clock)
+        self._clock = clock
+        self._collector = CalmCollector()
         self._steps: dict[Step, StepScreen] = {}
         self._overview = False  # the operator looks at the progress
         self._bell = False
@@ -87,32 +99,50 @@ class RunApp(App[int]):
         }
         for step, screen in self._steps.items():
             self.install_screen(screen, step.value)  # kept when another one is shown
-        await self.push_screen(self._steps[Step.LAB])
+        # The screen that says how the session ended is ready when it ends.
+        await self.push_screen(self._steps[Step.PROGRESS])
+        await self.switch_screen(self._steps[Step.LAB])
         self.set_interval(REDRAW_WALL_S, self._tick)
         self.run_worker(self.conductor.start())
 
     def on_unmount(self) -> None:
         """Hang up; what still runs finishes by itself."""
         self.conductor.close()
+        self._collector.end()
 
     def _changed(self, event: Happening) -> None:
         self._stale = True
-        if isinstance(event, HitJudged) and self._bell:
-            self.bell()
+        if isinstance(event, HitJudged):
+            self._collector.verdict_came(self._clock())
+            if self._bell:
+                self.bell()
         if isinstance(event, HandIdle) and event.trouble:
             self.notify(event.trouble, severity="error")
         if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
             self.notify(event.text, severity="warning")
         if isinstance(event, HitJudged | Failed):
             self._overview = False
+            if self.screen_stack and isinstance(self.screen, HelpScreen):
+                self.pop_screen()  # the verdict lies beneath
+        if isinstance(event, SessionOpened):
+            self._collector.begin(self._clock())
+        if isinstance(event, Prompted) and event.prompt.kind is not PromptKind.HIT:
+            self._collector.pause_came(self._clock())
         if isinstance(event, Finished) and self.state.phase is Phase.ENDED:
-            self._deriving = self.run_worker(self.conductor.derive())
+            self._deriving = self.run_worker(self._derive())
         if isinstance(event, SEEN_AT_ONCE):
             self.redraw()
+
+    async def _derive(self) -> None:
+        """Derive the session file, once the screen has said how the session ended."""
+        for _ in range(2):  # a screen shown for the first time is composed, and then drawn
+            await self.screen.wait_for_refresh()
+        await self.conductor.derive()
 
     def _tick(self) -> None:
         self.conductor.tick()
         self.redraw()
+        self._collector.turn(self._clock())
 
     def redraw(self) -> None:
         """Show the screen the state asks for, if it has changed."""

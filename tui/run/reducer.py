@@ -22,6 +22,7 @@ from daq.events import (
     SessionOpened,
     TrialHit,
 )
+from daq.preview import PREVIEW_EVERY_WALL_S
 from daq.session_machine import PromptKind
 from tui.run.happenings import (
     HandAtWork,
@@ -45,7 +46,7 @@ from tui.run.state import SILENT_AFTER_S, Phase, RunState
 
 __all__ = ["reduce"]
 
-KEPT_PREVIEWS = 40  # four seconds
+KEPT_PREVIEWS = round(4.0 / PREVIEW_EVERY_WALL_S)  # four seconds
 KEPT_TRIALS = 8
 KEPT_NOTES = 50
 

@@ -26,7 +26,7 @@ from stage import Stage, play
 
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
 from daq.events import Failed, Finished, LossNoted
-from daq.session_machine import begin, hit_judged, point_ready, posture_reached
+from daq.session_machine import PromptKind, begin, hit_judged, point_ready, posture_reached, skip
 from protocols.plan_records import KnownMass
 from protocols.session.records import Loss
 from tui.run.happenings import (
@@ -35,6 +35,9 @@ from tui.run.happenings import (
     SafeConfirmed,
     SensorsConfirmed,
 )
+from tui.run.help import HelpScreen
+from tui.run.screens.key_line import KeyLine
+from tui.run.screens.progress import ProgressScreen
 from tui.run.screens.step import Pane
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
@@ -79,6 +82,76 @@ def test_only_a_durable_hit_is_called_accepted(tmp_path):
         assert "touched twice" in stage.text()
         await stage.tell(pilot, judged(2))
         assert "✓ record 2 is in the journal" in stage.text()
+
+    play(stage, body)
+
+
+def all_done():
+    session = AT_HIT
+    while session.kind is not PromptKind.DONE:
+        session = skip(session)
+    return session
+
+
+@pytest.mark.parametrize("size", [(80, 24), (50, 12)])
+@pytest.mark.parametrize("asked_next", [AT_POSTURE, AT_POINT, AT_HIT, all_done()])
+def test_the_verdict_is_shown_whatever_is_asked_next(tmp_path, size, asked_next):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, judged(1), prompted(asked_next))
+        assert "record 1 is in the journal" in stage.text()
+
+    play(stage, body, size)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (50, 12)])
+def test_the_end_of_a_session_is_told_with_its_last_verdict(tmp_path, size):
+    stage = Stage(tmp_path)
+    finished = Finished(
+        complete=True,
+        reason="every planned point has its hits",
+        journal="s.journal",
+        accepted=1,
+        rejected=0,
+        cpu_s=0.0,
+        previews_dropped=0,
+        samples_taken=None,
+        samples_seen=0,
+        samples_missing=0,
+    )
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, judged(1), prompted(all_done()), finished)
+        assert "1 hits accepted, 0 not" in stage.text()
+        assert "record 1 is in the journal" in stage.text()
+
+    play(stage, body, size)
+
+
+def test_a_verdict_takes_the_help_away(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await pilot.press("question_mark")
+        await stage.settle(pilot)
+        assert isinstance(stage.app.screen, HelpScreen)
+        await stage.tell(pilot, judged(1))
+        assert "record 1 is in the journal" in stage.text()
+
+    play(stage, body)
+
+
+def test_a_click_on_a_key_of_the_footer_presses_it(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        line = stage.app.screen.query_one(KeyLine)
+        await pilot.click(KeyLine, offset=(line.render().plain.index("Grid"), 0))
+        await stage.settle(pilot)
+        assert isinstance(stage.app.screen, ProgressScreen)
 
     play(stage, body)
 

@@ -41,13 +41,10 @@ class HitScreen(StepScreen):
         width = self.pane("verdict").room[0]
         self.pane("verdict").show(verdict_text(state, width, 8 if high else 6))
         self.pane("left").show(left_text(state, self.pane("left").room[0], 5))
-        self.call_after_refresh(self.while_there, self._draw_pictures)
+        self.pictures_later()
 
-    def _draw_pictures(self) -> None:
-        """Draw what takes longer, once the verdict is on the screen."""
-        state = self._state
-        if state is None or self.has_class("small"):
-            return
+    def draw_pictures(self, state: RunState) -> None:
+        """Draw what takes longer than words."""
         self.pane("pulse").show(self._pictures.pulse(state, *self.pane("pulse").room))
         self.pane("frf").show(self._pictures.frf(state, *self.pane("frf").room, state.here))
         for name in ("force", "acceleration"):

@@ -14,6 +14,7 @@ from tui.run.overview import roving_place
 from tui.run.pictures import HitPictures, point_picture
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
+from tui.run.views.hit import last_hit_text
 from tui.run.views.point import last_verdict_text, point_text
 from tui.run.words import what_to_do
 
@@ -49,13 +50,10 @@ class PointScreen(StepScreen):
         beside = self.widget("beside").content_size.width
         self.pane("instructions").show(point_text(state, beside))
         self.pane("last-verdict").show(last_verdict_text(state, beside))
-        self.call_after_refresh(self.while_there, self._draw_pictures)
+        self.pictures_later()
 
-    def _draw_pictures(self) -> None:
-        """Draw what takes longer, once the words are on the screen."""
-        state = self._state
-        if state is None or self.has_class("small"):
-            return
+    def draw_pictures(self, state: RunState) -> None:
+        """Draw what takes longer than words."""
         size = self.pane("arm").room
         self.pane("arm").show(point_picture(state, *size, turned_rad=self._turned_rad))
         judged = state.last_hit
@@ -69,5 +67,7 @@ class PointScreen(StepScreen):
         self.again()
 
     def brief(self, state: RunState) -> Text:
-        """Return what to do, in one line."""
-        return Text().append(what_to_do(state), style="bold")
+        """Return what to do, and the verdict on the hit before."""
+        return (
+            Text().append(f"{what_to_do(state)}\n", style="bold").append_text(last_hit_text(state))
+        )

@@ -7,6 +7,7 @@ from textual.app import ComposeResult
 
 from tui.run.screens.step import Pane, StepScreen
 from tui.run.state import RunState
+from tui.run.views.hit import last_hit_text
 from tui.run.views.posture import joints_text, posture_word, word_text
 
 __all__ = ["PostureScreen"]
@@ -32,6 +33,6 @@ class PostureScreen(StepScreen):
         self.pane("joints").show(joints_text(state, width, self.size.height - rows - 3))
 
     def brief(self, state: RunState) -> Text:
-        """Return the large word, small."""
+        """Return the large word, small, and the verdict on the hit before."""
         word, style, _ = posture_word(state)
-        return Text().append(word, style=style)
+        return Text().append(f"{word}\n", style=style).append_text(last_hit_text(state))

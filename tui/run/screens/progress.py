@@ -11,7 +11,8 @@ from textual.containers import VerticalScroll
 from textual.geometry import Region
 
 from tui.run.screens.step import Pane, StepScreen
-from tui.run.state import RunState
+from tui.run.state import Phase, RunState
+from tui.run.views.hit import last_hit_text
 from tui.run.views.progress import (
     cell_width,
     cursor_line,
@@ -64,8 +65,10 @@ class ProgressScreen(StepScreen):
         self.pane("summary").show(summary_text(state))
 
     def brief(self, state: RunState) -> Text:
-        """Return the summary."""
-        return left_line(state)
+        """Return how it ended, or what is left and the verdict on the hit before."""
+        if state.phase in {Phase.FAILED, Phase.ENDED}:
+            return outcome_text(state, self.size.width - 2)
+        return left_line(state).append("\n").append_text(last_hit_text(state))
 
     def action_move(self, by: int) -> None:
         """Move the cursor by points."""

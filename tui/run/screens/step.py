@@ -11,8 +11,9 @@ from textual.containers import Horizontal
 from textual.css.query import NoMatches
 from textual.screen import Screen
 from textual.widget import Widget
-from textual.widgets import Footer, Static
+from textual.widgets import Static
 
+from tui.run.screens.key_line import KeyLine
 from tui.run.state import RunState
 from tui.run.views.parts import losses_text, safety_text, title
 
@@ -32,7 +33,8 @@ class Pane(Static):
         """Show text."""
         if self._shown is None or text != self._shown or text.spans != self._shown.spans:
             self._shown = text
-            self.update(text)
+            # Where the text does not make the size, nothing else has to move.
+            self.update(text, layout=self.styles.auto_dimensions)
 
     @property
     def room(self) -> tuple[int, int]:
@@ -52,6 +54,7 @@ class StepScreen(Screen[None]):
         super().__init__()
         self._state: RunState | None = None
         self._composed = False
+        self._pictures_due = False
 
     def compose(self) -> ComposeResult:
         """Title, body, safety and losses, keys."""
@@ -61,7 +64,7 @@ class StepScreen(Screen[None]):
         with Horizontal(id="state-line"):
             yield Pane(id="safety")
             yield Pane(id="losses")
-        yield Footer(compact=True, show_command_palette=False)
+        yield KeyLine()
 
     def body(self) -> ComposeResult:
         """Return the widgets between title and state line."""
@@ -81,6 +84,24 @@ class StepScreen(Screen[None]):
         """Draw, unless the app is being left and the panes are being taken away."""
         with suppress(NoMatches):
             draw()
+
+    def draw_pictures(self, state: RunState) -> None:
+        """Draw what takes longer than words."""
+
+    def pictures_later(self) -> None:
+        """Have the pictures drawn once the words are on the screen.
+
+        The next refresh may be one that was due before the words came; the one after it has them.
+        """
+        if not self._pictures_due:
+            self._pictures_due = True
+            self.call_after_refresh(self.call_after_refresh, self._draw_pictures)
+
+    def _draw_pictures(self) -> None:
+        self._pictures_due = False
+        state = self._state
+        if state is not None and self.is_current and not self.has_class("small"):
+            self.while_there(lambda: self.draw_pictures(state))
 
     def _fill(self, state: RunState) -> None:
         small = self.size.width < LEAST_COLUMNS or self.size.height < LEAST_ROWS

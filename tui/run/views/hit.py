@@ -9,7 +9,7 @@ from tui.run.state import RunState
 from tui.run.views.parts import BAD, DIM, GOOD, WARN, big
 from tui.run.words import advice_for, reason_word, what_to_do
 
-__all__ = ["left_text", "verdict_text"]
+__all__ = ["last_hit_text", "left_text", "verdict_text"]
 
 
 def verdict_text(state: RunState, width: int, height: int) -> Text:
@@ -39,6 +39,17 @@ def verdict_text(state: RunState, width: int, height: int) -> Text:
     for note in verdict.notes[:1]:
         text.append(f"\n{note}", style=DIM)
     return text
+
+
+def last_hit_text(state: RunState) -> Text:
+    """Return the verdict on the last hit in one line; empty before any."""
+    judged = state.last_hit
+    if judged is None:
+        return Text("")
+    number = judged.hit.number
+    if judged.hit.verdict.accepted and number not in state.withdrawn:
+        return Text(f"Last hit accepted: ✓ record {number} is in the journal.", style=GOOD)
+    return Text(f"Last hit not accepted: ✗ record {number}.", style=BAD)
 
 
 def _of_this_point(state: RunState, judged: HitJudged) -> bool:

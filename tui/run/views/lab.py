@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from rich.text import Text
 
+from daq.preview import PREVIEW_EVERY_WALL_S
 from protocols.board.records import Channel, IepeState
 from tui.run.measured import active_channels
 from tui.run.state import FEWEST_MASS_HITS, RATIO_OFF, Phase, RunState
@@ -156,8 +157,9 @@ def _extremes(state: RunState, n: int) -> tuple[tuple[float, ...] | None, tuple[
     """Return lowest and highest counts of the last second, about their middle."""
     if not state.previews:
         return None, None
-    lowest = np.min([p.lowest.min(axis=0) for p in state.previews[-10:]], axis=0)
-    highest = np.max([p.highest.max(axis=0) for p in state.previews[-10:]], axis=0)
+    last = state.previews[-round(1.0 / PREVIEW_EVERY_WALL_S) :]
+    lowest = np.min([p.lowest.min(axis=0) for p in last], axis=0)
+    highest = np.max([p.highest.max(axis=0) for p in last], axis=0)
     if len(lowest) != n:
         return None, None
     middle = (lowest + highest) / 2.0

@@ -7,6 +7,7 @@ from rich.text import Text
 
 from tui.run.big_text import big_lines
 from tui.run.state import RunState
+from tui.run.views.hit import last_hit_text
 from tui.run.views.parts import BAD, DIM, GOOD, WARN, big
 from tui.run.words import conditions
 
@@ -54,14 +55,10 @@ def word_text(state: RunState, width: int, height: int) -> Text:
     word, style, sentence = posture_word(state)
     between = "\n" if height > 1 else "  "
     text = Text.assemble(big(word, style, width=width, height=height), between, sentence)
-    judged = state.last_hit
-    if judged is not None and state.prompt is not None and state.prompt.kind.value == "posture":
+    prompt = state.prompt
+    if state.last_hit is not None and prompt is not None and prompt.kind.value == "posture":
         # The hit that finished a posture is answered here.
-        number = judged.hit.number
-        if judged.hit.verdict.accepted and number not in state.withdrawn:
-            text.append(f" Last hit accepted: ✓ record {number} is in the journal.", style=GOOD)
-        else:
-            text.append(f" Last hit not accepted: ✗ record {number}.", style=BAD)
+        text.append(" ").append_text(last_hit_text(state))
     return text
 
 

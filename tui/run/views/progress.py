@@ -6,6 +6,7 @@ from rich.text import Text
 
 from tui.run.overview import PointQuality, hits_left, missing, point_qualities, seconds_left
 from tui.run.state import Phase, RunState
+from tui.run.views.hit import last_hit_text
 from tui.run.views.parts import BAD, DIM, GOOD, WARN, big, time_words
 from tui.run.words import error_advice
 
@@ -105,12 +106,15 @@ def outcome_text(state: RunState, width: int) -> Text:
         return text
     finished = state.finished
     if state.phase is not Phase.ENDED or finished is None:
-        return Text("")
+        done = state.prompt is not None and state.prompt.posture is None
+        return last_hit_text(state) if done else Text("")
     word, style = ("DONE", GOOD) if finished.complete else ("PAUSED", WARN)
     text = big(word, style, width=width, height=3)
     text.append(
         f"\n{finished.accepted} hits accepted, {finished.rejected} not: {finished.reason}\n"
     )
+    if state.last_hit is not None:
+        text.append_text(last_hit_text(state)).append("\n")
     text.append(f"journal {finished.journal}\n")
     if state.file_problem is not None:
         text.append(f"session file not written: {state.file_problem}\n", style=WARN)
