@@ -13,7 +13,7 @@ import numpy as np
 
 from hil_sim.plant_file import PlantFile, plant_text
 from hil_sim.study.arms import StudyArm, study_arm
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, SIZED
+from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, SIZED
 from hil_sim.study.measure import measured
 from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
 from hil_sim.study.places import ArmPlaces, Hidden
@@ -251,7 +251,8 @@ def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
         factor = spec.magnitude
         if isinstance(factor, str):
             factor = MAGNITUDES[factor]
-        made = make(places, stream(sized.place), sized.size * factor)
+        size = sized.size * MORE.get((spec.arm, name), 1.0)
+        made = make(places, stream(sized.place), size * factor)
         tables = _with(tables, made)
         truths.append(made.truth() | {"clear_stands_out": sized.stands_out or None})
     verdict = "named" if truths else "nothing_detectable"
