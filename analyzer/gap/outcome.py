@@ -94,7 +94,7 @@ def conclude(
     if effects and len(standing) > 1:
         titles = " or ".join(_title(f) for f in standing)
         notes.append(f"something more is there that cannot be told: {titles}")
-    alive = (final, *standing)
+    alive = standing or (final,)
     hiding = _could_hide(sharp, final)
     advice = None
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
@@ -113,7 +113,9 @@ def conclude(
         effects=effects,
         rivals=tuple(_rival(f, found, standing, phi) for f in found.rivals),
         hidden=_hidden(hiding, phi),
-        joint_stiffness_ranges=_ranges(alive, hiding, phi),
+        joint_stiffness_ranges=_ranges(
+            alive, hiding, phi, settled=verdict is not Verdict.OUTSIDE_LIBRARY and not standing[1:]
+        ),
         gap_before=_gaps(sharp, before, first, measured),
         gap_after=_gaps(sharp, final, last, measured),
         where=where,
@@ -229,12 +231,13 @@ def _extremes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]
 
 
 def _ranges(
-    alive: Sequence[Fit], hiding: Sequence[Candidate], phi: float
+    alive: Sequence[Fit], hiding: Sequence[Candidate], phi: float, *, settled: bool
 ) -> tuple[StiffnessRange, ...]:
     """Union of the 95 % intervals of all models that still stand, and of what could hide.
 
     An effect that nobody would see can still stand for a part of a joint's stiffness: a servo
-    behind the transmission does.
+    behind the transmission does. The value is the best model's; where it is not settled which
+    model is right, its deviation is that of the range.
     """
     best = alive[0]
     rows = []
@@ -257,11 +260,12 @@ def _ranges(
                     low = min(low, found[0].value - spread)
                 else:
                     high = max(high, found[0].value + spread)
+        std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * _TWO_SIDED_95))
         rows.append(
             StiffnessRange(
                 joint=joint,
                 k_n_m_per_rad=k,
-                k_std=k * found[0].std,
+                k_std=k * std,
                 low=float(np.exp(low)),
                 high=float(np.exp(high)),
             )

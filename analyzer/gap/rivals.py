@@ -28,11 +28,12 @@ __all__ = ["Rivals", "find_rivals"]
 _FIRST_STEPS = 2
 _MOST_PROMISING = 4
 _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
-_LOOKED_AT_SHARPLY = 14
+_LOOKED_AT_SHARPLY = 10
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
 _FROM_START, _BETTER, _FEWEST = 10, 12, 3
-_BEHIND = 3.0  # of the least cost on the widest lines: what costs more is not it
+# Times the least cost: what costs more is not it, on the widest lines and on broad ones.
+_BEHIND, _BEHIND_BROADLY = 3.0, 1.5
 _OBVIOUS = 0.3  # of the plain fit's cost there: what costs less needs no other look
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _SPLIT = 2  # leading fits in which an axis may have a part of its link before it
@@ -53,18 +54,22 @@ _BELIEVABLE = (
 )
 # Where soft and hard hits are told apart: a joint that follows the level leaves much, and is near.
 _NEAR_BY_LEVEL = 4.0
-_WORTH_BROAD, _WORTH_SHARP = 4.0, 10.0  # of cost by the linear look; less is not worth a fit
+_WORTH_BROAD, _WORTH_SHARP = 4.0, 15.0  # of cost by the linear look; less is not worth a fit
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
+_LITTLE = 8.0  # of evidence after two steps: less becomes no name
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 _ASTRAY = (
     "base",
     "bearing",
+    "coupling",
+    "encoder_offset",
     "hysteretic",
     "link_bending",
     "payload",
     "released_joint",
+    "rotor",
     "sensor_mass",
 )
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
@@ -117,9 +122,11 @@ def find_rivals(
         promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
         best = _leading(first, None)[: _FINALISTS - 1]
         best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
+        little = at_sharp.evidence - _LITTLE
+        best = [f for i, f in enumerate(best) if i == 0 or f.evidence < little]
     else:
         looked_at, wide = _from_the_start(widest, present, postures, start or {}, alone=lost)
-        coarse = [_further(broad, f, postures, _FIRST_STEPS) for f in _not_hopeless(wide)]
+        coarse = [_further(broad, f, postures, _FIRST_STEPS) for f in _not_hopeless(wide, _BEHIND)]
         if not lost and wide[0].cost > _OBVIOUS * at_widest.cost:
             looked_at = _looked_at(broad, base, start or {}, from_start=True)
             chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
@@ -128,7 +135,7 @@ def find_rivals(
         coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
         coarse.sort(key=lambda f: f.cost)
         best = []
-        for f in coarse[:_COARSE]:
+        for f in _not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]:
             tell(f.hypothesis.name)
             best.append(_further(broad, f, postures, 6))
         least = min(f.cost for f in best)
@@ -244,16 +251,16 @@ def _from_the_start(
         fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
     fits.sort(key=lambda f: f.cost)
     better = []
-    for fit in _not_hopeless(fits)[:_BETTER]:
+    for fit in _not_hopeless(fits, _BEHIND)[:_BETTER]:
         many = len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
         steps = _MANY_STEPS if many else _WIDE_STEPS
         better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
     return looked_at, sorted(better, key=lambda f: f.cost)
 
 
-def _not_hopeless(fits: Sequence[Fit]) -> list[Fit]:
+def _not_hopeless(fits: Sequence[Fit], behind: float) -> list[Fit]:
     """Some at least, and what does not cost far more than the best; of fits by rising cost."""
-    return [f for i, f in enumerate(fits) if i < _FEWEST or f.cost < _BEHIND * fits[0].cost]
+    return [f for i, f in enumerate(fits) if i < _FEWEST or f.cost < behind * fits[0].cost]
 
 
 def _quickly(
