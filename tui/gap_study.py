@@ -36,6 +36,8 @@ __all__ = ["Line", "run_case", "run_study", "seal_hashes"]
 
 Line = dict[str, Any]
 
+_STEPS = 20  # at each stage: from the true sizes a fit converges within these
+
 
 def seal_hashes(specs: Sequence[CaseSpec], executor: Executor) -> dict[int, str]:
     """Return the hash of every case's truth, by number."""
@@ -95,32 +97,43 @@ def run_case(spec: CaseSpec) -> Line:
             for before, after in zip(result.gap_before, result.gap_after, strict=True)
         ],
         "best_gain": max((r.gain for r in result.rivals), default=0.0),
-        "over_true_model": _over_true_model(truth, outcome),
+        **_beside_true_model(truth, outcome, believed),
     }
 
 
-def _over_true_model(truth: Line, outcome: GapOutcome) -> float | None:
-    """Held-out FRF error over what the true model reaches with the same nuisances.
+def _beside_true_model(
+    truth: Line, outcome: GapOutcome, believed: dict[str, float]
+) -> dict[str, float | None]:
+    """Held-out FRF error of our model, and of that without any effect, over the true model's.
 
-    The true model has the true effects at their true places and is fitted as ours is; None where
-    the library has no such model.
+    The true model has the true effects at their true places and is fitted with the same nuisances,
+    from their true sizes; None where the library has no such model.
     """
-    final, stage = outcome.final, outcome.stages[-1]
+    final, stages = outcome.final, outcome.stages
     ordinary = final.hypothesis.ordinary
     instances = [instance_of_truth(ordinary, effect) for effect in truth["effects"]]
     known = [i for i in instances if i is not None]
     if len(known) < len(instances):
-        return None
-    if {i.key for i in known} == {i.key for i in final.hypothesis.instances}:
-        return 1.0
-    test = [p for p, gap in enumerate(outcome.result.gap_after) if gap.held_out]
-    whole = fit_hypothesis(
-        stage, Hypothesis(ordinary=ordinary, instances=tuple(known)), start=final.values
-    )
-    right = held_out(stage, whole, test).training
-    reached = [posture_gap(stage, right, p, held_out=True).frf_error for p in test]
-    ours = [outcome.result.gap_after[p].frf_error for p in test]
-    return float(np.linalg.norm(ours) / np.linalg.norm(reached))
+        return {"over_true_model": None, "stands_out": None}
+    after = outcome.result.gap_after
+    test = [p for p, gap in enumerate(after) if gap.held_out]
+    ours = np.linalg.norm([after[p].frf_error for p in test])
+    reached = ours
+    if {i.key for i in known} != {i.key for i in final.hypothesis.instances}:
+        sizes = {
+            instance.size: size_of_truth(effect, believed)
+            for instance, effect in zip(known, truth["effects"], strict=True)
+        }
+        start = {name: size for name, size in sizes.items() if name and size is not None}
+        hypothesis = Hypothesis(ordinary=ordinary, instances=tuple(known))
+        whole = fit_hypothesis(stages[0], hypothesis, start=start, max_iterations=_STEPS)
+        for stage in stages[1:]:
+            whole = fit_hypothesis(stage, hypothesis, start=whole.values, max_iterations=_STEPS)
+        right = held_out(stages[-1], whole, test).training
+        gaps = [posture_gap(stages[-1], right, p, held_out=True).frf_error for p in test]
+        reached = np.linalg.norm(gaps)
+    without = np.linalg.norm([outcome.result.gap_before[p].frf_error for p in test])
+    return {"over_true_model": float(ours / reached), "stands_out": float(without / reached)}
 
 
 def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> list[Line]:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy import stats
 
 from analyzer.gap import effects
-from analyzer.gap.effects import link_axis
+from analyzer.gap.effects import channel_gain, link_axis
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
@@ -137,6 +137,10 @@ def instance_of_truth(ordinary: Ordinary, effect: Mapping[str, Any]) -> Instance
         before = tuple(p.get("points_before", ()))
         return link_axis.at_axis(ordinary, links.index(place), direction, point, before=before)
     places = [place] if isinstance(place, str) else place
+    if name == "channel_gain" and place != "all" and len(place) == 1:
+        return channel_gain.at_point(ordinary, effect["parameters"]["axis"], place[0])
+    if name == "channel_gain":
+        places = [f"axis {effect['parameters']['axis']}"] if place == "all" else places
     fitting = [i for i in all_instances(ordinary) if i.effect.name == name]
     found = [i for i in fitting if not i.place or set(i.place.split(" and ")) == set(places)]
     return found[0] if len(found) == 1 or (found and not found[0].place) else None

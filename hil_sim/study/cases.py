@@ -13,13 +13,13 @@ import numpy as np
 
 from hil_sim.plant_file import PlantFile, plant_text
 from hil_sim.study.arms import StudyArm, study_arm
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, SIZED
+from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
 from hil_sim.study.measure import measured
 from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
 from hil_sim.study.places import ArmPlaces, Hidden
 from hil_sim.study.plant_of_arm import rotations
 from hil_sim.study.prominence import Bystander
-from hil_sim.study.sizing import Sized, clear_size
+from hil_sim.study.sizing import Sized, clear_place, clear_size
 from protocols.arm.files import ARMS_DIRECTORY
 from protocols.arm.records import Arm
 from protocols.errors import PlantError
@@ -248,6 +248,8 @@ def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
         sized = Sized(size=1.0, place=0, stands_out=0.0)
         if name in SIZED:
             sized = clear_size(make, places, bystander, partial(_with, plain), stream)
+        elif name in PLACED:
+            sized = clear_place(make, places, bystander, partial(_with, plain), stream)
         factor = spec.magnitude
         if isinstance(factor, str):
             factor = MAGNITUDES[factor]

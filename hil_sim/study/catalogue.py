@@ -15,7 +15,17 @@ from hil_sim.study import (
 )
 from hil_sim.study.places import ArmPlaces, Hidden
 
-__all__ = ["FIRST", "LEVELLED", "LIBRARY", "MAGNITUDES", "MORE", "OUTSIDE", "SIZED", "Maker"]
+__all__ = [
+    "FIRST",
+    "LEVELLED",
+    "LIBRARY",
+    "MAGNITUDES",
+    "MORE",
+    "OUTSIDE",
+    "PLACED",
+    "SIZED",
+    "Maker",
+]
 
 Maker = Callable[[ArmPlaces, np.random.Generator, float], Hidden]
 
@@ -88,6 +98,9 @@ SIZED = frozenset(
 Base, bearings and bending move weak modes too far for the search, which follows its first
 sensitivities.
 """
+
+PLACED = frozenset({"flipped_axis", "swapped_axes", "channel_gain"})
+"""Faults of one point or of all: drawn where the channel moves enough to tell."""
 
 MORE = {("bench57", "payload"): 10.0, ("ur5", "payload"): 2.5, ("bench57", "rotor"): 4.0}
 """By arm and effect: times the size that the search finds.

@@ -14,7 +14,7 @@ from hil_sim.study.places import ArmPlaces, Hidden
 from hil_sim.study.prominence import Bystander
 from protocols.errors import PlantError
 
-__all__ = ["Sized", "clear_size"]
+__all__ = ["Sized", "clear_place", "clear_size"]
 
 WANTED, MOST = 3.0, 4.0  # times the floor
 AIM = 3.4
@@ -57,6 +57,25 @@ def clear_size(
             return found
         if found.stands_out > best.stands_out:
             best = found
+    return best
+
+
+def clear_place(
+    make: Maker,
+    places: ArmPlaces,
+    bystander: Bystander,
+    with_effect: Callable[[Hidden], Tables],
+    stream: Callable[[int], np.random.Generator],
+) -> Sized:
+    """Find a place where the maker's own size stands out: a channel that hardly moves does not."""
+    best = Sized(size=1.0, place=0, stands_out=0.0)
+    for place in range(PLACES):
+        hidden = make(places, stream(place), 1.0)
+        stands_out = bystander.stands_out(with_effect(hidden))
+        if stands_out > best.stands_out:
+            best = Sized(size=1.0, place=place, stands_out=stands_out)
+        if stands_out >= WANTED:
+            break
     return best
 
 
