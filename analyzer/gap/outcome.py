@@ -10,6 +10,7 @@ import numpy as np
 
 from analyzer.gap.advice import advise
 from analyzer.gap.compare import disagreement_map, posture_gap
+from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
@@ -81,7 +82,8 @@ def conclude(
     sharp = stages[-1]
     misfit = misfit_per_line(sharp, final)
     standing = judged.standing
-    effects = tuple(_effect(step, final, phi) for step in named)
+    spread = max(phi, dispersion(sharp, final))
+    effects = tuple(_effect(step, final, spread) for step in named)
     left = min([misfit, *(misfit_per_line(sharp, f) for f in standing)])
     if left > limits.outside_misfit:
         verdict = Verdict.OUTSIDE_LIBRARY
@@ -114,7 +116,10 @@ def conclude(
         rivals=tuple(_rival(f, found, standing, phi) for f in found.rivals),
         hidden=_hidden(hiding, phi),
         joint_stiffness_ranges=_ranges(
-            alive, hiding, phi, settled=verdict is not Verdict.OUTSIDE_LIBRARY and not standing[1:]
+            alive,
+            hiding,
+            spread,
+            settled=verdict is not Verdict.OUTSIDE_LIBRARY and not standing[1:],
         ),
         gap_before=_gaps(sharp, before, first, measured),
         gap_after=_gaps(sharp, final, last, measured),
