@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -15,14 +16,16 @@ from rich.console import Console
 
 from analyzer.gap.workflow import GapOutcome, find_gap
 from analyzer.report import gap_page
-from hil_sim.study import draw_study, make_case
-from hil_sim.study.catalogue import FIRST, LIBRARY
+from hil_sim.study import CaseSpec, draw_study, make_case
+from hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
 from protocols.arm.files import load_arm
 from protocols.errors import SessionError
 from protocols.session.hdf5 import read_session
 from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
+from tui.gap_curves import curve_rows, run_curves
 from tui.gap_lab import SimulatedLaboratory, run_loop
 from tui.gap_study import run_study, seal_hashes
+from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary, study_tables
 
 __all__ = ["app"]
@@ -149,6 +152,16 @@ def gap_study_command(
     effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
     outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
+    tests: Annotated[
+        int, typer.Option(min=0, help="Further tests a case may ask for; judges again.")
+    ] = 0,
+    whole: Annotated[
+        bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
+    ] = False,
+    curves: Annotated[int, typer.Option(min=0, help="Clear cases measured again with less.")] = 0,
+    page: Annotated[
+        Path | None, typer.Option("--page", help="Markdown page of the tables to write.")
+    ] = None,
     workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
     as_json: Json = False,
 ) -> None:
@@ -159,7 +172,13 @@ def gap_study_command(
     Example: armodal gap-study --out study --seed 1
     """
     specs = draw_study(
-        seed, nulls=nulls, effects=effects, pairs=pairs, outside=outside, library=FIRST
+        seed,
+        nulls=nulls,
+        effects=effects,
+        pairs=pairs,
+        outside=outside,
+        library=tuple(LIBRARY) if whole else FIRST,
+        ladder=whole,
     )
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / f"study-{seed}.jsonl"
@@ -171,11 +190,33 @@ def gap_study_command(
         hashes = seal_hashes(specs, executor)
         for number, digest in hashes.items():
             _say(f"case {number}: truth sealed as {digest}")
-        lines = run_study(specs, hashes, path, executor, tell)
+        lines = run_study(specs, hashes, path, executor, tell, tests=tests)
+        clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
+        again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
+        learned = run_curves(again, directory / f"curves-{seed}.jsonl", executor, _say)
     summary = study_summary(lines)
+    rows = curve_rows(learned) if again else []
+    if page is not None:
+        replace_text(page, study_page(summary, rows, _command(specs, seed, tests, curves, whole)))
     if as_json:
-        _print_json(summary | {"file": str(path)})
+        _print_json(summary | {"curves": rows, "file": str(path)})
         return
     for table in study_tables(summary):
         out.print(table)
     out.print(f"cases {path}", markup=False)
+
+
+def _command(specs: Sequence[CaseSpec], seed: int, tests: int, curves: int, whole: bool) -> str:
+    """The command that makes a study's page again."""
+    outside = [s for s in specs if any(kind in OUTSIDE for kind in s.kinds)]
+    counts = {
+        "nulls": sum(not s.kinds for s in specs),
+        "effects": sum(len(s.kinds) == 1 for s in specs) - len(outside),
+        "pairs": sum(len(s.kinds) == 2 for s in specs),
+        "outside": len(outside),
+        "tests": tests,
+        "curves": curves,
+    }
+    words = [f"--{name} {n}" for name, n in counts.items() if n or name not in ("tests", "curves")]
+    words += ["--whole"] if whole else []
+    return f"armodal gap-study --out study --seed {seed} {' '.join(words)} --page PAGE"

@@ -18,9 +18,10 @@ from typing import Any
 import numpy as np
 
 from analyzer.gap.compare import posture_gap
-from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.score import (
     instance_of_truth,
     mark,
@@ -31,6 +32,7 @@ from analyzer.gap.score import (
 from analyzer.gap.workflow import GapOutcome, find_gap
 from hil_sim.study import CaseSpec, sealed
 from protocols.errors import ArmodalError
+from tui.gap_further import further
 
 __all__ = ["Line", "run_case", "run_study", "seal_hashes"]
 
@@ -49,13 +51,19 @@ def _hash_of(spec: CaseSpec) -> str:
     return sealed(spec).truth_sha256
 
 
-def run_case(spec: CaseSpec) -> Line:
-    """Make a case, judge it, open its truth, mark it."""
+def run_case(spec: CaseSpec, tests: int = 0) -> Line:
+    """Make a case, judge it, open its truth, mark it.
+
+    Parameters
+    ----------
+    tests
+        Further ones, at most, that the workflow may ask for while nothing is named.
+    """
     case = sealed(spec)
     session = case.session()
     begin = process_time()
     try:
-        outcome = find_gap(session, gates=False, modes=False, advice=False)
+        outcome = find_gap(session, gates=False, modes=False, advice=tests > 0)
     except ArmodalError as problem:
         return {
             "number": spec.number,
@@ -68,6 +76,14 @@ def run_case(spec: CaseSpec) -> Line:
     truth = json.loads(case.open_truth())
     marked = mark(truth, result)
     believed = {j.name: j.stiffness.value for j in case.arm.joints if j.stiffness is not None}
+    final = outcome.final.hypothesis
+    hypothesis = _true_hypothesis(truth, final.ordinary)
+    whole = None
+    if hypothesis is not None and {i.key for i in hypothesis.instances} != {
+        i.key for i in final.instances
+    }:
+        whole = _fitted_from_truth(truth, hypothesis, outcome.stages, believed)
+    after = further(case, session, outcome, truth, whole, most=tests) if tests else {}
     return {
         "number": spec.number,
         "arm": spec.arm,
@@ -97,43 +113,54 @@ def run_case(spec: CaseSpec) -> Line:
             for before, after in zip(result.gap_before, result.gap_after, strict=True)
         ],
         "best_gain": max((r.gain for r in result.rivals), default=0.0),
-        **_beside_true_model(truth, outcome, believed),
+        **_beside_true_model(outcome, hypothesis, whole),
+        **after,
     }
 
 
 def _beside_true_model(
-    truth: Line, outcome: GapOutcome, believed: dict[str, float]
+    outcome: GapOutcome, hypothesis: Hypothesis | None, whole: Fit | None
 ) -> dict[str, float | None]:
     """Held-out FRF error of our model, and of that without any effect, over the true model's.
 
-    The true model has the true effects at their true places and is fitted with the same nuisances,
-    from their true sizes; None where the library has no such model.
+    None where the library has no true model; a true model that was not fitted is ours.
     """
-    final, stages = outcome.final, outcome.stages
-    ordinary = final.hypothesis.ordinary
-    instances = [instance_of_truth(ordinary, effect) for effect in truth["effects"]]
-    known = [i for i in instances if i is not None]
-    if len(known) < len(instances):
+    if hypothesis is None:
         return {"over_true_model": None, "stands_out": None}
     after = outcome.result.gap_after
     test = [p for p, gap in enumerate(after) if gap.held_out]
     ours = np.linalg.norm([after[p].frf_error for p in test])
     reached = ours
-    if {i.key for i in known} != {i.key for i in final.hypothesis.instances}:
-        sizes = {
-            instance.size: size_of_truth(effect, believed)
-            for instance, effect in zip(known, truth["effects"], strict=True)
-        }
-        start = {name: size for name, size in sizes.items() if name and size is not None}
-        hypothesis = Hypothesis(ordinary=ordinary, instances=tuple(known))
-        whole = fit_hypothesis(stages[0], hypothesis, start=start, max_iterations=_STEPS)
-        for stage in stages[1:]:
-            whole = fit_hypothesis(stage, hypothesis, start=whole.values, max_iterations=_STEPS)
-        right = held_out(stages[-1], whole, test).training
-        gaps = [posture_gap(stages[-1], right, p, held_out=True).frf_error for p in test]
+    if whole is not None:
+        right = held_out(outcome.stages[-1], whole, test).training
+        gaps = [posture_gap(outcome.stages[-1], right, p, held_out=True).frf_error for p in test]
         reached = np.linalg.norm(gaps)
     without = np.linalg.norm([outcome.result.gap_before[p].frf_error for p in test])
     return {"over_true_model": float(ours / reached), "stands_out": float(without / reached)}
+
+
+def _true_hypothesis(truth: Line, ordinary: Ordinary) -> Hypothesis | None:
+    """The true effects at their true places; None where the library has no such model."""
+    instances = [instance_of_truth(ordinary, effect) for effect in truth["effects"]]
+    known = [i for i in instances if i is not None]
+    if len(known) < len(instances):
+        return None
+    return Hypothesis(ordinary=ordinary, instances=tuple(known))
+
+
+def _fitted_from_truth(
+    truth: Line, hypothesis: Hypothesis, stages: Sequence[Stage], believed: dict[str, float]
+) -> Fit:
+    """The true model with the same nuisances as ours, from its true sizes."""
+    sizes = {
+        instance.size: size_of_truth(effect, believed)
+        for instance, effect in zip(hypothesis.instances, truth["effects"], strict=True)
+    }
+    start = {name: size for name, size in sizes.items() if name and size is not None}
+    fit = fit_hypothesis(stages[0], hypothesis, start=start, max_iterations=_STEPS)
+    for stage in stages[1:]:
+        fit = fit_hypothesis(stage, hypothesis, start=fit.values, max_iterations=_STEPS)
+    return fit
 
 
 def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> list[Line]:
@@ -155,6 +182,8 @@ def run_study(
     path: Path,
     executor: Executor,
     tell: Callable[[Line], None] = lambda _: None,
+    *,
+    tests: int = 0,
 ) -> list[Line]:
     """Run what is not yet in the study's file, in parallel; every finished case is kept.
 
@@ -165,7 +194,9 @@ def run_study(
     path
         JSON lines; made if it is not there.
     executor
-        Any executor whose workers can import this project.
+        Any executor whose workers can import this project, Dask's too (`bench/study_on_dask.py`).
+    tests
+        Further ones that a case may have.
     """
     done: dict[int, Line] = {}
     if path.exists():
@@ -175,7 +206,7 @@ def run_study(
                 done[line["number"]] = line
     waiting = [spec for spec in specs if spec.number not in done]
     with path.open("a") as file:
-        futures = [executor.submit(run_case, spec) for spec in waiting]
+        futures = [executor.submit(run_case, spec, tests) for spec in waiting]
         for future in as_completed(futures):
             text = json.dumps(future.result())
             file.write(text + "\n")

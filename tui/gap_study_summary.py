@@ -60,7 +60,34 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
         "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
         "failed": [x["number"] for x in lines if "error" in x],
+        "tests": _tests(judged, groups),
     }
+
+
+def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, Any]:
+    """What further tests that the workflow asked for came to, and random ones beside them.
+
+    A case's outcome is that of its last judgement.
+    """
+    tried = [x for x in lines if "after" in x]
+    compared = [x["brought"] for x in tried if x["brought"]]
+
+    def last(x: Line) -> str:
+        return str(x["after"][-1]["outcome"] if x["after"] else x["outcome"])
+
+    found: dict[str, Any] = {
+        "n": len(tried),
+        "asked": asdict(rate(sum(bool(x["after"]) for x in tried), len(tried))) if tried else {},
+        "wrong": sum(last(x) == "wrong name" for x in tried),
+        "compared": len(compared),
+        "brought_asked": _median([b["asked"] for b in compared]),
+        "brought_random": _median([float(np.mean(b["random"])) for b in compared]),
+    }
+    for size in ("clear", "medium"):
+        group = [x for x in groups[size] if "after" in x]
+        right = sum(last(x) == "right" for x in group)
+        found[size] = asdict(rate(right, len(group))) if group else {}
+    return found
 
 
 def _detection(nulls: Sequence[Line], groups: dict[str, list[Line]]) -> list[dict[str, Any]]:
@@ -157,6 +184,11 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
         curve.add_row(
             f"{row['size']:.2f}", str(row["n"]), str(row["said"]["k"]), str(row["right"]["k"])
         )
+    tests = summary["tests"]
+    if tests["n"]:
+        figures.add_row("cases that asked for a further test", _covered(tests["asked"]))
+        figures.add_row("right in the end, of clear ones", _covered(tests["clear"]))
+        figures.add_row("right in the end, of medium ones", _covered(tests["medium"]))
     return [table, confusion, curve, figures]
 
 

@@ -10,10 +10,11 @@ from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.next_test import Test, hidden_rival, proposed
 from analyzer.gap.records import NextTest
 from analyzer.gap.scan import Candidate
+from protocols.arm.records import Arm
 from protocols.plan_records import Plan, PlannedPosture
 from protocols.plan_rewrite import text_with_posture
 
-__all__ = ["advise"]
+__all__ = ["advise", "plan_text"]
 
 _SEED = 2718  # proposals are repeatable
 _MOST_RIVALS = 3
@@ -57,10 +58,13 @@ def advise(
         return None
     test, gain = best
     words = f"{test.words}; expected evidence {gain:.0f} nats"
-    text = text_with_posture(
-        plan, final.hypothesis.ordinary.arm, _posture(plan, test), comment=f"Proposed: {why}"
-    )
+    text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
     return NextTest(words=words, why=why, gain=gain, plan_toml=text)
+
+
+def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:
+    """Return a test as a plan's text, everything else as in the session's plan."""
+    return text_with_posture(plan, arm, _posture(plan, test), comment=comment)
 
 
 def _widest(

@@ -24,7 +24,14 @@ from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Discrepancy, Weighing
 from protocols.plan_records import KnownMass
 
-__all__ = ["Test", "expected_evidence", "hidden_rival", "possible_tests", "proposed"]
+__all__ = [
+    "Test",
+    "evidence_brought",
+    "expected_evidence",
+    "hidden_rival",
+    "possible_tests",
+    "proposed",
+]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -132,6 +139,26 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
         surprise = [_surprise(weighing, ready[i], *slopes[i]) for i in (true, other)]
         least = min(least, surprise[1] - surprise[0])
     return float(least)
+
+
+def evidence_brought(one: Fit, other: Fit, lines: PostureLines) -> float:
+    """Evidence for one hypothesis against another that a test brought which neither has seen.
+
+    Parameters
+    ----------
+    lines
+        Of the test's posture, measured.
+    """
+    superset = one.hypothesis.ordinary.superset
+    model = PosedModel(superset, lines.joints_rad)
+    own = replace(lines, name=NAME)
+    weighing = Weighing(own, superset.arm.tolerances, Discrepancy())
+    surprise = []
+    for fit in (one, other):
+        ready = _Ready.of(fit)
+        y, dy = model.derivatives(ready.hypothesis, own, ready.space, ready.values)
+        surprise.append(_surprise(weighing, ready, y, dy))
+    return surprise[1] - surprise[0]
 
 
 def hidden_rival(stage: Stage, final: Fit, candidate: Candidate, change: float) -> Fit:

@@ -1,0 +1,86 @@
+"""Learning curves, further tests and the page of a study."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import tui.gap_curves
+from hil_sim.study import CaseSpec, make_case
+from tui.gap_curves import VARIED, curve_rows, reduced, run_curves
+from tui.gap_study import run_case
+from tui.gap_study_page import study_page
+from tui.gap_study_summary import study_summary
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return make_case(1, "ur5").plan
+
+
+@pytest.mark.parametrize("n", VARIED["postures"])
+def test_fewer_postures_keep_one_to_fit_and_one_for_validation(plan, n):
+    postures = reduced(plan, "postures", n).postures
+    assert len(postures) == n
+    assert any(p.validation for p in postures)
+    assert any(not p.validation for p in postures)
+
+
+@pytest.mark.parametrize("n", VARIED["points"])
+def test_fewer_points_are_spread_over_the_arm_in_every_posture(plan, n):
+    found = reduced(plan, "points", n)
+    first, last = plan.postures[0].points[0], plan.postures[0].points[-1]
+    for posture in found.postures:
+        assert len(posture.points) == n
+        assert {first, last} <= set(posture.points)
+
+
+def test_fewer_hits_are_measured(plan):
+    case = make_case(1, "ur5")
+    one = reduced(reduced(plan, "hits", 1), "points", 4)
+    assert len(case.session(one).hits) == 4 * len(plan.postures)
+
+
+def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
+    spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear", ladder=False)
+    # Too few points are refused before anything is fitted: quick, and a line of the curve.
+    monkeypatch.setattr(tui.gap_curves, "VARIED", {"points": (3,)})
+    told: list[str] = []
+    with ThreadPoolExecutor(1) as executor:
+        lines = run_curves([spec], tmp_path / "curves.jsonl", executor, told.append)
+        again = run_curves([spec], tmp_path / "curves.jsonl", executor, told.append)
+    assert told == ["case 3, 3 points: refused"]
+    assert again == lines
+    (row,) = curve_rows(lines)
+    assert (row["varied"], row["n"], row["cases"], row["right"]) == ("points", 3, 1, 0)
+    assert row["k_range"] is None
+
+
+@pytest.fixture(scope="module")
+def line():
+    """A payload far too small to be seen, and one further test."""
+    spec = CaseSpec(number=1, arm="ur5", seed=21, kinds=("payload",), magnitude=0.05, ladder=False)
+    return run_case(spec, tests=1)
+
+
+def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_ones(line):
+    assert line["outcome"] == "missed"
+    (after,) = line["after"]
+    assert after["words"].startswith("measure all points")
+    assert after["verdict"] in ("nothing_detectable", "ambiguous", "named")
+    assert np.isfinite(line["brought"]["asked"])
+    assert len(line["brought"]["random"]) == 3
+
+
+def test_the_page_has_every_table(line):
+    summary = study_summary([line | {"magnitude": "faint"}])
+    assert summary["tests"]["n"] == 1
+    rows = [
+        {"varied": "hits", "n": 1, "cases": 2, "right": 1, "wrong": 0}
+        | {"size_std": 0.02, "k_range": None, "gain": 120.0}
+    ]
+    page = study_page(summary, rows, "armodal gap-study --out study --seed 1")
+    assert "    armodal gap-study --out study --seed 1" in page
+    assert "| faint | 1 | 0 |" in page
+    assert "| payload | nothing_detectable 1 |" in page
+    assert "| hits | 1 | 2 | 1 | 0 | 120 | 2.0 % | - |" in page
