@@ -31,9 +31,9 @@ _LOOKED_AT, _COARSE, _MIDDLE, _FINALISTS = 24, 9, 4, 4
 _LOOKED_AT_SHARPLY = 10
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
-_FROM_START, _BETTER, _FEWEST = 10, 12, 3
+_FROM_START, _ALONE, _BETTER, _FEWEST = 10, 18, 12, 3
 # Times the least cost: what costs more is not it, on the widest lines and on broad ones.
-_BEHIND, _BEHIND_BROADLY = 3.0, 1.5
+_BEHIND, _BEHIND_BROADLY = 2.2, 1.5
 _OBVIOUS = 0.3  # of the plain fit's cost there: what costs less needs no other look
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _SPLIT = 2  # leading fits in which an axis may have a part of its link before it
@@ -132,7 +132,8 @@ def find_rivals(
             chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
             coarse += _first_steps(broad, base, chosen, postures, start or {})
         coarse.sort(key=lambda f: f.cost)
-        coarse += _axes_of_bearings(broad, present, coarse[:_COARSE], postures)
+        leading = _not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]
+        coarse += _axes_of_bearings(broad, present, leading, postures)
         coarse.sort(key=lambda f: f.cost)
         best = []
         for f in _not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]:
@@ -237,7 +238,7 @@ def _from_the_start(
     first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
     looked_at = _looked_at(stage, first, start, from_start=False)
     chosen = _most_promising(looked_at, _WORTH_BROAD, each_kind=True)
-    chosen = chosen[: _LOOKED_AT if alone else _FROM_START]
+    chosen = chosen[: _ALONE if alone else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
     known = {instance.key for instance in (*present.instances, *instances)}
     instances += [
