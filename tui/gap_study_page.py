@@ -85,6 +85,7 @@ def _figures(summary: Line) -> list[list[object]]:
         ["its 95 % interval covers", _covered(summary["size_covered"])],
         ["stiffness of joints 1 to 3, median error", f"{100 * summary['k_error_median']:.2f} %"],
         ["95 % interval of any joint's covers", _covered(summary["k_covered"])],
+        ["where the verdict is right", _covered(summary["k_covered_where_right"])],
         ["its range covers", _covered(summary["k_range_covers"])],
         ["held-out FRF error over the true model's, median, worst", f"{ratio:.2f}, {worst:.2f}"],
         ["ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"])],

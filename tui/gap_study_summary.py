@@ -44,6 +44,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
     }
     errors, covered = _size_errors(judged)
     k_errors, k_covered, range_covers = _stiffness_errors([*nulls, *single])
+    right = [x for x in (*nulls, *single) if x["outcome"] == "right"]
     held = [x["over_true_model"] for x in judged if x["over_true_model"] is not None]
     return {
         "groups": table,
@@ -52,6 +53,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "size_covered": covered,
         "k_error_median": _median(k_errors),
         "k_covered": k_covered,
+        "k_covered_where_right": _stiffness_errors(right)[1],
         "k_range_covers": range_covers,
         "held_out_over_true_model_median": _median(held),
         "held_out_over_true_model_worst": max(held, default=float("nan")),
@@ -173,6 +175,7 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
     figures.add_row("its 95 % interval covers", _covered(summary["size_covered"]))
     figures.add_row("stiffness of joints 1 to 3, median error", _percent(summary["k_error_median"]))
     figures.add_row("95 % interval of any joint's covers", _covered(summary["k_covered"]))
+    figures.add_row("where the verdict is right", _covered(summary["k_covered_where_right"]))
     figures.add_row("its range covers", _covered(summary["k_range_covers"]))
     ratio, worst = (summary[f"held_out_over_true_model_{x}"] for x in ("median", "worst"))
     figures.add_row("held-out FRF error over the true model's", f"{ratio:.2f}, worst {worst:.2f}")

@@ -40,6 +40,9 @@ __all__ = ["GapOutcome", "Step", "conclude"]
 
 _TWO_SIDED_95, _ONE_SIDED_95 = 1.96, 1.645
 _WIDEST = 0.7  # of ln k
+# Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
+# of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
+_COMMON = 2.25
 
 # The model without an effect and with it, both as foretelling held-out postures, and the verdict.
 Step = tuple[Fit, Fit, HeldOut, HeldOut, Judged]
@@ -83,7 +86,7 @@ def conclude(
     misfit = misfit_per_line(sharp, final)
     standing = judged.standing
     spread = max(phi, dispersion(sharp, final))
-    effects = tuple(_effect(step, final, spread) for step in named)
+    effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
     left = min([misfit, *(misfit_per_line(sharp, f) for f in standing)])
     if left > limits.outside_misfit:
         verdict = Verdict.OUTSIDE_LIBRARY
