@@ -53,8 +53,8 @@ def study_page(summary: Line, curves: Sequence[Line], command: str) -> str:
         parts += [
             "## Learning curves",
             (
-                "Of the rest the plan has all: 5 postures, 18 points, 3 hits. The width of a joint's "
-                "range is half of ln(high / low), median over joints and cases."
+                "Of the rest the plan has all: 5 postures, 18 points, 3 hits. The width of a "
+                "joint's range is half of ln(high / low), median over joints and cases."
             ),
             _table(
                 ["varied", "n", "cases", "right", "wrong", "evidence", "size's std", "range of k"],
