@@ -68,10 +68,15 @@ class PostureLines:
 
     @property
     def title(self) -> str:
-        """Return the posture, and which of its hits where they are told apart."""
-        if self.level == 0.0:
-            return self.name
-        return f"{self.name}, {'soft' if self.level < 0.0 else 'hard'} hits"
+        """Return the posture, what was done to the arm, and which hits where that matters."""
+        words = [self.name]
+        if self.brakes:
+            words.append("brakes on")
+        if self.known_mass is not None:
+            words.append(f"{self.known_mass.mass_kg:.1f} kg on {self.known_mass.link}")
+        if self.level != 0.0:
+            words.append("soft hits" if self.level < 0.0 else "hard hits")
+        return ", ".join(words)
 
 
 def own_lines(
