@@ -4,6 +4,8 @@ The best model without the effect and the true model are both fitted with every 
 is printed is what an analysis would see; no verdict is asked for.
 
     python bench/bench_clear_sizes.py ur5:payload:clear:7101 bench57:rotor:clear:7102
+
+Without arguments those of the effects whose sizes were found by it.
 """
 
 from __future__ import annotations
@@ -25,6 +27,14 @@ from analyzer.gap.score import instance_of_truth, size_of_truth
 from analyzer.gap.stages import stages_of
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import CaseSpec, sealed
+
+
+CASES = [
+    f"{arm}:{kind}:clear:{seed}"
+    for kind in ("payload", "rotor", "released_joint", "coupling")
+    for arm in ("bench57", "ur5")
+    for seed in (7101, 7102)
+]
 
 
 def measured(arm: str, kind: str, magnitude: str, seed: int) -> dict[str, object]:
@@ -75,7 +85,7 @@ def _error(stage: Stage, fit: Fit, test: list[int]) -> float:
 def main() -> int:
     """Print one line of JSON a case."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("cases", nargs="+", metavar="ARM:EFFECT:MAGNITUDE:SEED")
+    parser.add_argument("cases", nargs="*", default=CASES, metavar="ARM:EFFECT:MAGNITUDE:SEED")
     for text in parser.parse_args().cases:
         arm, kind, magnitude, seed = text.split(":")
         print(json.dumps(measured(arm, kind, magnitude, int(seed))), flush=True)
