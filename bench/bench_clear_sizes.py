@@ -28,7 +28,6 @@ from analyzer.gap.stages import stages_of
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import CaseSpec, sealed
 
-
 CASES = [
     f"{arm}:{kind}:clear:{seed}"
     for kind in ("payload", "rotor", "released_joint", "coupling")
