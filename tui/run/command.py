@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from protocols.arm.files import load_arm
+from protocols.errors import SessionError
 from protocols.plan import load_plan
 from tui.run.app import RunApp
 from tui.run.conductor import RunOptions
@@ -27,14 +29,20 @@ def run_app(
     seed: int,
     time_scale: float,
     software: str,
+    input_range_v: float | None = None,
 ) -> int:
     """Run the app to its end; return the exit code.
 
     Raises
     ------
     ArmodalError
-        If arm, plan or an existing journal cannot be used.
+        If arm, plan, an existing journal or the input range cannot be used.
     """
+    if input_range_v is not None and not 0.0 < input_range_v < math.inf:
+        raise SessionError(
+            "--input-range: wanted the largest input voltage of the board in V, above 0, got "
+            f"{input_range_v:g}; its data sheet tells it"
+        )
     the_arm = load_arm(arm)
     if plan is None and not session.exists() and simulated:
         plan = SIMULATED_PLAN
@@ -44,6 +52,7 @@ def run_app(
         board=board,
         can=can,
         baud=baud,
+        input_range_v=input_range_v,
         simulated=simulated,
         seed=seed,
         time_scale=time_scale,

@@ -63,6 +63,7 @@ class RunState:
     board_choice: str = ""  # chosen from the list, before the controller's port is
     board_port: str = ""
     can_channel: str = ""
+    input_range_v: float | None = None  # of the board's inputs; its dictionary does not tell it
     simulated: bool = False
     lab_starting: bool = False
     troubles: tuple[tuple[str, str], ...] = ()  # device, message
