@@ -306,7 +306,7 @@ def recover(
 
 
 add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
-add_review_command(app)
+add_review_command(app, software=SOFTWARE)
 
 
 def main() -> None:

@@ -24,7 +24,9 @@ from tui.review.gap_pane import GapPane, read_gap
 from tui.review.identify_pane import IdentifyPane
 from tui.review.leaving import Leaving
 from tui.review.mac_picture import MacPicture
+from tui.review.measuring import Measuring
 from tui.review.modes_table import ModesTable
+from tui.review.next_test import NextRun
 from tui.review.picked_file import picked_path, read_picked, write_picked
 from tui.review.posture_view import (
     OpenSession,
@@ -61,6 +63,13 @@ class ReviewApp(App[int]):
         Seconds, for what moves.
     environment
         Where NO_COLOR is looked up.
+
+    Attributes
+    ----------
+    problem
+        Why the session cannot be shown.
+    next_run
+        What is to be measured after the app has been left; None: nothing.
     """
 
     TITLE = "armodal review"
@@ -100,6 +109,7 @@ class ReviewApp(App[int]):
         super().__init__()
         self.path, self.gap_file = path, gap
         self.problem: ArmodalError | None = None
+        self.next_run: NextRun | None = None
         self._opened = opened
         self._clock = clock
         self._environment = environment
@@ -298,6 +308,16 @@ class ReviewApp(App[int]):
             self.state.gap = message.value
         self.redraw()
 
+    def on_gap_pane_planned(self, message: GapPane.Planned) -> None:
+        """Ask whether the next test is measured now."""
+
+        def answered(now: bool | None) -> None:
+            if now:
+                self.next_run = message.run
+                self.action_leave()
+
+        self.push_screen(Measuring(message.run), answered)
+
     def action_save(self) -> None:
         """Save the picks of postures fitted by hand beside the session, and say where."""
         if self.state is None:
@@ -345,6 +365,8 @@ class ReviewApp(App[int]):
     def _left(self, answer: str | None) -> None:
         if answer == "leave" or (answer == "save" and self._save()):
             self.exit(0)
+        else:
+            self.next_run = None
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Textual's commands, the screens and the postures."""

@@ -78,12 +78,7 @@ def test_an_input_range_that_is_none_is_refused(tmp_path, volts):
             plan=None,
             arm="rv4frl",
             session=tmp_path / "s.journal",
-            board="",
-            can="",
-            baud=1,
             simulated=True,
-            seed=1,
-            time_scale=1.0,
             software="",
             input_range_v=volts,
         )
