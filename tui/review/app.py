@@ -15,9 +15,10 @@ from textual.binding import Binding, BindingType
 from textual.events import Resize
 from textual.screen import Screen
 from textual.widget import Widget
-from textual.widgets import Footer, Static, TabbedContent, TabPane
+from textual.widgets import Static, TabbedContent, TabPane
 
 from protocols.errors import ArmodalError
+from tui.key_line import KeyLine
 from tui.review.cmif_picture import CmifPicture
 from tui.review.frf_picture import FrfPicture
 from tui.review.gap_pane import GapPane, read_gap
@@ -79,7 +80,7 @@ class ReviewApp(App[int]):
     #small { display: none; padding: 0 1; text-style: bold; }
     TabbedContent { height: 1fr; }
     TabPane { padding: 0; }
-    App.-small TabbedContent, App.-small Footer, App.-small #status { display: none; }
+    App.-small TabbedContent, App.-small KeyLine, App.-small #status { display: none; }
     App.-small #small { display: block; }
     .result { width: 1fr; height: auto; padding: 0 1; }
     ModesTable { height: 1fr; }
@@ -120,7 +121,7 @@ class ReviewApp(App[int]):
         yield Static("", id="status", markup=False)
         yield Static("", id="trouble", markup=False)
         yield Static("", id="small", markup=False)
-        yield Footer(compact=True, show_command_palette=False)
+        yield KeyLine()
 
     async def on_mount(self) -> None:
         """Read the session; what cannot be read is said on the screen."""
