@@ -97,6 +97,7 @@ class Conductor:
             place.plan,
             time_scale=options.time_scale,
             earlier_hits=place.hits,
+            earlier_marks=place.marks,
             earlier_end=ended,
         )
         self.state: RunState = replace(begun, now_s=clock())
