@@ -67,9 +67,10 @@ class Scene:
         await self.pilot.press(*keys)
         await self.pilot.pause()
 
-    async def draw(self, name: str) -> None:
-        """Write the screen as it is now."""
-        await self.until(lambda: not self.app.screen.query("Toast"), "the messages to go")
+    async def draw(self, name: str, *, at_once: bool = False) -> None:
+        """Write the screen, as it is now or once no message lies over it."""
+        if not at_once:
+            await self.until(lambda: not self.app.screen.query("Toast"), "the messages to go")
         for _ in range(3):  # words first, pictures after them
             await self.pilot.pause(0.1)
         path = self.folder / f"{name}.svg"
@@ -140,7 +141,7 @@ async def measure_points(scene: Scene, hand: Callable[[], Awaitable[None]]) -> N
         last = app.state.last_hit.hit.verdict
         if not drawn and last.accepted and done() == 1 and app.state.prompt.accepted == 2:
             drawn = True
-            await scene.draw("run-hit")
+            await scene.draw("run-hit", at_once=True)  # with the hit in the live views
 
 
 async def review_pictures(scene: Scene) -> None:
