@@ -162,7 +162,7 @@ def _run(
         losses=losses,
         journal=writer,
         outbox=outbox,
-        state=session_machine.begin(settings.plan, hits),
+        state=session_machine.begin(settings.plan, hits, earlier.marks if earlier else ()),
         accepted_before=tuple(
             (hit.number, hit.posture, roving_point(settings.plan, hit))
             for hit in hits

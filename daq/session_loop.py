@@ -170,6 +170,8 @@ class SessionLoop:
                 self.note(f"retake: the plan has no {error.args[0]}", now_s)
                 return
             self._change(changed, now_s)
+            if changed.here is not None:
+                self._mark(MarkKind.POINT, now_s, "retaken")  # it goes on here when come back to
         elif isinstance(command, Withdraw):
             self._withdraw(now_s)
         elif isinstance(command, Note):

@@ -9,13 +9,15 @@ A state says by itself what to ask of the operator:
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from protocols.plan_records import Mode, Plan, PlannedPosture
+from protocols.session.journal_payloads import Mark
 from protocols.session.progress import accepted_counts, roving_point
 from protocols.session.records import Hit
+from protocols.session.steps import place_in_hand, skipped_points
 
 __all__ = [
     "Progress",
@@ -128,26 +130,30 @@ class SessionState:
         )
 
 
-def begin(plan: Plan, hits: Iterable[Hit] = ()) -> SessionState:
-    """Return the state at the beginning, or after the hits of an interrupted session.
+def begin(plan: Plan, hits: Iterable[Hit] = (), marks: Sequence[Mark] = ()) -> SessionState:
+    """Return the state at the beginning, or after hits and marks of an interrupted session.
 
-    It goes on at the point hit last if that lacks hits, else at the first one that does.
+    Points that were skipped stay so, as long as another one lacks hits; else they are asked for
+    again. It goes on at the point that was begun last if that lacks hits, else at the point hit
+    last, else at the first one that lacks some.
     """
     hits = tuple(hits)
     counts = accepted_counts(plan, hits)
+    skipped = skipped_points(plan, hits, marks)
     progress = tuple(
         Progress(
             posture=posture.name,
             point=point,
             wanted=plan.hits_per_point,
             accepted=counts[posture.name, point],
+            skipped=(posture.name, point) in skipped,
         )
         for posture in plan.postures
         for point in posture.points
     )
     state = SessionState(plan=plan, progress=progress, current=_next(progress))
-    if hits:
-        place = hits[-1].posture, roving_point(plan, hits[-1])
+    hit_last = (hits[-1].posture, roving_point(plan, hits[-1])) if hits else None
+    for place in (place_in_hand(marks), hit_last):
         for i, here in enumerate(progress):
             if (here.posture, here.point) == place and not here.complete:
                 return replace(state, current=i)

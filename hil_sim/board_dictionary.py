@@ -7,8 +7,9 @@ import zlib
 from hil_sim.plant_file import PlantFile
 from protocols.board.records import BoardDictionary, Channel, IepeState
 
-__all__ = ["FIRMWARE", "board_dictionary"]
+__all__ = ["BOARD_ID", "FIRMWARE", "board_dictionary"]
 
+BOARD_ID = "armodal-sim"
 FIRMWARE = "sim-1.0"
 HALF_RANGE_COUNTS = 1 << 23
 LINK_BYTES_PER_S = 1_000_000
@@ -48,7 +49,7 @@ def board_dictionary(truth: PlantFile, *, tick_hz: int = 1_000_000) -> BoardDict
         for axis in "xyz"
     ]
     return BoardDictionary(
-        board_id="armodal-sim",
+        board_id=BOARD_ID,
         firmware=FIRMWARE,
         link_bytes_per_s=LINK_BYTES_PER_S,
         block_capacity=BLOCK_CAPACITY,

@@ -35,6 +35,8 @@ class Laboratory:
         Ledger of what truly happens.
     time_scale : float
         Lab seconds a second.
+    input_range_v : float
+        Largest voltage of the board's inputs.
     pid : int
         Process that runs it.
     """
@@ -53,6 +55,7 @@ class Laboratory:
         self.operator = Path(str(ready["operator"]))
         self.ledger = Path(str(ready["ledger"]))
         self.time_scale = float(str(ready["time_scale"]))
+        self.input_range_v = float(str(ready["input_range_v"]))
         self.pid = process.pid
 
     def __enter__(self) -> Self:

@@ -85,6 +85,7 @@ class LabProcess(Generic[BlowT]):
         clock = LabClock(scale=options.time_scale)
         faults = FaultSet(options.faults)
         self._clock = clock
+        self._input_range_v = plant.truth.board.range_v
         check_free(options.directory / SOCKET_NAME)
         self.ledger_path = options.directory / LEDGER_NAME
         self._ledger = keep.enter_context(
@@ -140,6 +141,7 @@ class LabProcess(Generic[BlowT]):
             "operator": str(self.operator.path),
             "ledger": str(self.ledger_path),
             "time_scale": self._clock.scale,
+            "input_range_v": self._input_range_v,
             "pid": os.getpid(),
         }
 

@@ -244,6 +244,10 @@ def run_command(
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    input_range: Annotated[
+        float | None,
+        typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
+    ] = None,
     time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
     seed: Annotated[int, typer.Option(help="For everything random in the simulation.")] = 1,
 ) -> None:
@@ -260,6 +264,7 @@ def run_command(
             can=can,
             baud=baud,
             simulated=simulated,
+            input_range_v=input_range,
             seed=seed,
             time_scale=time_scale,
             software=SOFTWARE,
@@ -301,7 +306,7 @@ def recover(
 
 
 add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
-add_review_command(app)
+add_review_command(app, software=SOFTWARE)
 
 
 def main() -> None:

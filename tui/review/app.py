@@ -15,16 +15,19 @@ from textual.binding import Binding, BindingType
 from textual.events import Resize
 from textual.screen import Screen
 from textual.widget import Widget
-from textual.widgets import Footer, Static, TabbedContent, TabPane
+from textual.widgets import Static, TabbedContent, TabPane
 
 from protocols.errors import ArmodalError
+from tui.key_line import KeyLine
 from tui.review.cmif_picture import CmifPicture
 from tui.review.frf_picture import FrfPicture
 from tui.review.gap_pane import GapPane, read_gap
 from tui.review.identify_pane import IdentifyPane
 from tui.review.leaving import Leaving
 from tui.review.mac_picture import MacPicture
+from tui.review.measuring import Measuring
 from tui.review.modes_table import ModesTable
+from tui.review.next_test import NextRun
 from tui.review.picked_file import picked_path, read_picked, write_picked
 from tui.review.posture_view import (
     OpenSession,
@@ -61,6 +64,13 @@ class ReviewApp(App[int]):
         Seconds, for what moves.
     environment
         Where NO_COLOR is looked up.
+
+    Attributes
+    ----------
+    problem
+        Why the session cannot be shown.
+    next_run
+        What is to be measured after the app has been left; None: nothing.
     """
 
     TITLE = "armodal review"
@@ -70,7 +80,7 @@ class ReviewApp(App[int]):
     #small { display: none; padding: 0 1; text-style: bold; }
     TabbedContent { height: 1fr; }
     TabPane { padding: 0; }
-    App.-small TabbedContent, App.-small Footer, App.-small #status { display: none; }
+    App.-small TabbedContent, App.-small KeyLine, App.-small #status { display: none; }
     App.-small #small { display: block; }
     .result { width: 1fr; height: auto; padding: 0 1; }
     ModesTable { height: 1fr; }
@@ -100,6 +110,7 @@ class ReviewApp(App[int]):
         super().__init__()
         self.path, self.gap_file = path, gap
         self.problem: ArmodalError | None = None
+        self.next_run: NextRun | None = None
         self._opened = opened
         self._clock = clock
         self._environment = environment
@@ -110,7 +121,7 @@ class ReviewApp(App[int]):
         yield Static("", id="status", markup=False)
         yield Static("", id="trouble", markup=False)
         yield Static("", id="small", markup=False)
-        yield Footer(compact=True, show_command_palette=False)
+        yield KeyLine()
 
     async def on_mount(self) -> None:
         """Read the session; what cannot be read is said on the screen."""
@@ -298,6 +309,16 @@ class ReviewApp(App[int]):
             self.state.gap = message.value
         self.redraw()
 
+    def on_gap_pane_planned(self, message: GapPane.Planned) -> None:
+        """Ask whether the next test is measured now."""
+
+        def answered(now: bool | None) -> None:
+            if now:
+                self.next_run = message.run
+                self.action_leave()
+
+        self.push_screen(Measuring(message.run), answered)
+
     def action_save(self) -> None:
         """Save the picks of postures fitted by hand beside the session, and say where."""
         if self.state is None:
@@ -345,6 +366,8 @@ class ReviewApp(App[int]):
     def _left(self, answer: str | None) -> None:
         if answer == "leave" or (answer == "save" and self._save()):
             self.exit(0)
+        else:
+            self.next_run = None
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Textual's commands, the screens and the postures."""

@@ -1,18 +1,62 @@
-"""Registers `armodal review`."""
+"""Registers `armodal review`, and goes on to the next test where that is wanted."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from protocols.errors import SessionError
+from tui.run.command import run_app
 
-__all__ = ["add_review_command"]
+if TYPE_CHECKING:
+    from tui.review.app import ReviewApp
+
+__all__ = ["add_review_command", "review_then_measure"]
 
 
-def add_review_command(app: typer.Typer) -> None:
+def review_then_measure(
+    review_app: ReviewApp, *, software: str, run: Callable[..., int] = run_app
+) -> int:
+    """Run the review app to its end, then the next test if it was left for that.
+
+    Parameters
+    ----------
+    review_app
+        Not yet running.
+    software
+        What the next session is written by.
+    run
+        Runs the operator's app.
+
+    Returns
+    -------
+    int
+        Exit code.
+
+    Raises
+    ------
+    ArmodalError
+        If the session cannot be shown, or the next test cannot be begun.
+    """
+    review_app.run()
+    if review_app.problem is not None:
+        raise review_app.problem
+    wanted = review_app.next_run
+    if wanted is None:
+        return review_app.return_code or 0
+    return run(
+        plan=str(wanted.plan),
+        arm=wanted.arm,
+        session=wanted.journal,
+        simulated=wanted.simulated,
+        software=software,
+    )
+
+
+def add_review_command(app: typer.Typer, *, software: str) -> None:
     """Add the command to the command line."""
 
     @app.command()
@@ -26,12 +70,9 @@ def add_review_command(app: typer.Typer) -> None:
 
         Example: armodal review demo/demo.h5
         """
-        # Textual is loaded only by who looks.
+        # What draws modes is loaded only by who looks.
         from tui.review.app import ReviewApp  # noqa: PLC0415
 
         if not session.is_file():
             raise SessionError(f"{session} is not a file; give the .h5 file of a session")
-        review_app = ReviewApp(session, gap=gap)
-        review_app.run()
-        if review_app.problem is not None:
-            raise review_app.problem
+        raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap), software=software))

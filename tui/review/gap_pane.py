@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 
 from rich.console import RenderableType
 from textual.binding import Binding, BindingType
+from textual.message import Message
 
 from analyzer.report import gap_path
-from protocols.errors import ArmodalError, PlanError, SessionError
-from tui.plan import write_plan
+from protocols.errors import ArmodalError, SessionError
 from tui.review.gap_text import gap_view
-from tui.review.next_test import next_test_plan
+from tui.review.next_test import NextRun, keep_plan, next_run, next_test_plan
 from tui.review.run_pane import RunPane
 
 __all__ = ["GapPane", "read_gap"]
@@ -53,10 +53,18 @@ class GapPane(RunPane):
 `enter` looks for what the model lacks, `escape` stops it. The verdict is one of four: named,
 ambiguous, nothing detectable, outside the library. The map says where model and measurement
 disagree, 1 being what scatter explains. The result is kept beside the session. `n` writes the
-proposed next test as a plan file beside the session, for `armodal run`.
+proposed next test as a plan file beside the session and asks whether to measure it now: `n` or
+`enter` leaves review and begins `armodal run` with that plan.
 """
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("n", "plan", "next test → plan")]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("n", "plan", "next test → run")]
     name_of_command = "gap"
+
+    class Planned(Message):
+        """The next test is a plan file, and can be measured."""
+
+        def __init__(self, run: NextRun) -> None:
+            super().__init__()
+            self.run = run
 
     def introduction(self) -> str:
         """Say what enter does."""
@@ -77,17 +85,11 @@ proposed next test as a plan file beside the session, for `armodal run`.
         return path.with_name(f"{path.stem}-next-test.toml")
 
     def action_plan(self) -> None:
-        """Write the next test as a plan file; an existing one stays."""
-        path = self.plan_path()
+        """Write the next test as a plan file, and offer to measure it; another file stays."""
+        path, session = self.plan_path(), self.state.opened.session
         try:
-            text = next_test_plan(self.state.opened.session, self.state.gap)
-            if path.exists():
-                raise PlanError(f"{path} is there already and stays as it is; move it away first")
-            write_plan(text, path)
+            keep_plan(next_test_plan(session, self.state.gap), path)
         except ArmodalError as error:
             self.app.notify(str(error), severity="error", timeout=10.0)
         else:
-            self.app.notify(
-                f"plan written; measure it with: armodal run {path} --session next-test.journal",
-                timeout=20.0,
-            )
+            self.post_message(self.Planned(next_run(session, path)))

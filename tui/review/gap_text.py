@@ -240,7 +240,7 @@ def _next_test(found: Mapping[str, Any]) -> RenderableType | None:
         told.append(f"\n  why: {test['why']}", style="not bold")
     if isinstance(test.get("gain"), (int, float)):
         told.append(f"\n  expected gain: {_number(test['gain'], 3)} nats of evidence", "not bold")
-    return told.append("\n  n: write it as a plan file for armodal run", style="not bold")
+    return told.append("\n  n: write it as a plan, and measure it", style="not bold")
 
 
 def _told(value: object) -> str:

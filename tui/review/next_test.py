@@ -1,15 +1,58 @@
-"""The next test that the gap workflow proposes, as a plan file."""
+"""The next test that the gap workflow proposes: a plan file, and what it is measured with."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from hil_sim.board_dictionary import BOARD_ID
+from protocols.arm.records import Arm
 from protocols.errors import PlanError
 from protocols.plan import plan_from_text
 from protocols.session.records import Session
+from tui.plan import write_plan
 
-__all__ = ["next_test_of", "next_test_plan"]
+__all__ = ["NextRun", "keep_plan", "next_run", "next_test_of", "next_test_plan"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NextRun:
+    """What the session of the next test is begun with."""
+
+    plan: Path
+    arm: Arm  # as the session in review has it
+    simulated: bool
+
+    @property
+    def journal(self) -> Path:
+        """The journal of its session, beside the plan."""
+        return self.plan.with_suffix(".journal")
+
+
+def next_run(session: Session, plan: Path) -> NextRun:
+    """Return how the next test is measured: in the simulated laboratory if the session was."""
+    header = session.header
+    return NextRun(plan=plan, arm=header.arm, simulated=header.dictionary.board_id == BOARD_ID)
+
+
+def keep_plan(text: str, path: Path) -> None:
+    """Write a plan, unless it is there already; another one stays as it is.
+
+    Raises
+    ------
+    PlanError
+        If there is another file, or it cannot be written.
+    """
+    try:
+        there = path.read_text(encoding="utf-8") if path.exists() else None
+    except (OSError, UnicodeDecodeError):
+        there = ""
+    if there is None:
+        write_plan(text, path)
+    elif there != text:
+        raise PlanError(f"{path} is there already and stays as it is; move it away first")
 
 
 def next_test_of(found: Mapping[str, Any] | None) -> Mapping[str, Any] | None:

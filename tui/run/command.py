@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from protocols.arm.files import load_arm
+from protocols.arm.records import Arm
+from protocols.errors import SessionError
 from protocols.plan import load_plan
 from tui.run.app import RunApp
 from tui.run.conductor import RunOptions
@@ -18,24 +21,30 @@ SIMULATED_PLAN = "rv4frl-three-postures"
 def run_app(
     *,
     plan: str | None,
-    arm: str,
+    arm: str | Arm,
     session: Path,
-    board: str,
-    can: str,
-    baud: int,
     simulated: bool,
-    seed: int,
-    time_scale: float,
     software: str,
+    board: str = "",
+    can: str = "",
+    baud: int = 921_600,
+    seed: int = 1,
+    time_scale: float = 1.0,
+    input_range_v: float | None = None,
 ) -> int:
     """Run the app to its end; return the exit code.
 
     Raises
     ------
     ArmodalError
-        If arm, plan or an existing journal cannot be used.
+        If arm, plan, an existing journal or the input range cannot be used.
     """
-    the_arm = load_arm(arm)
+    if input_range_v is not None and not 0.0 < input_range_v < math.inf:
+        raise SessionError(
+            "--input-range: wanted the largest input voltage of the board in V, above 0, got "
+            f"{input_range_v:g}; its data sheet tells it"
+        )
+    the_arm = load_arm(arm) if isinstance(arm, str) else arm
     if plan is None and not session.exists() and simulated:
         plan = SIMULATED_PLAN
     place = find_place(session, the_arm, None if plan is None else load_plan(plan, the_arm))
@@ -44,6 +53,7 @@ def run_app(
         board=board,
         can=can,
         baud=baud,
+        input_range_v=input_range_v,
         simulated=simulated,
         seed=seed,
         time_scale=time_scale,

@@ -39,6 +39,7 @@ from tui.run.laboratory import SimulatedLab
 from tui.run.measured import active_channels, mass_ratio
 from tui.run.place import SessionPlace, find_place, with_trigger_level
 from tui.run.reducer import reduce
+from tui.run.sensitivity import sensitivity_words
 from tui.run.state import Phase, RunState, begin_state
 from tui.run.trials import suggested_level_n
 from tui.run.words import off_words, ratio_words
@@ -57,6 +58,7 @@ class RunOptions:
     board: str = ""
     can: str = ""
     baud: int = 921_600
+    input_range_v: float | None = None
     simulated: bool = False
     seed: int = 1
     time_scale: float = 1.0
@@ -95,6 +97,7 @@ class Conductor:
             place.plan,
             time_scale=options.time_scale,
             earlier_hits=place.hits,
+            earlier_marks=place.marks,
             earlier_end=ended,
         )
         self.state: RunState = replace(begun, now_s=clock())
@@ -124,7 +127,9 @@ class Conductor:
         if self.options.simulated:
             await self.simulate()
         elif self.options.board and self.options.can:
-            self._watch(self.options.board, self.options.can)
+            self._watch(
+                self.options.board, self.options.can, input_range_v=self.options.input_range_v
+            )
         else:
             found = find_ports()
             self.tell(PortsFound(ports=tuple((port.path, port.description) for port in found)))
@@ -138,7 +143,12 @@ class Conductor:
         await self._open_lab()
         if self._lab is not None:
             laboratory = self._lab.laboratory
-            self._watch(laboratory.board, laboratory.can, simulated=True)
+            self._watch(
+                laboratory.board,
+                laboratory.can,
+                simulated=True,
+                input_range_v=laboratory.input_range_v,
+            )
 
     def choose_port(self, number: int) -> None:
         """Take a port of the list: the board's first, then the controller's."""
@@ -150,7 +160,7 @@ class Conductor:
         if not board:
             self.tell(PortsFound(ports=ports, board_choice=path))
         elif path != board:
-            self._watch(board, path)
+            self._watch(board, path, input_range_v=self.options.input_range_v)
 
     async def go_on(self) -> None:
         """Do what Enter means now: confirm, begin, or say that the sensor is mounted."""
@@ -237,7 +247,10 @@ class Conductor:
                 return
             laboratory = self._lab.laboratory
             wanted = LabWanted(
-                board_port=laboratory.board, can_channel=laboratory.can, simulated=True
+                board_port=laboratory.board,
+                can_channel=laboratory.can,
+                simulated=True,
+                input_range_v=laboratory.input_range_v,
             )
             self.tell(wanted)
         self.tell(SessionWanted())
@@ -267,9 +280,12 @@ class Conductor:
         self.tell(SessionFileReady(path=str(place.session_file), problem=problem))
 
     def _note_what_was_confirmed(self) -> None:
-        serials = ", ".join(f"{c.name} {c.serial_number}" for c in active_channels(self.state))
-        if serials and self.state.sensors_confirmed:
-            self._engine.send(Note(text=f"{CONFIRMED} the sensors mounted are {serials}"))
+        sensors = ", ".join(
+            f"{c.name} {c.serial_number} of {sensitivity_words(c, self.state.input_range_v)}"
+            for c in active_channels(self.state)
+        )
+        if sensors and self.state.sensors_confirmed:
+            self._engine.send(Note(text=f"{CONFIRMED} the sensors mounted are {sensors}"))
         if self.state.ratio is not None:
             words = f"hammer and accelerometer on a known mass {ratio_words(self.state.ratio)}"
             words += f"; not applied, {off_words(self.state.ratio)}"
@@ -305,8 +321,17 @@ class Conductor:
         except ArmodalError as error:
             self.tell(HandIdle(trouble=f"the simulated laboratory does not start: {error}"))
 
-    def _watch(self, board: str, can: str, *, simulated: bool = False) -> None:
-        self.tell(LabWanted(board_port=board, can_channel=can, simulated=simulated))
+    def _watch(
+        self, board: str, can: str, *, simulated: bool = False, input_range_v: float | None
+    ) -> None:
+        self.tell(
+            LabWanted(
+                board_port=board,
+                can_channel=can,
+                simulated=simulated,
+                input_range_v=input_range_v,
+            )
+        )
         self._engine.watch(self._settings())
 
     def _settings(self) -> AcquisitionSettings:

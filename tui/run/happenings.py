@@ -55,6 +55,7 @@ class LabWanted:
     board_port: str
     can_channel: str
     simulated: bool
+    input_range_v: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

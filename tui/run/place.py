@@ -10,7 +10,7 @@ from protocols.arm.records import Arm
 from protocols.errors import PlanError, SessionError
 from protocols.plan import plan_from_text
 from protocols.plan_records import Plan
-from protocols.session.journal import Journal, read_journal
+from protocols.session.journal import Journal, Mark, read_journal
 from protocols.session.records import Hit
 
 __all__ = ["SessionPlace", "find_place", "with_trigger_level"]
@@ -25,6 +25,7 @@ class SessionPlace:
     plan: Plan
     begun: bool
     hits: tuple[Hit, ...] = ()
+    marks: tuple[Mark, ...] = ()
     ended: str | None = None  # the last word in the journal; None while it was never closed
 
     @property
@@ -66,6 +67,7 @@ def find_place(journal: Path, arm: Arm, plan: Plan | None) -> SessionPlace:
         plan=theirs,
         begun=True,
         hits=earlier.hits,
+        marks=earlier.marks,
         ended=earlier.end.reason if earlier.end else None,
     )
 

@@ -124,6 +124,7 @@ def _lab_wanted(state: RunState, event: LabWanted) -> RunState:
         phase=Phase.LAB,
         board_port=event.board_port,
         can_channel=event.can_channel,
+        input_range_v=event.input_range_v,
         simulated=event.simulated,
         lab_starting=False,
         board=None,

@@ -16,10 +16,10 @@ from daq.events import (
     SessionOpened,
     TrialHit,
 )
-from daq.session_machine import Progress, Prompt
+from daq.session_machine import Progress, Prompt, begin
 from protocols.arm.records import Arm
 from protocols.plan_records import Mode, Plan
-from protocols.session.progress import accepted_counts
+from protocols.session.journal import Mark
 from protocols.session.records import Hit, JointReading
 
 __all__ = ["FEWEST_MASS_HITS", "RATIO_OFF", "Phase", "RunState", "Step", "begin_state"]
@@ -63,6 +63,7 @@ class RunState:
     board_choice: str = ""  # chosen from the list, before the controller's port is
     board_port: str = ""
     can_channel: str = ""
+    input_range_v: float | None = None  # of the board's inputs; its dictionary does not tell it
     simulated: bool = False
     lab_starting: bool = False
     troubles: tuple[tuple[str, str], ...] = ()  # device, message
@@ -166,24 +167,15 @@ def begin_state(
     *,
     time_scale: float = 1.0,
     earlier_hits: tuple[Hit, ...] = (),
+    earlier_marks: tuple[Mark, ...] = (),
     earlier_end: str | None = None,
 ) -> RunState:
     """Return the state at the start of the app, with what an earlier run has left."""
-    counts = accepted_counts(plan, earlier_hits)
     return RunState(
         arm=arm,
         plan=plan,
         time_scale=time_scale,
         earlier_hits=earlier_hits,
         earlier_end=earlier_end,
-        progress=tuple(
-            Progress(
-                posture=posture.name,
-                point=point,
-                wanted=plan.hits_per_point,
-                accepted=counts[posture.name, point],
-            )
-            for posture in plan.postures
-            for point in posture.points
-        ),
+        progress=begin(plan, earlier_hits, earlier_marks).progress,
     )

@@ -81,6 +81,37 @@ def test_an_interrupted_session_goes_on_where_it_was(lab, start, fakes):
     assert aside.read_bytes() == b"half a record"
 
 
+def test_a_session_come_back_to_has_not_forgotten_what_was_skipped(lab, start):
+    run = start()
+    run.prompt(PromptKind.POINT)
+    run.ours.send(Skip(reason="hidden"))
+    assert run.prompt(PromptKind.POINT).sensor_point == "3"
+    run.end()
+    again = start(resume=True)
+    assert again.prompt(PromptKind.POSTURE).sensor_point == "3"
+
+
+def test_a_jump_left_before_its_first_hit_is_gone_on_with(lab, start):
+    run = start()
+    assert run.prompt(PromptKind.POINT).sensor_point == "2"
+    run.ours.send(Retake(posture="test 1", point="3"))
+    assert run.prompt(PromptKind.POINT).sensor_point == "3"
+    run.end()
+    again = start(resume=True)
+    assert again.prompt(PromptKind.POSTURE).sensor_point == "3"
+
+
+def test_who_comes_back_to_nothing_but_skipped_points_is_asked_for_them(lab, start):
+    run = start()
+    for _ in range(2):
+        run.prompt(PromptKind.POINT)
+        run.ours.send(Skip(reason="hidden"))
+    assert run.until(lambda e: isinstance(e, Finished)).complete
+    run.end()
+    again = start(resume=True)
+    assert again.prompt(PromptKind.POSTURE).sensor_point == "2"
+
+
 def test_the_listener_going_away_ends_the_session_cleanly(lab, start):
     run = start()
     run.prompt(PromptKind.POINT)

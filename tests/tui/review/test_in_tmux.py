@@ -1,5 +1,6 @@
 """One review in a real terminal, read as an operator reads it."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import time
 
 import pytest
+from support.terminal import Terminal as ShellTerminal
 
 from protocols.session.hdf5 import write_session
 
@@ -69,3 +71,22 @@ def test_a_session_is_reviewed_in_a_real_terminal(session, tmp_path):
         assert not path.with_suffix(".picked.json").exists()
     finally:
         terminal.close()
+
+
+def test_the_proposed_test_runs_in_the_same_terminal(session, tmp_path):
+    path = tmp_path / "s.h5"
+    write_session(session, path)
+    proposed = {"words": "Once more.", "plan_toml": session.header.plan.text}
+    found = json.dumps({"verdict": "ambiguous", "next_test": proposed})
+    path.with_suffix(".gap.json").write_text(found)
+    command = [sys.executable, "-m", "tui.cli", "review", str(path)]
+    with ShellTerminal(command, columns=100, rows=30) as terminal:
+        terminal.until(r"4 modes automatic", DEADLINE_S)
+        terminal.keys("8")
+        terminal.until(r"Next test: Once more", DEADLINE_S)
+        terminal.keys("n")
+        terminal.until(r"measure it now", DEADLINE_S)
+        terminal.keys("n")
+        terminal.until(r"SIMULATED(.|\n)*Are these sensors mounted", DEADLINE_S)
+        terminal.keys("q")
+        terminal.until(r"ended 0", DEADLINE_S)

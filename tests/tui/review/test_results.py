@@ -1,24 +1,17 @@
 """Identify and Gap: commands beside the app, and what their results look like."""
 
 import asyncio
-import json
 import sys
-from dataclasses import replace
 
 import pytest
 from rich.console import Console
-from support.gap_results import made_result
 from support.shown_results import GAP
 
-from analyzer.gap.records import NextTest
-from protocols.errors import EstimateError, PlanError, SessionError
-from protocols.plan import load_plan
-from tui.gap import gap_json
+from protocols.errors import EstimateError, SessionError
 from tui.review.command_run import CommandRun
 from tui.review.gap_pane import read_gap
 from tui.review.gap_text import gap_view
 from tui.review.identify_text import identification_view
-from tui.review.next_test import next_test_plan
 from tui.review.picked_file import picked_path
 
 
@@ -70,64 +63,6 @@ def test_a_gap_result_of_the_verdict_alone_can_be_shown():
 @pytest.mark.parametrize("value", [None, 3, "text", [1], {"a": 1}, []])
 def test_no_odd_value_in_a_gap_result_breaks_the_screen(key, value):
     assert plain(gap_view({**GAP, key: value}))
-
-
-def proposing(session):
-    """A gap result that proposes to measure the session's plan once more."""
-    test = {
-        "words": "Hit point 7 along y.",
-        "why": "It tells base rocking from the bearing.",
-        "gain": 12.5,
-        "plan_toml": session.header.plan.text,
-    }
-    return {**GAP, "next_test": test}
-
-
-def test_the_next_test_is_shown_with_its_reason_and_its_key(session):
-    shown = plain(gap_view(proposing(session)))
-    for words in ("Hit point 7 along y.", "why: It tells", "12.5 nats", "n: write it"):
-        assert words in shown
-    assert "plan_toml" not in shown
-
-
-def test_a_result_as_the_workflow_writes_it_shows_its_next_test(session):
-    test = NextTest(words="Hit it.", why="to know", gain=3.0, plan_toml=session.header.plan.text)
-    found = gap_json(replace(made_result("ambiguous", ()), next_test=test), {})
-    assert "Next test: Hit it." in plain(gap_view(found))
-    assert next_test_plan(session, found) == session.header.plan.text
-    assert "Next test" not in plain(gap_view(gap_json(made_result("ambiguous", ()), {})))
-
-
-@pytest.mark.parametrize("test", [None, "words", {}, {"plan_toml": "name = 1"}])
-def test_a_next_test_without_a_plan_for_the_arm_is_refused(session, test):
-    with pytest.raises(PlanError):
-        next_test_plan(session, {"next_test": test})
-    with pytest.raises(PlanError):
-        next_test_plan(session, None)
-
-
-def test_one_key_writes_the_plan_and_never_over_another(drive, session):
-    async def steps(app, pilot):
-        await pilot.press("8", "n")
-        pane = app.query_one("#gap-main")
-        written = load_plan(pane.plan_path(), session.header.arm)
-        assert written.text == session.header.plan.text
-        pane.plan_path().write_text("mine")
-        await pilot.press("n")
-        assert pane.plan_path().read_text() == "mine"
-
-    kept = json.dumps(proposing(session))
-    drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(kept))
-
-
-def test_without_a_proposed_test_the_key_says_so_and_writes_nothing(drive):
-    async def steps(app, pilot):
-        await pilot.press("8", "n")
-        await pilot.pause()
-        assert any("proposes none" in told.message for told in app._notifications)
-        assert not app.query_one("#gap-main").plan_path().exists()
-
-    drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(json.dumps(GAP)))
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"a": 1}', "\x00"])

@@ -10,6 +10,7 @@ import pytest
 from analyzer.arm.superset import Superset
 from protocols.errors import SessionError
 from protocols.session.records import Session
+from tui.key_line import KeyLine
 from tui.review.app import TABS, ReviewApp
 from tui.review.picked_file import picked_path
 from tui.review.posture_view import PostureView, fit_automatic, open_session, opened_session
@@ -321,3 +322,21 @@ def test_a_session_without_accepted_hits_is_refused_with_what_to_do(session, tmp
 def test_a_file_that_is_not_there_is_a_session_error(tmp_path):
     with pytest.raises(SessionError):
         open_session(tmp_path / "none.h5")
+
+
+def test_the_key_line_follows_the_screen_in_use_and_takes_clicks(drive):
+    async def steps(app, pilot):
+        line = app.query_one(KeyLine)
+        await pilot.press("8")
+        await pilot.pause()
+        assert "next test" in line.render().plain
+        widgets = len(app.screen.query("*"))
+        await pilot.press("6")
+        await pilot.pause()
+        assert "next test" not in line.render().plain
+        assert len(app.screen.query("*")) == widgets
+        await pilot.click(KeyLine, offset=(line.render().plain.index("posture"), 0))
+        await pilot.pause()
+        assert app.state.posture == len(app.state.views) - 1  # `[`, the first of the two keys
+
+    drive(steps, size=(160, 45))

@@ -4,12 +4,14 @@ import dataclasses
 
 import pytest
 from made import (
+    ARM,
     AT_HIT,
     AT_POINT,
     AT_POSTURE,
     BOARD,
     HIT_EVENTS,
     LAB_EVENTS,
+    PLAN,
     SESSION_EVENTS,
     after,
     fresh,
@@ -22,6 +24,7 @@ from made import (
 
 from daq.events import DeviceTrouble, Failed, Finished, HitWithdrawn, LossNoted, Noted
 from daq.session_machine import hit_judged
+from protocols.session.journal import Mark, MarkKind
 from protocols.session.records import Loss
 from tui.run.happenings import (
     ProcessGone,
@@ -31,7 +34,7 @@ from tui.run.happenings import (
     Tick,
 )
 from tui.run.reducer import KEPT_PREVIEWS
-from tui.run.state import SILENT_AFTER_S, Phase, Step
+from tui.run.state import SILENT_AFTER_S, Phase, Step, begin_state
 
 
 def loss(kind: str, count: int) -> LossNoted:
@@ -183,3 +186,10 @@ def test_a_state_never_changes_in_place():
     state = fresh()
     with pytest.raises(dataclasses.FrozenInstanceError):
         state.now_s = 1.0
+
+
+def test_points_skipped_before_are_shown_as_skipped_before_the_session_is_opened():
+    posture = PLAN.postures[0]
+    skipped = Mark(kind=MarkKind.SKIPPED, posture=posture.name, point=posture.points[0], host_s=1.0)
+    state = begin_state(ARM, PLAN, earlier_marks=(skipped,), earlier_end="left")
+    assert [p.skipped for p in state.progress[:2]] == [True, False]

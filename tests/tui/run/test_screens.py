@@ -29,6 +29,7 @@ from daq.events import Failed, Finished, LossNoted
 from daq.session_machine import PromptKind, begin, hit_judged, point_ready, posture_reached, skip
 from protocols.plan_records import KnownMass
 from protocols.session.records import Loss
+from tui.key_line import KeyLine
 from tui.run.happenings import (
     HandAtWork,
     HandIdle,
@@ -36,7 +37,6 @@ from tui.run.happenings import (
     SensorsConfirmed,
 )
 from tui.run.help import HelpScreen
-from tui.run.screens.key_line import KeyLine
 from tui.run.screens.progress import ProgressScreen
 from tui.run.screens.step import Pane
 

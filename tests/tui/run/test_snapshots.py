@@ -30,6 +30,7 @@ STOPPED = Failed(
 )
 AFTER_A_HIT = (*HIT_EVENTS, judged(1), prompted(hit_judged(AT_HIT, accepted=True)))
 SCREENS = {
+    "lab-to-confirm": LAB_EVENTS,
     "lab": (*LAB_EVENTS, SensorsConfirmed(), *[trial()] * 4),
     "posture": SESSION_EVENTS,
     "approach": (*SESSION_EVENTS, prompted(AT_POINT)),

@@ -13,7 +13,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from tui.run.screens.key_line import KeyLine
+from tui.key_line import KeyLine
 from tui.run.state import RunState
 from tui.run.views.parts import losses_text, safety_text, title
 

@@ -8,6 +8,7 @@ from rich.text import Text
 from daq.preview import PREVIEW_EVERY_WALL_S
 from protocols.board.records import Channel, IepeState
 from tui.run.measured import active_channels
+from tui.run.sensitivity import sensitivity_words
 from tui.run.state import FEWEST_MASS_HITS, RATIO_OFF, Phase, RunState
 from tui.run.trials import suggested_level_n
 from tui.run.views.parts import BAD, DIM, GOOD, WARN
@@ -16,7 +17,7 @@ from tui.run.words import off_words, ratio_words, reason_word
 __all__ = ["devices_text", "levels_text", "next_step", "trials_text"]
 
 HIGH = 0.9  # of full scale: nearly too much
-WIDE = 96  # columns, from which supply and calibration are told of every sensor
+WIDE = 104  # columns, from which supply and calibration are told of every sensor
 _IEPE = {IepeState.OFF: "off", IepeState.OK: "ok", IepeState.OPEN: "OPEN", IepeState.SHORT: "SHORT"}
 
 
@@ -42,7 +43,7 @@ def _next_with_ports(state: RunState) -> tuple[str, str]:
     if state.mass_kg is not None:
         return _mass_step(state, state.mass_kg), WARN
     if not state.sensors_confirmed:
-        return "Are these sensors mounted (serial numbers, ranges)? Enter: yes", WARN
+        return "Are these sensors mounted, with these sensitivities? Enter: yes", WARN
     if state.ratio_asks and state.ratio is not None:
         return f"By the known mass {off_words(state.ratio)}. Enter: go on all the same", WARN
     return _ready(state), GOOD
@@ -123,15 +124,19 @@ def levels_text(state: RunState, width: int) -> Text:
     mark = "✓ confirmed" if state.sensors_confirmed else "? to confirm"
     style = GOOD if state.sensors_confirmed else WARN
     text.append("sensors     ", style="bold")
-    text.append(mark + "\n", style=style)
+    text.append(mark, style=style)
+    if state.input_range_v is None:
+        text.append("  --input-range VOLTS shows them in mV", style=DIM)
+    text.append("\n")
     wide = width >= WIDE
-    bar = max(width - (78 if wide else 56), 6)
+    bar = max(width - (98 if wide else 70), 6)
     lowest, highest = _extremes(state, len(channels))
     for i, channel in enumerate(channels):
         full = abs(channel.full_scale)
         text.append(f" {channel.name:<8}")
         text.append(f"no {channel.serial_number:<9} ", style="")
-        text.append(f"± {full:<7.5g}{channel.unit:<6}")
+        text.append(f"{sensitivity_words(channel, state.input_range_v):<16} ", style=style)
+        text.append(f"± {full:<7.5g}{channel.unit.replace('^2', '²'):<6}")
         if wide or channel.iepe in {IepeState.OPEN, IepeState.SHORT}:
             text.append_text(_calibrated(channel))
         if lowest is None or highest is None:
