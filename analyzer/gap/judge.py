@@ -31,6 +31,7 @@ class Thresholds:
     ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
     relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
     outside_misfit: float = 0.70  # above this something is missing
+    unplaced: float = 1000.0  # nats of what is too small to matter: then it is not that
     held_out: float = 3.0  # nats that held-out postures must gain together
 
 
@@ -41,6 +42,7 @@ class Judged:
     named: Fit | None
     standing: tuple[Fit, ...]  # ambiguous with each other where more than one
     phi: float  # allowance beyond the assumed discrepancy, estimated
+    doubted: bool = False  # the first fits better, but held-out postures speak against it
 
 
 def misfit_per_line(stage: Stage, fit: Fit) -> float:

@@ -87,8 +87,12 @@ def conclude(
     standing = judged.standing
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
-    left = min([misfit, *(misfit_per_line(sharp, f) for f in standing)])
-    if left > limits.outside_misfit:
+    explaining = () if judged.doubted else standing
+    left = min([misfit, *(misfit_per_line(sharp, f) for f in explaining)])
+    unplaced = not standing and any(
+        found.present.evidence - f.evidence > limits.unplaced * judged.phi for f in found.rivals
+    )
+    if left > limits.outside_misfit or unplaced:
         verdict = Verdict.OUTSIDE_LIBRARY
     elif effects:
         verdict = Verdict.NAMED

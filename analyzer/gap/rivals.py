@@ -177,9 +177,10 @@ def _first_steps(
     fits = []
     for candidate in candidates:
         begin = base.values
-        if candidate.instance.effect.name in _MISREAD and not candidate.begin:
-            begin = start or {}  # the fit without it went astray
         richer = replace(present, instances=(*present.instances, candidate.instance))
+        if candidate.instance.effect.name in _MISREAD and not candidate.begin:
+            # Unless it is small, the fit without it went astray.
+            begin = _better_start(stage, richer, [begin, start or {}], postures)
         if candidate.begin:
             starts = [_part_of_the_way(base.values, candidate, part) for part in _PARTS]
             begin = _better_start(stage, richer, [begin, *starts], postures)

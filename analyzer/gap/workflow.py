@@ -113,7 +113,8 @@ def find_gap(
         step, doubt = _foretold(stages[-1], found.present, judged, better, test, limits, tell)
         if step is None:
             notes.append(f"{_last(better).title} {doubt}; it was not named")
-            judged = Judged(named=None, standing=(better, found.present), phi=judged.phi)
+            standing = (better, found.present)
+            judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
         named.append(step)
         present, start, gone = _still_earning(stages[-1], better, limits, judged.phi)
