@@ -16,10 +16,11 @@ import numpy as np
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
 
-__all__ = ["Judged", "Thresholds", "judge", "misfit_per_line", "scale"]
+__all__ = ["Judged", "Thresholds", "is_as_good", "judge", "misfit_per_line", "scale"]
 
 
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
+_LIKELIER, _PART_OF_GAIN = 3.0, 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,8 +30,9 @@ class Thresholds:
     clear: float = 100.0  # nats of evidence over the present hypothesis
     apart: float = 20.0  # nats to the next rival
     ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
+    misread: float = 45.0  # nats for axes exchanged or turned round: nothing to tune
     relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
-    outside_misfit: float = 0.70  # above this something is missing
+    outside_misfit: float = 0.80  # above this something is missing
     unplaced: float = 1000.0  # nats of what is too small to matter: then it is not that
     held_out: float = 3.0  # nats that held-out postures must gain together
 
@@ -71,7 +73,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     material = [r for r in better if _added(r).is_material(r.values)]
     if not material:
         return Judged(named=None, standing=(), phi=phi)
-    best = _plainest(material, thresholds.apart * phi)
+    best = _plainest(material, present, thresholds.apart * phi)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
@@ -86,16 +88,38 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     return Judged(named=best, standing=(best,), phi=phi)
 
 
-def _plainest(material: Sequence[Fit], apart: float) -> Fit:
+def _plainest(material: Sequence[Fit], present: Fit, apart: float) -> Fit:
     """The best; the released joint where the best is an axis that lies on one."""
     best = material[0]
-    near = (r for r in material if r.evidence - best.evidence < apart and _one_line(best, r))
+    gain = present.evidence - best.evidence
+    near = (
+        r
+        for r in material
+        if is_as_good(r.evidence - best.evidence, gain, apart) and _one_line(best, r)
+    )
     return next(near, best)
 
 
+def is_as_good(behind: float, gain: float, apart: float) -> bool:
+    """Whether a joint believed rigid, released, is the likelier name than an axis in its link.
+
+    Parameters
+    ----------
+    behind
+        Nats by which the axis, with four parameters more, is better.
+    gain
+        Nats that the axis brings.
+    apart
+        Nats by which rivals are told apart.
+    """
+    return behind < min(_LIKELIER * apart, _PART_OF_GAIN * gain)
+
+
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:
-    only_wider = bool(_added(fit).relaxes) and not _added(fit).parameters
-    return thresholds.relaxed if only_wider else thresholds.clear
+    added = _added(fit)
+    if added.parameters:
+        return thresholds.clear
+    return thresholds.relaxed if added.relaxes else thresholds.misread
 
 
 def _added(fit: Fit) -> Instance:

@@ -15,8 +15,16 @@ from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_levels
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged, Thresholds, judge, misfit_per_line, scale
+from analyzer.gap.judge import (
+    Judged,
+    Thresholds,
+    is_as_good,
+    judge,
+    misfit_per_line,
+    scale,
+)
 from analyzer.gap.levels import told_apart
+from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
@@ -116,7 +124,8 @@ def find_gap(
             standing = (better, found.present)
             judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
-        named.append(step)
+        better, swapped = _joint_rather_than_axis(stages[-1], step, limits)
+        named = [_renamed(old, swapped) for old in (*named, step)]
         present, start, gone = _still_earning(stages[-1], better, limits, judged.phi)
         named = [step for step in named if _last(step[1]) not in gone]
         notes += [
@@ -196,6 +205,39 @@ def _only_relaxes(fit: Fit) -> bool:
 
 def _last(fit: Fit) -> Instance:
     return fit.hypothesis.instances[-1]
+
+
+def _joint_rather_than_axis(
+    stage: Stage, step: Step, limits: Thresholds
+) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """The better fit of a step with joints, believed rigid, in the place of axes in their links.
+
+    Only where that explains as much; with which instance stands for which axis.
+    """
+    without, fit, _, _, judged = step
+    ordinary = fit.hypothesis.ordinary
+    released = {i.place: i for i in all_instances(ordinary) if i.effect.name == "released_joint"}
+    joints = {joint.link.name: joint.name for joint in ordinary.arm.joints}
+    swapped: dict[tuple[str, str], Instance] = {}
+    for axis in fit.hypothesis.instances:
+        joint = released.get(joints.get(axis.place, ""))
+        if axis.effect.name != "link_axis" or joint is None:
+            continue
+        instances = tuple(joint if i is axis else i for i in fit.hypothesis.instances)
+        start = {**fit.values, joint.size: fit.values[axis.size]}
+        plain = fit_hypothesis(stage, replace(fit.hypothesis, instances=instances), start=start)
+        # An axis of an earlier round has brought far more than is left now.
+        gain = without.evidence - fit.evidence if axis is _last(fit) else np.inf
+        if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
+            fit, swapped[axis.key] = plain, joint
+    return fit, swapped
+
+
+def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
+    without, fit, before, after, judged = step
+    instances = tuple(swapped.get(i.key, i) for i in fit.hypothesis.instances)
+    hypothesis = replace(fit.hypothesis, instances=instances)
+    return without, replace(fit, hypothesis=hypothesis), before, after, judged
 
 
 def _still_earning(

@@ -61,7 +61,7 @@ def test_a_known_mass_is_held_out_and_a_right_name_foretells_it():
     last = case.arm.joints[-1].link
     body = KnownMass(link=last.name, mass_kg=4.0, center_m=np.asarray(last.center_m))
     posture = replace(case.plan.postures[2], name="loaded", known_mass=body, validation=False)
-    text = text_with_posture(case.plan, case.arm, posture, comment="a posture that shows it, loaded")
+    text = text_with_posture(case.plan, case.arm, posture, comment="loaded")
     loaded = laboratory.measure(plan_from_text(text, case.arm, origin="loaded"), 2)
     result = find_gap(first, more=[loaded], gates=False, modes=False, advice=False).result
     assert [effect.name for effect in result.effects] == ["link_axis"]
