@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 from analyzer.planning.clearance import Clearance
 from analyzer.planning.selective import plan_tests
@@ -19,6 +16,7 @@ from protocols.arm.files import load_arm
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
+from tui.console import Json, err, out, print_json
 from tui.mozzi import (
     Elbow,
     deflection_json,
@@ -35,16 +33,9 @@ from tui.workspace import survey_to_files, workspace_table
 __all__ = ["app", "comma_numbers"]
 
 app = typer.Typer()
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
 
 ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
-
-
-def _print_json(value: object) -> None:
-    sys.stdout.write(json.dumps(value, indent=2) + "\n")
 
 
 def _progress(what: str) -> Callable[[int, int], None]:
@@ -121,7 +112,7 @@ def plan_command(
     if out_path is not None:
         write_plan(plan_text(found, name), out_path)
     if as_json:
-        _print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
+        print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
         return
     for table in plan_tables(found, other):
         out.print(table)
@@ -163,7 +154,7 @@ def mozzi_command(
     if rank:
         rows = rank_random_postures(the_arm, load, tool, n=rank, best=best, seed=seed)
         if as_json:
-            _print_json({"arm": the_arm.name, "postures": rows})
+            print_json({"arm": the_arm.name, "postures": rows})
             return
         for row in rows:
             angles = " ".join(f"{angle:7.1f}" for angle in row["posture_deg"])
@@ -180,7 +171,7 @@ def mozzi_command(
         asked = comma_numbers(posture or "", "--posture")
     found, lines = load_tool(the_arm, asked, load, tool)
     if as_json:
-        _print_json(
+        print_json(
             {"arm": the_arm.name, "posture_deg": asked} | deflection_json(the_arm, found, lines)
         )
         return
@@ -212,7 +203,7 @@ def workspace_command(
         progress=_progress("postures"),
     )
     if as_json:
-        _print_json(value)
+        print_json(value)
         return
     out.print(workspace_table(study))
     for note in value["notes"]:
@@ -235,7 +226,7 @@ def calibrate_command(
     found, text = calibrate(arm, targets, name or out_path.stem)
     write_arm(text, out_path)
     if as_json:
-        _print_json(calibration_json(found) | {"arm": str(out_path)})
+        print_json(calibration_json(found) | {"arm": str(out_path)})
         return
     for table in calibration_tables(found):
         out.print(table)
@@ -254,7 +245,7 @@ def reproduce_command(
     figures = reproduce_papers(postures)
     if as_json:
         rows: list[dict[str, Any]] = [figure_json(figure) for figure in figures]
-        _print_json({"figures": rows})
+        print_json({"figures": rows})
         return
     for table in figure_tables(figures):
         out.print(table)

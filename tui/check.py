@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from daq.check import BoardCheckOptions, Report, StepResult, Verdict, check_board, check_can
@@ -24,6 +23,7 @@ from hil_sim.relay import relayed
 from protocols.arm.files import load_arm
 from protocols.session.hdf5 import read_session
 from tui.check_session import session_checks
+from tui.console import Json, err, out
 
 __all__ = ["app", "broken_lines"]
 
@@ -35,13 +35,10 @@ app = typer.Typer(
     help="Check a board, a controller or a measurement: what was wanted, what came.\n\n"
     "Example: armodal check board /dev/ttyACM0",
 )
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
 
 Duration = Annotated[float, typer.Option(min=0.1, help="Length of the long run, lab seconds.")]
 TimeScale = Annotated[float, typer.Option(min=0.01, help="Lab seconds a second (simulator).")]
 Only = Annotated[list[str] | None, typer.Option("--step", help="Only this step; repeatable.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
 @app.command("board")

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from analyzer.arm.superset import Superset
@@ -25,6 +24,7 @@ from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, d
 from tui.arm_commands import app as arm_app
 from tui.check import app as check_app
 from tui.check import broken_lines
+from tui.console import Json, err, out, print_json, say
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.exchange import add_exchange_commands
 from tui.gap import gap_tables
@@ -44,24 +44,12 @@ app.add_typer(check_app, name="check")
 app.add_typer(arm_app)
 app.add_typer(session_app)
 app.add_typer(gap_app)
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
-
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
-
-
-def _say(text: str) -> None:
-    err.print(f"[dim]· {text}[/dim]")
 
 
 def _show(event: Event) -> None:
     line = describe(event)
     if line is not None:
         err.print(line, markup=False)
-
-
-def _print_json(value: dict[str, Any]) -> None:
-    sys.stdout.write(json.dumps(value, indent=2) + "\n")
 
 
 @app.command()
@@ -76,10 +64,10 @@ def demo(
     Example: armodal demo --seed 3 --json
     """
     found, result, gap = run_demo(
-        directory, seed=seed, software=SOFTWARE, show=_show, say=_say, time_scale=time_scale
+        directory, seed=seed, software=SOFTWARE, show=_show, say=say, time_scale=time_scale
     )
     if as_json:
-        _print_json(found)
+        print_json(found)
         return
     for table in identification_tables(result):
         out.print(table)
@@ -224,7 +212,7 @@ def acquire_command(
         "hits": {"accepted": finished.accepted, "rejected": finished.rejected},
     }
     if as_json:
-        _print_json(summary)
+        print_json(summary)
     else:
         out.print(
             f"{finished.accepted} hits accepted, {finished.rejected} rejected: "
@@ -299,13 +287,13 @@ def recover(
         "frf_problem": found.frf_problem,
     }
     if as_json:
-        _print_json(summary)
+        print_json(summary)
         return
     for name, value in summary.items():
         out.print(f"{name:<16}{value}", markup=False)
 
 
-add_exchange_commands(app, software=SOFTWARE, out=out, say=_say)
+add_exchange_commands(app, software=SOFTWARE, out=out, say=say)
 add_review_command(app, software=SOFTWARE)
 
 

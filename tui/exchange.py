@@ -33,13 +33,12 @@ from protocols.foreign.mat import write_mat
 from protocols.foreign.uff_write import write_uff
 from protocols.session.hdf5 import Provenance, read_session, write_session
 from protocols.session.records import Hit, Session
+from tui.console import Json
 from tui.results import identification_json
 
 __all__ = ["add_exchange_commands", "export_model", "export_session", "import_manifest"]
 
 _FINER = 2**8  # imported counts to a step of 24 bits at half range
-
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
 def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:

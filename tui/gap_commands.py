@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -12,7 +11,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 from analyzer.gap.workflow import GapOutcome, find_gap
 from analyzer.report import gap_page
@@ -21,6 +19,7 @@ from hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
 from protocols.arm.files import load_arm
 from protocols.errors import SessionError
 from protocols.session.hdf5 import read_session
+from tui.console import Json, out, print_json, say
 from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
 from tui.gap_curves import curve_rows, run_curves
 from tui.gap_lab import SimulatedLaboratory, run_loop
@@ -31,18 +30,6 @@ from tui.gap_study_summary import study_summary, study_tables
 __all__ = ["app"]
 
 app = typer.Typer()
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
-
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
-
-
-def _say(text: str) -> None:
-    err.print(f"· {text}", markup=False)
-
-
-def _print_json(value: dict[str, Any]) -> None:
-    sys.stdout.write(json.dumps(value, indent=2) + "\n")
 
 
 @app.command("gap")
@@ -96,12 +83,12 @@ def gap_command(
         if arm is not None:
             measured = with_arm(measured, load_arm(arm))
         further = [read_session(path) for path in more or ()]
-        outcome = find_gap(measured, more=further, tell=_say)
+        outcome = find_gap(measured, more=further, tell=say)
     written = keep_gap(measured, session, outcome, arm_out)
     if html is not None:
         replace_text(html, gap_page(outcome.result, session.name))
     if as_json:
-        _print_json(gap_json(outcome.result, written) | beside)
+        print_json(gap_json(outcome.result, written) | beside)
         return
     _print_result(outcome, beside)
     for key, path in written.items():
@@ -133,8 +120,8 @@ def _with_laboratory(
 ) -> tuple[Path, GapOutcome, dict[str, Any]]:
     kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
     case = make_case(seed, arm, kind, magnitude)
-    _say(f"truth sealed as {case.truth_sha256}")
-    loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=_say)
+    say(f"truth sealed as {case.truth_sha256}")
+    loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=say)
     truth = json.loads(case.open_truth())
     beside = {
         "tests": list(loop.tests),
@@ -184,22 +171,22 @@ def gap_study_command(
     path = directory / f"study-{seed}.jsonl"
 
     def tell(line: dict[str, Any]) -> None:
-        _say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
+        say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
 
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
         hashes = seal_hashes(specs, executor)
         for number, digest in hashes.items():
-            _say(f"case {number}: truth sealed as {digest}")
+            say(f"case {number}: truth sealed as {digest}")
         lines = run_study(specs, hashes, path, executor, tell, tests=tests)
         clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
         again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
-        learned = run_curves(again, directory / f"curves-{seed}.jsonl", executor, _say)
+        learned = run_curves(again, directory / f"curves-{seed}.jsonl", executor, say)
     summary = study_summary(lines)
     rows = curve_rows(learned) if again else []
     if page is not None:
         replace_text(page, study_page(summary, rows, _command(specs, seed, tests, curves, whole)))
     if as_json:
-        _print_json(summary | {"curves": rows, "file": str(path)})
+        print_json(summary | {"curves": rows, "file": str(path)})
         return
     for table in study_tables(summary):
         out.print(table)

@@ -80,7 +80,9 @@ def _covered(rate: Line) -> str:
 def _figures(summary: Line) -> list[list[object]]:
     ratio, worst = (summary[f"held_out_over_true_model_{x}"] for x in ("median", "worst"))
     spent = f"{summary['cpu_s_median']:.0f} s, {summary['cpu_s_most']:.0f} s"
+    gap = " to ".join(f"{100 * summary['gap'][when]:.1f} %" for when in ("before", "after"))
     return [
+        ["held-out FRF error of effects named right, median", gap],
         ["size of a named effect, median error", f"{100 * summary['size_error_median']:.1f} %"],
         ["its 95 % interval covers", _covered(summary["size_covered"])],
         ["stiffness of joints 1 to 3, median error", f"{100 * summary['k_error_median']:.2f} %"],

@@ -57,6 +57,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "k_range_covers": range_covers,
         "held_out_over_true_model_median": _median(held),
         "held_out_over_true_model_worst": max(held, default=float("nan")),
+        "gap": _gaps([x for x in (*single, *pairs) if x["outcome"] == "right"]),
         "detection": _detection(nulls, groups),
         "ambiguous_holds_truth": _ambiguous_sets(judged),
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
@@ -90,6 +91,15 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
         right = sum(last(x) == "right" for x in group)
         found[size] = asdict(rate(right, len(group))) if group else {}
     return found
+
+
+def _gaps(lines: Sequence[Line]) -> dict[str, float]:
+    """Median held-out FRF error before and after, of effects named right."""
+    held = [[row for row in x["gap"] if row[3]] for x in lines]
+    return {
+        "before": _median([float(np.mean([row[0] for row in rows])) for rows in held]),
+        "after": _median([float(np.mean([row[1] for row in rows])) for rows in held]),
+    }
 
 
 def _detection(nulls: Sequence[Line], groups: dict[str, list[Line]]) -> list[dict[str, Any]]:
@@ -179,6 +189,8 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
     figures.add_row("its range covers", _covered(summary["k_range_covers"]))
     ratio, worst = (summary[f"held_out_over_true_model_{x}"] for x in ("median", "worst"))
     figures.add_row("held-out FRF error over the true model's", f"{ratio:.2f}, worst {worst:.2f}")
+    gap = " to ".join(_percent(summary["gap"][when]) for when in ("before", "after"))
+    figures.add_row("held-out FRF error of effects named right, median", gap)
     figures.add_row("ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"]))
     spent = f"{summary['cpu_s_median']:.1f} s, at most {summary['cpu_s_most']:.1f} s"
     figures.add_row("time a case on one core", spent)

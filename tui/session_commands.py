@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from analyzer.identification.identify import identify
 from analyzer.identification.penalty_of_session import penalty_of_session
@@ -17,6 +14,7 @@ from protocols.errors import SessionError
 from protocols.frf_records import FrfEstimator
 from protocols.session.hdf5 import read_session
 from tui.arm_commands import comma_numbers
+from tui.console import Json, out, print_json, say
 from tui.fit import FitSettings, fit_lines, fit_session
 from tui.mozzi import checked_posture
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
@@ -28,19 +26,8 @@ from tui.workspace import workspace_section
 __all__ = ["app"]
 
 app = typer.Typer()
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
-
-
-def _say(text: str) -> None:
-    err.print(f"[dim]· {text}[/dim]")
-
-
-def _print_json(value: dict[str, Any]) -> None:
-    sys.stdout.write(json.dumps(value, indent=2) + "\n")
 
 
 @app.command()
@@ -80,7 +67,7 @@ def fit(
     )
     value, table = fit_session(read_session(session), settings)
     if as_json:
-        _print_json(value)
+        print_json(value)
         return
     out.print(table)
     for line in fit_lines(value):
@@ -113,11 +100,11 @@ def identify_command(
     if picked is not None and not picked.exists():
         raise SessionError(f"{picked} is not there; `armodal review` writes it with the key s")
     poles = {} if picked is None else read_picked(picked, measured)
-    result = identify(measured, _say, picked=poles)
+    result = identify(measured, say, picked=poles)
     beside = None if chosen is None else penalty_of_session(measured, result, chosen)
     if as_json:
         value = identification_json(measured, result)
-        _print_json(value if beside is None else value | {"eq13": penalty_json(beside, result)})
+        print_json(value if beside is None else value | {"eq13": penalty_json(beside, result)})
         return
     for table in identification_tables(result):
         out.print(table)
@@ -146,13 +133,13 @@ def predict_command(
     arm = measured.header.arm
     for angles in asked:
         checked_posture(arm, angles)  # before minutes are spent on the fit
-    result = identify(measured, _say)
+    result = identify(measured, say)
     found = [predict_posture(arm, result, angles) for angles in asked]
     doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
     notes = [*result.notes, *doubts, *measured.warnings]
     if as_json:
         rows = [prediction_json(prediction) for prediction in found]
-        _print_json({"arm": arm.name, "postures": rows, "notes": notes})
+        print_json({"arm": arm.name, "postures": rows, "notes": notes})
         return
     for prediction in found:
         for table in prediction_tables(prediction):
@@ -181,15 +168,15 @@ def report(
     """
     measured = read_session(session)
     path = output or session.with_suffix(".html")
-    result = identify(measured, _say)
+    result = identify(measured, say)
     sections = []
     if workspace:
-        _say("workspace")
+        say("workspace")
         sections.append(workspace_section(measured.header.arm, result, workspace))
     beside = gap_path(session)
     gap = read_gap(beside) if beside.exists() else None
     write_report(measured, result, path, sections=sections, gap=gap)
     if as_json:
-        _print_json({"report": str(path)})
+        print_json({"report": str(path)})
     else:
         out.print(f"report {path}", markup=False)
