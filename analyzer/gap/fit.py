@@ -40,6 +40,7 @@ class Fit:
     free: npt.NDArray[np.bool_]  # (n,) not at a bound
     converged: bool
     n_iterations: int
+    on: tuple[Stage, tuple[int, ...]] | None = None  # where slope and curvature are those at u
 
     @property
     def values(self) -> dict[str, float]:
@@ -126,6 +127,7 @@ def fit_hypothesis(
     max_iterations: int = 12,
     tolerance: float = 0.05,
     closing: bool = True,
+    resumed: Fit | None = None,
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
@@ -140,21 +142,27 @@ def fit_hypothesis(
     closing
         Take misfit, slope and curvature at the end; else they are those where the last step began,
         enough for a fit that only tells by its cost whether to go on.
+    resumed
+        A fit of the same hypothesis whose end is the start: on the same lines it need not be
+        evaluated again.
     """
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
-    u = space.start(start)
+    u = space.start(start) if resumed is None else resumed.u
     damping = 1e-3
-    parts = stage.quadratics(hypothesis, space, space.values(u), used)
-    now = total(parts)
+    if resumed is not None and resumed.on is not None and resumed.on == (stage, used):
+        misfit = resumed.misfit
+        now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
+    else:
+        now, misfit = _evaluated(stage, hypothesis, space, u, used)
     cost = first_cost = now.cost + 0.5 * float(u @ u)
     converged = False
     iteration = 0
     moved = False
     for iteration in range(1, max_iterations + 1):  # noqa: B007
         if moved:
-            parts = stage.quadratics(hypothesis, space, space.values(u), used)
-            now, moved = total(parts), False
+            now, misfit = _evaluated(stage, hypothesis, space, u, used)
+            moved = False
         slope = now.gradient + u
         gained = 0.0
         for _ in range(6):
@@ -176,8 +184,8 @@ def fit_hypothesis(
             converged = True
             break
     if moved and closing:
-        parts = stage.quadratics(hypothesis, space, space.values(u), used)
-        now = total(parts)
+        now, misfit = _evaluated(stage, hypothesis, space, u, used)
+        moved = False
     slope = now.gradient + u
     return Fit(
         hypothesis=hypothesis,
@@ -185,13 +193,21 @@ def fit_hypothesis(
         u=u,
         cost=cost,
         first_cost=first_cost,
-        misfit=tuple(p.cost for p in parts),
+        misfit=misfit,
         curvature=now.curvature,
         slope=slope,
         free=~_resting(space, u, slope),
         converged=converged,
         n_iterations=iteration,
+        on=None if moved else (stage, used),
     )
+
+
+def _evaluated(
+    stage: Stage, hypothesis: Hypothesis, space: Space, u: Array, postures: Sequence[int]
+) -> tuple[Quadratic, tuple[float, ...]]:
+    parts = stage.quadratics(hypothesis, space, space.values(u), postures)
+    return total(parts), tuple(p.cost for p in parts)
 
 
 def _resting(space: Space, u: Array, slope: Array) -> npt.NDArray[np.bool_]:

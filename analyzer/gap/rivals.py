@@ -367,9 +367,11 @@ def _key(fit: Fit) -> tuple[str, str]:
 
 def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
     """Some steps more; and again while the cost still falls by leaps."""
+    if fit.converged and fit.on is not None and fit.on[0] is stage:
+        return fit
     for _ in range(_MOST_LEAPS):
         further = fit_hypothesis(
-            stage, fit.hypothesis, start=fit.values, postures=postures, max_iterations=steps
+            stage, fit.hypothesis, resumed=fit, postures=postures, max_iterations=steps
         )
         leapt = further.n_iterations == steps and further.cost < _LEAP * further.first_cost
         fit = further
