@@ -16,7 +16,15 @@ import numpy as np
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
 
-__all__ = ["Judged", "Thresholds", "is_as_good", "judge", "misfit_per_line", "scale"]
+__all__ = [
+    "Judged",
+    "Thresholds",
+    "is_as_good",
+    "judge",
+    "misfit_per_line",
+    "one_mechanism",
+    "scale",
+]
 
 
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
@@ -113,6 +121,16 @@ def is_as_good(behind: float, gain: float, apart: float) -> bool:
         Nats by which rivals are told apart.
     """
     return behind < min(_LIKELIER * apart, _PART_OF_GAIN * gain)
+
+
+def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | None:
+    """Two effects at one joint that together are what one unknown mechanism would look like."""
+    for one in instances:
+        for other in instances:
+            shared = set(one.place.split(" and ")) & set(other.place.split(" and "))
+            if other.effect.name in one.effect.one_with and shared:
+                return one, other
+    return None
 
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:

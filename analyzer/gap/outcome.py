@@ -14,7 +14,7 @@ from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
-from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
+from analyzer.gap.judge import Judged, Thresholds, misfit_per_line, one_mechanism
 from analyzer.gap.library import all_instances
 from analyzer.gap.records import (
     Disagreement,
@@ -92,7 +92,13 @@ def conclude(
     unplaced = not standing and any(
         found.present.evidence - f.evidence > limits.unplaced * judged.phi for f in found.rivals
     )
-    if left > limits.outside_misfit or unplaced:
+    both = one_mechanism(final.hypothesis.instances)
+    if both is not None:
+        notes.append(
+            f"{both[0].title} and {both[1].title} together are what one mechanism across these "
+            "joints would look like, such as a bar; the library does not know it"
+        )
+    if left > limits.outside_misfit or unplaced or both is not None:
         verdict = Verdict.OUTSIDE_LIBRARY
     elif effects:
         verdict = Verdict.NAMED

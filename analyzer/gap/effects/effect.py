@@ -25,6 +25,8 @@ class EffectWords:
     confused_with: tuple[str, ...] = ()  # names of effects
     equivalent: tuple[str, ...] = ()  # cannot be told apart by these tests: not a wrong name
     contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
+    # With one of these at one of the same joints it is a single mechanism that nobody listed.
+    one_with: tuple[str, ...] = ()
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
 

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from analyzer.gap import score
-from analyzer.gap.effects import bearing, link_axis
+from analyzer.gap.effects import bearing, coupling, gravity_compensator, link_axis
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.judge import is_as_good, one_mechanism
 from analyzer.gap.score import equivalents, mark, rate, size_of_truth
 from analyzer.gap.space import Parameter, Space
 from tests.support.gap_results import made_result
@@ -85,3 +87,23 @@ def test_effects_have_words_for_people():
         assert words.title
         assert words.told_by
         assert words.remedy
+
+
+def standing_at(words, place):
+    return Instance(effect=words, place=place)
+
+
+def test_a_coupling_and_a_compensator_at_one_joint_are_one_mechanism_nobody_listed():
+    pair = standing_at(coupling.WORDS, "a and b")
+    beside = standing_at(gravity_compensator.WORDS, "b")
+    elsewhere = standing_at(gravity_compensator.WORDS, "c")
+    assert one_mechanism([pair, beside]) == (pair, beside)
+    assert one_mechanism([beside, pair]) == (pair, beside)
+    assert one_mechanism([pair, elsewhere]) is None
+    assert one_mechanism([pair, standing_at(bearing.WORDS, "b")]) is None
+
+
+def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_explains_little_more():
+    assert is_as_good(50.0, gain=50_000.0, apart=20.0)  # four parameters take up some error
+    assert not is_as_good(70.0, gain=50_000.0, apart=20.0)
+    assert not is_as_good(50.0, gain=300.0, apart=20.0)  # a sixth of all there is
