@@ -236,8 +236,11 @@ def _joint_rather_than_axis(
 def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
     without, fit, before, after, judged = step
     instances = tuple(swapped.get(i.key, i) for i in fit.hypothesis.instances)
-    hypothesis = replace(fit.hypothesis, instances=instances)
-    return without, replace(fit, hypothesis=hypothesis), before, after, judged
+    if instances == fit.hypothesis.instances:
+        return step
+    renamed = replace(fit, hypothesis=replace(fit.hypothesis, instances=instances), on=None)
+    standing = tuple(renamed if f is fit else f for f in judged.standing)
+    return without, renamed, before, after, replace(judged, standing=standing)
 
 
 def _still_earning(
