@@ -208,7 +208,7 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
 
 
 def _percent(value: float) -> str:
-    return f"{100 * value:.2f} %"
+    return "-" if np.isnan(value) else f"{100 * value:.2f} %"
 
 
 def _covered(found: dict[str, float]) -> str:
