@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.library import all_instances
@@ -21,6 +19,7 @@ __all__ = ["added_effects", "file_key", "instances_of_file", "joint_estimates"]
 # Effects that stand where a scan found them: the file describes the place.
 _DESCRIBED: dict[str, Callable[[Ordinary, Mapping[str, object]], Instance | None]] = {
     channel_gain.WORDS.name: channel_gain.of_file,
+    link_axis.WORDS.name: link_axis.of_file,
     sensor_axes.FLIPPED.name: sensor_axes.of_file,
     sensor_axes.SWAPPED.name: sensor_axes.of_file,
     wrong_point.WORDS.name: wrong_point.of_file,
@@ -110,15 +109,6 @@ def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[st
 
 
 def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
-    if effect.name == link_axis.WORDS.name:
-        links = [joint.link.name for joint in ordinary.arm.joints]
-        direction, point = (_vector(effect.description, k) for k in ("direction", "point_m"))
-        if effect.place in links and direction is not None and point is not None:
-            unit = direction / np.linalg.norm(direction)
-            before = link_axis.points_of(effect.description)
-            return link_axis.at_axis(
-                ordinary, links.index(effect.place), unit, point, before=before
-            )
     module = _DESCRIBED.get(effect.name)
     described = None if module is None else module(ordinary, effect.description)
     if described is not None:
@@ -131,10 +121,3 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
         f"arm '{ordinary.arm.name}': the effect '{effect.name}' at '{effect.place}' is not one the "
         "library has there; correct the arm file's [[effects]]"
     )
-
-
-def _vector(
-    description: Mapping[str, str | float | tuple[float, ...]], key: str
-) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
-    value = description.get(key)
-    return np.array(value) if isinstance(value, tuple) and len(value) == 3 else None

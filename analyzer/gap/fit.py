@@ -159,7 +159,8 @@ def fit_hypothesis(
     converged = False
     iteration = 0
     moved = False
-    for iteration in range(1, max_iterations + 1):  # noqa: B007
+    while iteration < max_iterations:
+        iteration += 1
         if moved:
             now, misfit = _evaluated(stage, hypothesis, space, u, used)
             moved = False

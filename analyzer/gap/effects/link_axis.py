@@ -13,7 +13,7 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.space import Parameter
 
-__all__ = ["WORDS", "at_axis", "instances", "points_of", "splits"]
+__all__ = ["WORDS", "at_axis", "instances", "of_file", "splits"]
 
 Array = npt.NDArray[np.float64]
 
@@ -92,9 +92,20 @@ def at_axis(
     )
 
 
-def points_of(description: Mapping[str, object]) -> tuple[str, ...]:
-    """Return the ids of the points before an axis that was described."""
-    return tuple(str(description.get("points_before", "")).split())
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the axis that an arm file describes; None where it does not."""
+    links = [joint.link.name for joint in ordinary.arm.joints]
+    link = description.get("link")
+    direction, point = (_vector(description.get(key)) for key in ("direction", "point_m"))
+    if link not in links or direction is None or point is None or not direction.any():
+        return None
+    before = str(description.get("points_before", "")).split()
+    unit = direction / np.linalg.norm(direction)
+    return at_axis(ordinary, links.index(str(link)), unit, point, before=before)
+
+
+def _vector(value: object) -> Array | None:
+    return np.array(value) if isinstance(value, tuple) and len(value) == 3 else None
 
 
 def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:

@@ -1,4 +1,4 @@
-"""Faults of the sensor come back from an arm file as they were named."""
+"""What a scan placed comes back from an arm file as it was named: sensors' faults, axes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import instances_of_file
+from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.channel_gain import at_point
 from analyzer.gap.effects.sensor_axes import turned_sensor
 from analyzer.gap.ordinary import Ordinary
@@ -56,6 +57,22 @@ def test_turned_axes_come_back(ordinary, matrix, point):
 def test_a_gain_at_one_point_comes_back(ordinary):
     instance = at_point(ordinary, "y", "k2")
     assert told(ordinary, instance).key == instance.key
+
+
+@pytest.mark.parametrize("before", [(), ("k1", "k2")])
+def test_an_axis_comes_back_with_the_points_before_it(ordinary, before):
+    direction, point = np.array([0.0, 0.6, 0.8]), np.array([0.02, 0.0, 0.0])
+    instance = link_axis.at_axis(ordinary, 2, direction, point, before=before)
+    values = {p.name: p.mean for p in instance.parameters}
+    where = instance.describe(values)
+    vectors = {k: tuple(v) if isinstance(v, list) else v for k, v in where.items()}
+    described = told(ordinary, replace(instance, describe=lambda _: vectors))
+    assert described.key == instance.key
+    assert described.pieces == instance.pieces
+    assert described.describe(values)["link"] == where["link"]
+    assert described.describe(values).get("points_before") == where.get("points_before")
+    np.testing.assert_allclose(described.describe(values)["direction"], direction, atol=1e-12)
+    np.testing.assert_allclose(described.describe(values)["point_m"], point, atol=1e-12)
 
 
 def test_a_point_the_arm_does_not_have_is_refused(ordinary):

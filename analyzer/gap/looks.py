@@ -1,0 +1,91 @@
+"""A linear look at every effect at every place, and which of them deserve a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.library import all_instances
+from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan_dampers import scan_dampers
+from analyzer.gap.scan_postures import scan_compensators
+from analyzer.gap.sensors import scan_sensors
+
+__all__ = ["goes_with", "look_at_all", "most_promising"]
+
+_LOOKED_AT = 24
+# Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
+_AT_MOST = {
+    "link_axis": 6,
+    "gravity_compensator": 2,
+    "link_bending": 2,
+    "link_torsion": 2,
+    "load_damping": 2,
+    "nonproportional": 2,
+}
+_SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
+_SEVERAL_STARTS = ("link_axis", "gravity_compensator")
+
+
+def look_at_all(
+    stage: Stage, base: Fit, start: dict[str, float], *, from_start: bool
+) -> list[Candidate]:
+    """Every effect at every place by its linear gain; sensors also beside the first guess."""
+    hypothesis = base.hypothesis
+    taken = {instance.key for instance in hypothesis.instances}
+    instances = [
+        i
+        for i in all_instances(hypothesis.ordinary)
+        if i.key not in taken and goes_with(i, hypothesis)
+    ]
+    plain = [i for i in instances if i.effect.name not in _SOUGHT]
+    found = scan_instances(stage, base, plain)
+    found += scan_compensators(stage, base, instances)
+    found += scan_dampers(stage, base, instances)
+    axes_taken = [place for name, place in taken if name == "link_axis"]
+    found += scan_axes(stage, base, exclude=axes_taken)
+    found += scan_sensors(stage, hypothesis, base.values)
+    if from_start:
+        first = hypothesis.space()
+        found += scan_sensors(stage, hypothesis, first.values(first.start(start)))
+    best: dict[tuple[str, str], list[Candidate]] = {}
+    for candidate in sorted(found, key=lambda c: -c.gain):
+        same = best.setdefault(candidate.instance.key, [])
+        if not same or candidate.instance.effect.name in _SEVERAL_STARTS:
+            same.append(candidate)
+    every = [c for group in best.values() for c in group if c.instance.key not in taken]
+    return sorted(every, key=lambda c: -c.gain)
+
+
+def goes_with(instance: Instance, present: Hypothesis) -> bool:
+    """Return whether an effect can stand beside those of a hypothesis."""
+    return not any(instance.excludes(other) for other in present.instances)
+
+
+def most_promising(
+    candidates: Sequence[Candidate], worth: float, *, each_kind: bool
+) -> list[Candidate]:
+    """The best by linear gain; with `each_kind` the best place of every effect first.
+
+    A linear look about a fit that went astray promises some effects more than there is to gain.
+    """
+    worthy = [c for c in candidates if c.gain >= worth]
+    if each_kind:
+        # A gain of the whole sensor widens a prior, one at a point is a parameter more.
+        kinds: dict[tuple[str, bool], Candidate] = {}
+        for c in worthy:
+            kinds.setdefault((c.instance.effect.name, bool(c.instance.relaxes)), c)
+        first = list(kinds.values())
+        worthy = first + [c for c in worthy if c not in first]
+    chosen: list[Candidate] = []
+    taken: dict[str, int] = {}
+    for candidate in worthy:
+        if len(chosen) == _LOOKED_AT:
+            break
+        name = candidate.instance.effect.name
+        taken[name] = taken.get(name, 0) + 1
+        if taken[name] <= _AT_MOST.get(name, _LOOKED_AT):
+            chosen.append(candidate)
+    return chosen

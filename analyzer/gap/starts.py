@@ -1,0 +1,247 @@
+"""Where the fits of rivals begin: beside the present fit, at the unfitted start, behind joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analyzer.gap.effects import link_axis
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.library import all_instances
+from analyzer.gap.looks import goes_with, look_at_all, most_promising
+from analyzer.gap.ordinary import across
+from analyzer.gap.scan import Candidate
+
+__all__ = [
+    "BEHIND",
+    "FIRST_STEPS",
+    "WORTH_BROAD",
+    "axes_of_bearings",
+    "behind_joints",
+    "first_steps",
+    "from_the_start",
+    "not_hopeless",
+    "split_axes",
+]
+
+FIRST_STEPS = 2
+BEHIND = 2.2  # times the least cost on the widest lines: what costs more is not it
+WORTH_BROAD = 4.0  # of cost by the linear look; less is not worth a fit
+# A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
+_SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
+_FROM_START, _ALONE, _BETTER, _FEWEST = 10, 18, 12, 3
+_FEW_PARAMETERS, _MANY_STEPS, _WIDE_STEPS = 6, 9, 3
+_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
+_MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
+# Tried at every place: about an unfitted start a linear look ranks places badly.
+_ASTRAY = (
+    "base",
+    "bearing",
+    "coupling",
+    "encoder_offset",
+    "hysteretic",
+    "link_bending",
+    "payload",
+    "released_joint",
+    "rotor",
+    "sensor_mass",
+)
+
+
+def first_steps(
+    stage: Stage,
+    base: Fit,
+    candidates: Sequence[Candidate],
+    postures: Sequence[int] | None,
+    start: dict[str, float],
+) -> list[Fit]:
+    """The first steps of each promising candidate, best cost first."""
+    present = base.hypothesis
+    fits = []
+    for candidate in candidates:
+        begin = base.values
+        richer = replace(present, instances=(*present.instances, candidate.instance))
+        if candidate.instance.effect.name in _MISREAD and not candidate.begin:
+            # Unless it is small, the fit without it went astray.
+            begin = better_start(stage, richer, [begin, start or {}], postures)
+        if candidate.begin:
+            starts = [_part_of_the_way(base.values, candidate, part) for part in _PARTS]
+            begin = better_start(stage, richer, [begin, *starts], postures)
+        fits.append(
+            fit_hypothesis(
+                stage, richer, start=begin, postures=postures, max_iterations=FIRST_STEPS
+            )
+        )
+    return sorted(fits, key=lambda f: f.cost)
+
+
+def _part_of_the_way(
+    values: dict[str, float], candidate: Candidate, part: float
+) -> dict[str, float]:
+    """Values between the present best and what the linear look promises; places at once."""
+    sizes = (candidate.instance.size, *candidate.instance.sizes)
+    start = dict(candidate.begin)
+    for name, reached in candidate.begin.items():
+        if name in values:
+            start[name] = values[name] + part * (reached - values[name])
+        elif name in sizes:
+            start[name] = part * reached
+    return start
+
+
+def better_start(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    starts: Sequence[dict[str, float]],
+    postures: Sequence[int] | None,
+) -> dict[str, float]:
+    """The start of least cost."""
+    space = hypothesis.space()
+    used = range(len(stage.lines)) if postures is None else postures
+
+    def cost(start: dict[str, float]) -> float:
+        u = space.start(start)
+        return sum(stage.misfit(hypothesis, space.values(u), used)) + 0.5 * float(u @ u)
+
+    return min(starts, key=cost)
+
+
+def from_the_start(
+    stage: Stage,
+    present: Hypothesis,
+    postures: Sequence[int] | None,
+    start: dict[str, float],
+    *,
+    alone: bool,
+) -> list[Fit]:
+    """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
+
+    On the widest lines nearly every start finds its way. Where these fits stand alone, more of
+    them. Least cost first.
+    """
+    first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
+    looked_at = look_at_all(stage, first, start, from_start=False)
+    chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
+    chosen = chosen[: _ALONE if alone else _FROM_START]
+    instances = [candidate.instance for candidate in chosen]
+    known = {instance.key for instance in (*present.instances, *instances)}
+    instances += [
+        i
+        for i in all_instances(present.ordinary)
+        if i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
+    ]
+    fits = []
+    for instance in instances:
+        richer = replace(present, instances=(*present.instances, instance))
+        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
+    fits.sort(key=lambda f: f.cost)
+    better = []
+    for fit in not_hopeless(fits, BEHIND)[:_BETTER]:
+        many = len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
+        steps = _MANY_STEPS if many else _WIDE_STEPS
+        better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
+    return sorted(better, key=lambda f: f.cost)
+
+
+def not_hopeless(fits: Sequence[Fit], behind: float) -> list[Fit]:
+    """Some at least, and what does not cost far more than the best; of fits by rising cost."""
+    return [f for i, f in enumerate(fits) if i < _FEWEST or f.cost < behind * fits[0].cost]
+
+
+def _quickly(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    start: dict[str, float],
+    postures: Sequence[int] | None,
+    steps: int,
+) -> Fit:
+    """A fit of which only cost and values count."""
+    return fit_hypothesis(
+        stage, hypothesis, start=start, postures=postures, max_iterations=steps, closing=False
+    )
+
+
+def behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> list[Fit]:
+    """Servos from several starts that leave each joint as soft as it was: no linear look sees one.
+
+    Between them the plain fit has the whole compliance in the joint's own spring.
+    """
+    taken = {instance.key for instance in fit.hypothesis.instances}
+    found = []
+    for servo in all_instances(fit.hypothesis.ordinary):
+        if servo.effect.name != "servo" or servo.key in taken:
+            continue
+        soft, _, rotor = servo.parameters
+        name = f"ln k {servo.place}"
+        starts = [
+            {
+                **fit.values,
+                soft.name: float(part * np.exp(-fit.values[name])),
+                rotor.name: turns * rotor.mean,
+                name: fit.values[name] - float(np.log(1.0 - part)),
+            }
+            for part in _SERVO_PARTS
+            for turns in _ROTORS
+        ]
+        richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, servo))
+        begin = better_start(stage, richer, starts, postures)
+        found.append(
+            fit_hypothesis(stage, richer, start=begin, postures=postures, max_iterations=4)
+        )
+    return found
+
+
+def axes_of_bearings(
+    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
+) -> list[Fit]:
+    """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
+    ordinary = present.ordinary
+    taken = {instance.key for instance in present.instances}
+    found = []
+    for fit in fits:
+        bearing = fit.hypothesis.instances[-1]
+        if bearing.effect.name != "bearing":
+            continue
+        link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
+        if ("link_axis", ordinary.arm.joints[link].link.name) in taken:
+            continue
+        size = np.array([fit.values[name] for name in bearing.sizes])
+        turn = across(np.asarray(ordinary.arm.joints[link].axis))
+        values = {k: v for k, v in fit.values.items() if k not in bearing.owned}
+        for signs in ((1.0, 1.0), (1.0, -1.0)):
+            direction = turn @ (np.sqrt(size) * signs)
+            direction = direction / np.linalg.norm(direction)
+            axis = link_axis.at_axis(ordinary, link, direction, np.zeros(3))
+            richer = replace(present, instances=(*present.instances, axis))
+            start = {**values, axis.size: float(np.sum(size))}
+            found.append(
+                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4)
+            )
+    return found
+
+
+def split_axes(
+    stage: Stage, fits: Sequence[Fit], postures: Sequence[int] | None, steps: int
+) -> list[Fit]:
+    """Axes with some of their link's points, and a part of its mass, between joint and axis."""
+    found = []
+    for fit in fits:
+        *others, axis = fit.hypothesis.instances
+        if axis.effect.name != "link_axis" or axis.describe is None or axis.pieces:
+            continue
+        ordinary, where = fit.hypothesis.ordinary, axis.describe(fit.values)
+        link = next(i for i, j in enumerate(ordinary.arm.joints) if j.link.name == axis.place)
+        direction, point = np.asarray(where["direction"]), np.asarray(where["point_m"])
+        start = {k: v for k, v in fit.values.items() if k not in axis.shapes}
+        for before in link_axis.splits(ordinary, link):
+            split = link_axis.at_axis(ordinary, link, direction, point, before=before)
+            if any(split.excludes(other) for other in others):
+                continue
+            richer = replace(fit.hypothesis, instances=(*others, split))
+            found.append(
+                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
+            )
+    return found
