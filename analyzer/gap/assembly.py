@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.geometry import GeometrySlopes, PostureGeometry
+from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "Pieces", "Slopes", "System", "skew", "spatial_inertia"]
+__all__ = ["Assembly", "Pieces", "System", "skew", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
 
@@ -103,17 +103,6 @@ class System:
     delay_s: float  # of the responses behind the force
     sensor_mass_kg: float
     decay_rad_s: float  # by which all records fall that nobody wrote down
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Slopes:
-    """Change of a system with each of k joint angles, per rad; all else stays."""
-
-    mass: Array  # (k, n, n)
-    moved: Array  # (k, m, 3, n)
-    seen: Array  # (k, m, 3, n)
-    tilted: Array  # (k, m, 3, n)
-    hit: Array  # (k, n_hits, 3, n)
 
 
 @dataclass
@@ -271,8 +260,8 @@ class Assembly:
         self.compliance_loss_s.append(loss_s)
         return len(self.columns) - 1
 
-    def _motion_of_pieces(self, link: int, motion: Array, n_pieces: int) -> Array:
-        """(..., P, 6, n): a piece stays where a hinge beyond it turns."""
+    def motion_of_pieces(self, link: int, motion: Array, n_pieces: int) -> Array:
+        """Return (..., P, 6, n): a piece stays where a hinge beyond it turns."""
         found = np.repeat(motion[..., None, :, :], n_pieces, axis=-3)
         for at, (own, before, _) in self.between.items():
             if own == link:
@@ -290,7 +279,7 @@ class Assembly:
             link: Pieces(
                 shares=shares,
                 offsets_m=offsets,
-                motion=self._motion_of_pieces(link, link_motion[link], len(shares)),
+                motion=self.motion_of_pieces(link, link_motion[link], len(shares)),
             )
             for link, (shares, offsets) in self.pieces.items()
         }
@@ -314,9 +303,9 @@ class Assembly:
             matrices[kind][i, j] += value
         for kind, row, value in self.stretches:
             matrices[kind][: row.size, : row.size] += value * np.outer(row, row)
-        J = self._point_motion(self._where, T)
-        R = geometry.point_rotation[self._where]
-        weighed = self._weighed(J)
+        J = self.point_motion(self.where, T)
+        R = geometry.point_rotation[self.where]
+        weighed = self.weighed(J)
         m = len(lines.sensor_point)
         return System(
             **matrices,
@@ -329,7 +318,7 @@ class Assembly:
             tilted=R.swapaxes(1, 2) @ weighed,
             turned=R.swapaxes(1, 2) @ J[:, 3:],
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
-            hit=self._point_motion(lines.hit_point, T)[:, :3],
+            hit=self.point_motion(lines.hit_point, T)[:, :3],
             force=lines.hit_direction if self.force is None else self.force,
             log_scale=self.log_scale,
             delay_s=self.delay_s,
@@ -337,47 +326,19 @@ class Assembly:
             sensor_mass_kg=lines.sensor_mass_kg + self.sensor_mass_kg,
         )
 
-    def slopes(self, system: System, geometry: GeometrySlopes) -> Slopes:
-        """Change of the matrices with the joint angles; effects' own terms and gravity's stay."""
-        T = np.stack(self.columns, axis=1)
-        n = T.shape[1]
-        by_link = geometry.link_jacobian @ T  # (k, n_links, 6, n)
-        k = len(by_link)
-        half = np.zeros((k, n, n))
-        whole = []
-        for link, inertia in enumerate(self.link_inertia):
-            piece = system.pieces.get(link)
-            if piece is None:
-                whole.append(link)
-                continue
-            turned = self._motion_of_pieces(link, by_link[:, link], len(piece.shares))
-            pull = (piece.split(inertia) @ piece.motion).reshape(-1, n)
-            half += turned.reshape(k, -1, n).swapaxes(1, 2) @ pull
-        pull = (np.stack(self.link_inertia)[whole] @ system.link_motion[whole]).reshape(-1, n)
-        half += by_link[:, whole].reshape(k, -1, n).swapaxes(1, 2) @ pull
-        J, dJ = self._point_motion(self._where, T), self._point_slopes(self._where, T, geometry)
-        R, dR = self.geometry.point_rotation[self._where], geometry.point_rotation[:, self._where]
-        R, dR = R.swapaxes(-1, -2), dR.swapaxes(-1, -2)
-        return Slopes(
-            mass=half + half.swapaxes(1, 2),
-            moved=dJ[..., :3, :],
-            seen=dR @ J[:, :3] + R @ dJ[..., :3, :],
-            tilted=dR @ self._weighed(J) + R @ self._weighed(dJ),
-            hit=self._point_slopes(self.lines.hit_point, T, geometry)[..., :3, :],
-        )
-
     @property
-    def _where(self) -> npt.NDArray[np.int64]:
+    def where(self) -> npt.NDArray[np.int64]:
+        """Return (m,) the point where each mounting is taken to stand."""
         return self.lines.sensor_point if self.sensor_point is None else self.sensor_point
 
-    def _weighed(self, motion: Array) -> Array:
-        """What a rotation adds: a - g seen in axes turned by theta changes by theta x g."""
+    def weighed(self, motion: Array) -> Array:
+        """Return what a rotation adds: a - g seen in axes turned by theta changes by theta x g."""
         gx, gy, gz = self.geometry.gravity_m_s2
         turn = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]])
         return np.asarray(turn @ motion[..., 3:, :])
 
-    def _point_motion(self, points: npt.NDArray[np.int64], T: Array) -> Array:
-        """(k, 6, n) motion of points, those that stand elsewhere shifted."""
+    def point_motion(self, points: npt.NDArray[np.int64], T: Array) -> Array:
+        """Return (k, 6, n) motion of points, those that stand elsewhere shifted."""
         motion = self.geometry.point_jacobian[points] @ T
         for at, (_, _, still) in self.between.items():
             motion[np.isin(points, still), :, at] = 0.0
@@ -386,19 +347,3 @@ class Assembly:
             rows = points == point
             motion[rows, :3] -= arm @ motion[rows, 3:]
         return motion
-
-    def _point_slopes(
-        self, points: npt.NDArray[np.int64], T: Array, geometry: GeometrySlopes
-    ) -> Array:
-        """(k, n_points, 6, n) change of the points' motion with each angle."""
-        found: Array = geometry.point_jacobian[:, points] @ T
-        for at, (_, _, still) in self.between.items():
-            found[:, np.isin(points, still), :, at] = 0.0
-        if self.shifts_m:
-            motion = self._point_motion(points, T)
-            for point, shift in self.shifts_m.items():
-                arm = skew(self.geometry.point_rotation[point] @ shift)
-                turned = skew(geometry.point_rotation[:, point] @ shift)[:, None]
-                rows = points == point
-                found[:, rows, :3] -= turned @ motion[rows, 3:] + arm @ found[:, rows, 3:]
-        return found

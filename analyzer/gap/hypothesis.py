@@ -17,6 +17,7 @@ from analyzer.gap.geometry import GeometryNear, PostureGeometry
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.response import Change, Response, hysteresis, respond
+from analyzer.gap.slopes import angle_slopes
 from analyzer.gap.space import Space
 
 __all__ = ["Hypothesis", "PosedModel"]
@@ -141,7 +142,7 @@ class PosedModel:
         return np.stack(columns), geometry
 
     def _by_angles(self, posed: _Posed) -> Iterator[tuple[str, ComplexArray]]:
-        slopes = posed.assembly.slopes(posed.system, self._near.slopes())
+        slopes = angle_slopes(posed.assembly, posed.system, self._near.slopes())
         names = [f"encoder {joint.name}" for joint in posed.ordinary.arm.joints]
         return zip(names, posed.found.by_slopes(slopes), strict=True)
 

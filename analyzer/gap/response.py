@@ -28,8 +28,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Slopes, System
+from analyzer.gap.assembly import System
 from analyzer.gap.lines import PostureLines
+from analyzer.gap.slopes import Slopes
 
 __all__ = ["Change", "Response", "hysteresis", "respond"]
 

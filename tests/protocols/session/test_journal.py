@@ -253,7 +253,7 @@ def test_session_is_complete_when_every_planned_point_has_its_hits(
 
 
 def test_unknown_kind_is_passed_over_and_said(example) -> None:
-    data = example.records[0] + encode_record(77, b"later") + example.records[2]  # type: ignore[arg-type]
+    data = example.records[0] + encode_record(77, b"later") + example.records[2]
     journal = decode_journal(data)
     assert len(journal.hits) == 1
     assert any("does not know" in warning for warning in journal.warnings)

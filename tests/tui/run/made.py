@@ -9,6 +9,7 @@ import numpy as np
 
 from daq.events import (
     BoardFound,
+    Finished,
     HitJudged,
     JointsSeen,
     Preview,
@@ -124,6 +125,25 @@ def judged(
     )
     return HitJudged(
         hit=hit, verdict_s=0.01, commit_s=0.002, clock_uncertainty_s=1e-4, committed_host_s=at_s
+    )
+
+
+def finished(**changes: Any) -> Finished:
+    """Return how an acquisition ends."""
+    return replace(
+        Finished(
+            complete=True,
+            reason="done",
+            journal="x",
+            accepted=1,
+            rejected=0,
+            cpu_s=0.0,
+            previews_dropped=0,
+            samples_taken=None,
+            samples_seen=0,
+            samples_missing=0,
+        ),
+        **changes,
     )
 
 

@@ -14,6 +14,7 @@ from made import (
     PLAN,
     SESSION_EVENTS,
     after,
+    finished,
     fresh,
     judged,
     preview,
@@ -22,7 +23,7 @@ from made import (
     trial,
 )
 
-from daq.events import DeviceTrouble, Failed, Finished, HitWithdrawn, LossNoted, Noted
+from daq.events import DeviceTrouble, Failed, HitWithdrawn, LossNoted, Noted
 from daq.session_machine import hit_judged
 from protocols.session.journal import Mark, MarkKind
 from protocols.session.records import Loss
@@ -39,24 +40,6 @@ from tui.run.state import SILENT_AFTER_S, Phase, Step, begin_state
 
 def loss(kind: str, count: int) -> LossNoted:
     return LossNoted(loss=Loss(kind=kind, count=count, first_sample=None, host_s=0.0, note=""))
-
-
-def finished(**changes) -> Finished:
-    return dataclasses.replace(
-        Finished(
-            complete=True,
-            reason="done",
-            journal="x",
-            accepted=1,
-            rejected=0,
-            cpu_s=0.0,
-            previews_dropped=0,
-            samples_taken=None,
-            samples_seen=0,
-            samples_missing=0,
-        ),
-        **changes,
-    )
 
 
 def test_the_steps_follow_the_prompts():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,6 @@ from made import (
     ARM,
     AT_HIT,
     AT_POINT,
-    AT_POSTURE,
     HAMMER_PLAN,
     HIT_EVENTS,
     LAB_EVENTS,
@@ -25,8 +23,8 @@ from made import (
 from stage import Stage, play
 
 from daq.commands import Note, Ready, Retake, Skip, Withdraw
-from daq.events import Failed, Finished, LossNoted
-from daq.session_machine import PromptKind, begin, hit_judged, point_ready, posture_reached, skip
+from daq.events import Failed, LossNoted
+from daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from protocols.plan_records import KnownMass
 from protocols.session.records import Loss
 from tui.key_line import KeyLine
@@ -36,7 +34,6 @@ from tui.run.happenings import (
     SafeConfirmed,
     SensorsConfirmed,
 )
-from tui.run.help import HelpScreen
 from tui.run.screens.progress import ProgressScreen
 from tui.run.screens.step import Pane
 
@@ -69,78 +66,6 @@ def test_every_screen_fits_every_size(tmp_path, size):
         assert "◐1/3" in stage.text()
 
     play(stage, body, size)
-
-
-def test_only_a_durable_hit_is_called_accepted(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS)
-        assert "record" not in stage.text()
-        await stage.tell(pilot, judged(1, "double"))
-        assert "not accepted (record 1)" in stage.text()
-        assert "touched twice" in stage.text()
-        await stage.tell(pilot, judged(2))
-        assert "✓ record 2 is in the journal" in stage.text()
-
-    play(stage, body)
-
-
-def all_done():
-    session = AT_HIT
-    while session.kind is not PromptKind.DONE:
-        session = skip(session)
-    return session
-
-
-@pytest.mark.parametrize("size", [(80, 24), (50, 12)])
-@pytest.mark.parametrize("asked_next", [AT_POSTURE, AT_POINT, AT_HIT, all_done()])
-def test_the_verdict_is_shown_whatever_is_asked_next(tmp_path, size, asked_next):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS, judged(1), prompted(asked_next))
-        assert "record 1 is in the journal" in stage.text()
-
-    play(stage, body, size)
-
-
-@pytest.mark.parametrize("size", [(80, 24), (50, 12)])
-def test_the_end_of_a_session_is_told_with_its_last_verdict(tmp_path, size):
-    stage = Stage(tmp_path)
-    finished = Finished(
-        complete=True,
-        reason="every planned point has its hits",
-        journal="s.journal",
-        accepted=1,
-        rejected=0,
-        cpu_s=0.0,
-        previews_dropped=0,
-        samples_taken=None,
-        samples_seen=0,
-        samples_missing=0,
-    )
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS, judged(1), prompted(all_done()), finished)
-        assert "1 hits accepted, 0 not" in stage.text()
-        assert "record 1 is in the journal" in stage.text()
-
-    play(stage, body, size)
-
-
-def test_a_verdict_takes_the_help_away(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS)
-        await pilot.press("question_mark")
-        await stage.settle(pilot)
-        assert isinstance(stage.app.screen, HelpScreen)
-        await stage.tell(pilot, judged(1))
-        assert "record 1 is in the journal" in stage.text()
-
-    play(stage, body)
 
 
 def test_a_click_on_a_key_of_the_footer_presses_it(tmp_path):
@@ -317,30 +242,6 @@ def test_without_colour_every_state_is_still_told_apart(tmp_path, monkeypatch):
     play(stage, body)
 
 
-def test_the_end_says_what_to_do_with_the_session(tmp_path):
-    stage = Stage(tmp_path)
-    stage.app.conductor.derive = lambda: asyncio.sleep(0)
-    done = Finished(
-        complete=True,
-        reason="every planned point has its hits",
-        journal="s.journal",
-        accepted=9,
-        rejected=1,
-        cpu_s=1.0,
-        previews_dropped=0,
-        samples_taken=None,
-        samples_seen=0,
-        samples_missing=0,
-    )
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS, prompted(AT_POSTURE), done)
-        assert "9 hits accepted, 1 not" in stage.text()
-        assert "q: leave" in stage.text()
-
-    play(stage, body)
-
-
 def test_help_comes_and_goes(tmp_path):
     stage = Stage(tmp_path)
 
@@ -371,16 +272,6 @@ def test_enter_waits_for_the_simulated_hand_that_mounts_the_sensor(tmp_path):
         assert [type(command) for command in stage.sent] == [Ready]
 
     play(stage, body)
-
-
-def test_the_hit_that_finishes_a_posture_is_answered_on_the_posture_screen(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS, judged(5), prompted(AT_POSTURE))
-        assert "✓ record 5 is in the journal" in stage.text()
-
-    play(stage, body, (80, 24))
 
 
 def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tmp_path):
