@@ -11,8 +11,9 @@ model. Frames: superset, linear first.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -61,7 +62,7 @@ class Pieces:
 
     shares: Array  # (P,) of the mass
     offsets_m: Array  # (P, 3) of each centre from the link's; their mean by mass is zero
-    motion: Array  # (P, 6, n)
+    motion: Array  # (P, 6, n); stacked, with postures before
 
     def split(self, inertia: Array) -> Array:
         """(P, 6, 6) spatial inertias of the pieces: together they are the link's.
@@ -82,7 +83,10 @@ class Pieces:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
-    """What of a hypothesis in one posture does not depend on frequency; n coordinates."""
+    """What of a hypothesis in one posture does not depend on frequency; n coordinates.
+
+    Stacked: of P postures, the first axis of every array.
+    """
 
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)
@@ -99,10 +103,24 @@ class System:
     mix: Array  # (m, 3, 3) from true axes to recorded channels
     hit: Array  # (n_hits, 3, n) motion of the hit points in base
     force: Array  # (n_hits, 3)
-    log_scale: float  # of all responses
-    delay_s: float  # of the responses behind the force
-    sensor_mass_kg: float
-    decay_rad_s: float  # by which all records fall that nobody wrote down
+    log_scale: Array  # () of all responses
+    delay_s: Array  # () of the responses behind the force
+    sensor_mass_kg: Array  # ()
+    decay_rad_s: Array  # () by which all records fall that nobody wrote down
+
+    @classmethod
+    def stacked(cls, systems: Sequence[System]) -> System:
+        """Return systems with the same coordinates, mountings and hits as one."""
+        found: dict[str, Any] = {
+            f.name: np.stack([getattr(system, f.name) for system in systems])
+            for f in fields(cls)
+            if f.name != "pieces"
+        }
+        pieces = {
+            link: replace(own, motion=np.stack([s.pieces[link].motion for s in systems]))
+            for link, own in systems[0].pieces.items()
+        }
+        return cls(**found, pieces=pieces)
 
 
 @dataclass
@@ -320,10 +338,10 @@ class Assembly:
             mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
             hit=self.point_motion(lines.hit_point, T)[:, :3],
             force=lines.hit_direction if self.force is None else self.force,
-            log_scale=self.log_scale,
-            delay_s=self.delay_s,
-            decay_rad_s=self.decay_rad_s,
-            sensor_mass_kg=lines.sensor_mass_kg + self.sensor_mass_kg,
+            log_scale=np.array(self.log_scale),
+            delay_s=np.array(self.delay_s),
+            decay_rad_s=np.array(self.decay_rad_s),
+            sensor_mass_kg=np.array(lines.sensor_mass_kg + self.sensor_mass_kg),
         )
 
     @property

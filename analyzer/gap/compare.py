@@ -41,11 +41,15 @@ def posture_gap(
     `fit` is the model; on a held-out posture it must not have seen it.
     """
     lines, weighing = stage.lines[posture], stage.weighings[posture]
-    response = stage.models[posture].response(fit.hypothesis, lines, fit.values)
-    left = weighing.cleaned(response.values) / weighing.scale
+    model = stage.models[posture]
+    left = weighing.cleaned(model.values(fit.hypothesis, lines, fit.values)) / weighing.scale
     size = float(np.sqrt(np.mean(np.abs(lines.values) ** 2)))
     allowed = float(np.sqrt(np.mean(2.0 / weighing.scale**2)))
-    modes = () if measured is None else match_modes(measured, response.system)
+    modes = (
+        ()
+        if measured is None
+        else match_modes(measured, model.system(fit.hypothesis, lines, fit.values))
+    )
     return PostureGap(
         posture=lines.title,
         held_out=held_out,
@@ -145,7 +149,7 @@ def disagreement_map(
     found = []
     for p, lines in enumerate(stage.lines):
         used = (own_fit or {}).get(p, fit)
-        y = stage.models[p].response(used.hypothesis, lines, used.values).values
+        y = stage.models[p].values(used.hypothesis, lines, used.values)
         left = np.abs(stage.weighings[p].cleaned(y)) ** 2 / 2.0
         f = lines.s_rad_s.imag / (2.0 * np.pi)
         edges = np.geomspace(f[0] * 0.999, f[-1] * 1.001, _BANDS + 1)

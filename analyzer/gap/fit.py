@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
+from analyzer.gap.posed import PosedModel, Postures
 from analyzer.gap.space import Space
 from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, total
 
@@ -23,6 +24,7 @@ __all__ = ["Fit", "Stage", "fit_hypothesis"]
 Array = npt.NDArray[np.float64]
 
 _EDGE = 1e-9
+_TOGETHER = 48  # lines of postures solved together: more outgrow the processor's cache
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,8 +51,10 @@ class Fit:
 
     @property
     def farthest(self) -> float:
-        """Return how far any parameter is from its prior's mean, in prior deviations."""
-        return float(np.max(np.abs(self.u)))
+        """Return how far any ordinary parameter is from its prior's mean, in prior deviations."""
+        own = {name for instance in self.hypothesis.instances for name in instance.owned}
+        ordinary = [i for name, i in self.space.index.items() if name not in own]
+        return float(np.max(np.abs(self.u[ordinary])))
 
     @property
     def log_det(self) -> float:
@@ -89,18 +93,34 @@ class Stage:
         self.weighings = tuple(
             Weighing(p, superset.arm.tolerances, discrepancy) for p in self.lines
         )
+        self._groups: dict[tuple[int, ...], list[tuple[list[int], Postures]]] = {}
+
+    def together(self, postures: Sequence[int] | None = None) -> list[tuple[list[int], Postures]]:
+        """Return postures, all if none are given, in groups that are solved together."""
+        used = tuple(range(len(self.lines)) if postures is None else postures)
+        if used not in self._groups:
+            alike: dict[tuple[object, ...], list[int]] = {}
+            for p in used:
+                alike.setdefault(Postures.likeness(self.lines[p]), []).append(p)
+            groups = []
+            for all_alike in alike.values():
+                most = max(_TOGETHER // self.lines[all_alike[0]].s_rad_s.size, 1)
+                groups += [all_alike[i : i + most] for i in range(0, len(all_alike), most)]
+            self._groups[used] = [
+                (own, Postures([self.models[p] for p in own], [self.lines[p] for p in own]))
+                for own in groups
+            ]
+        return self._groups[used]
 
     def misfit(
         self, hypothesis: Hypothesis, values: Mapping[str, float], postures: Sequence[int]
     ) -> list[float]:
         """chi^2 / 2 of each posture; infinite where a response outgrows the arithmetic."""
-        costs = [
-            self.weighings[p].cost(
-                self.models[p].response(hypothesis, self.lines[p], values).values
-            )
-            for p in postures
-        ]
-        return [cost if cost >= 0.0 else float("inf") for cost in costs]
+        cost_of: dict[int, float] = {}
+        for own, together in self.together(postures):
+            y = together.response(hypothesis, values).values
+            cost_of |= {p: self.weighings[p].cost(y[i]) for i, p in enumerate(own)}
+        return [cost_of[p] if cost_of[p] >= 0.0 else float("inf") for p in postures]
 
     def quadratics(
         self,
@@ -110,12 +130,11 @@ class Stage:
         postures: Sequence[int],
     ) -> list[Quadratic]:
         """Misfit, gradient and curvature of each posture."""
-        return [
-            self.weighings[p].quadratic(
-                *self.models[p].derivatives(hypothesis, self.lines[p], space, values)
-            )
-            for p in postures
-        ]
+        found: dict[int, Quadratic] = {}
+        for own, together in self.together(postures):
+            y, dy = together.derivatives(hypothesis, space, values)
+            found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for i, p in enumerate(own)}
+        return [found[p] for p in postures]
 
 
 def fit_hypothesis(

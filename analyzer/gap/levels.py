@@ -67,9 +67,7 @@ def _weighed_anew(
     found: list[PostureLines] = []
     for p in range(0, len(stage.lines), 2):
         soft, hard = stage.lines[p : p + 2]
-        change = [
-            stage.models[i].response(hypothesis, stage.lines[i], values).values for i in (p, p + 1)
-        ]
+        change = [stage.models[i].values(hypothesis, stage.lines[i], values) for i in (p, p + 1)]
         less = between(soft.values - hard.values)
         more = between(soft.values - hard.values - (change[0] - change[1]))
         # Both were added to: what is left is positive but for rounding.

@@ -17,8 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
+from analyzer.gap.posed import PosedModel
 from analyzer.gap.scan import Candidate
 from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Discrepancy, Weighing
@@ -129,7 +130,7 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     model = PosedModel(superset, test.joints_rad)
     blank = _lines(stage.lines[0], test)
     ready = [_Ready.of(rival) for rival in rivals]
-    would = [model.response(r.hypothesis, blank, r.values).values for r in ready]
+    would = [model.values(r.hypothesis, blank, r.values) for r in ready]
     slopes = [model.derivatives(r.hypothesis, blank, r.space, r.values) for r in ready]
     least = np.inf
     for true, other in permutations(range(len(ready)), 2):

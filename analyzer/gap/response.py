@@ -1,4 +1,4 @@
-"""FRFs of a system on its lines, and their derivatives.
+"""FRFs of a system on its lines, and their derivatives; several postures at once.
 
 With H(s) the receptance of the coordinates without the accelerometer, b the generalised force of a
 unit hit, U the motion of the accelerometer's place and m its mass, the accelerometer changes the
@@ -17,19 +17,20 @@ A loss factor eta is causal, constant at every frequency, and leaves k as it is 
 
 A compliance gamma with loss tau changes H by w w' d(gamma / (1 + tau s)), w the motion per unit
 torque inside that compliance: also at gamma = 0.
+
+Axes of arrays: P postures, L lines, m mountings, n coordinates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import System
-from analyzer.gap.lines import PostureLines
 from analyzer.gap.slopes import Slopes
 
 __all__ = ["Change", "Response", "hysteresis", "respond"]
@@ -60,7 +61,7 @@ class Change:
     mix: Array | None = None
     hit: Array | None = None
     force: Array | None = None
-    sensor_mass_kg: float | None = None
+    sensor_mass_kg: Array | None = None
 
     @classmethod
     def between(cls, before: System, after: System, step: float) -> Change:
@@ -68,192 +69,230 @@ class Change:
         found: dict[str, Any] = {}
         for name in cls.__slots__:
             old, new = getattr(before, name), getattr(after, name)
-            if old is not new and not np.array_equal(old, new):
+            if not np.array_equal(old, new):
                 found[name] = (new - old) / step
         return cls(**found)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Response:
-    """Solution of a system on its lines; L lines, m mountings, n coordinates."""
+    """Solution of systems on their lines."""
 
-    system: System
-    lines: PostureLines
-    factor: ComplexArray  # (L,) of all channels: scale and delay
-    x: ComplexArray  # (L, m, n) motion under the hit
-    Y: ComplexArray  # (L, m, 3, n) motion under unit loads on the recorded axes, factor included
-    true_axes: ComplexArray  # (L, m, 3) before channels were mixed, factor included
-    inner: ComplexArray  # (L, n, n) A^-1: column i is w of coordinate i
-    HU: ComplexArray  # (L, m, 3, n) rows H U
-    S: ComplexArray  # (L, m, 3, 3)
+    system: System  # of P postures
+    s_rad_s: ComplexArray  # (P, L)
+    hit: npt.NDArray[np.int64]  # (P, m) index into the system's hits
+    factor: ComplexArray  # (P, L) of all channels: scale and delay
+    x: ComplexArray  # (P, L, m, n) motion under the hit
+    Y: ComplexArray  # (P, L, m, 3, n) motion under unit loads on the recorded axes, factor included
+    true_axes: ComplexArray  # (P, L, m, 3) before channels were mixed, factor included
+    inner: ComplexArray  # (P, L, n, n) A^-1: column i is w of coordinate i
+    HU: ComplexArray  # (P, L, m, 3, n) rows H U
+    S: ComplexArray  # (P, L, m, 3, 3)
 
     @property
     def values(self) -> ComplexArray:
-        """(m, 3, L) accelerance as recorded."""
-        return _last(np.matmul(self.system.mix, self.true_axes[..., None])[..., 0])
+        """(P, m, 3, L) accelerance as recorded."""
+        return _last(_applied(self.system.mix[:, None], self.true_axes))
 
-    def by_stretch(self, row: Array, weight: ComplexArray | float) -> ComplexArray:
-        """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x."""
-        at = np.flatnonzero(row)
-        Y = self.Y[..., at] @ row[at]
-        x = self.x[:, :, at] @ row[at]
-        return _last(-Y * x[:, :, None] * np.reshape(weight, (-1, 1, 1)))
+    def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
+        """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.
+
+        `row` (P, n), `weight` (P, L).
+        """
+        at = np.flatnonzero(np.any(row, axis=0))
+        Y = np.asarray(sum(self.Y[..., i] * row[:, i, None, None, None] for i in at))
+        x = np.asarray(sum(self.x[..., i] * row[:, i, None, None] for i in at))
+        return _last(-Y * (x * weight[:, :, None])[..., None])
 
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
         """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
-        weight = self._weight(kind)
-        return _last(-self.Y[..., i] * self.x[:, :, j, None] * weight)
+        x = self.x[..., j] * self._weight(kind)[:, :, None]
+        return _last(-self.Y[..., i] * x[..., None])
 
     def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
-        """Derivative by a spring ("stiffness") or damper ("damping") on the first coordinates."""
+        """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
         return self.by_stretch(row, self._weight(kind))
 
     def _weight(self, kind: str) -> ComplexArray:
-        s = self.lines.s_rad_s
-        one = np.ones_like(s)
-        weight = {"mass": s**2, "damping": s, "stiffness": one, "loss": hysteresis(s)}[kind]
-        return np.asarray(weight[:, None, None])
+        s = self.s_rad_s
+        return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s), "loss": hysteresis(s)}[
+            kind
+        ]
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
-        """Derivatives (k, m, 3, L) by the compliances of k coordinates."""
-        left, right = self.through_compliances(coordinates)
-        return np.asarray(left * right[:, :, None])
+        """Derivatives (k, P, m, 3, L) by the compliances of k coordinates.
+
+        H has the compliance as a factor on both sides: where none is zero that is divided out.
+        """
+        gamma = self.system.compliance[:, list(coordinates)]
+        found = np.empty((len(coordinates), *self._shape), dtype=np.complex128)
+        locked = [i for i, column in enumerate(gamma.T) if not column.all()]
+        if locked:
+            left, right = self.through_compliances([coordinates[i] for i in locked])
+            found[locked] = left * right[:, :, :, None]
+        s, loss_s = self.s_rad_s, self.system.compliance_loss_s
+        for i, at in enumerate(coordinates):
+            if i not in locked:
+                weight = (1.0 + loss_s[:, at, None] * s) / gamma[:, i, None] ** 2
+                found[i] = _last(self.Y[..., at] * (self.x[..., at] * weight[..., None])[..., None])
+        return found
+
+    @property
+    def _shape(self) -> tuple[int, ...]:
+        P, L, m, _ = self.x.shape
+        return P, m, 3, L
 
     def through_compliances(self, coordinates: Sequence[int]) -> tuple[ComplexArray, ComplexArray]:
         """What is recorded of a unit yield, and the torque that a unit hit puts there.
 
         Returns
         -------
-        recorded : (k, m, 3, L), torque : (k, m, L), the compliance's own lag included
+        recorded : (k, P, m, 3, L), torque : (k, P, m, L), the compliance's own lag included
         """
-        system, s = self.system, self.lines.s_rad_s
-        n = self.inner.shape[-1]
-        m = len(system.moved)
-        w = self.inner[:, :, list(coordinates)]  # (L, n, k)
+        system, s = self.system, self.s_rad_s
+        P, L, m, n = self.x.shape
+        w = self.inner[..., list(coordinates)]  # (P, L, n, k)
 
         def through(rows: Array) -> ComplexArray:
-            return np.asarray(np.matmul(rows.reshape(m * 3, n), w).reshape(len(s), m, 3, -1))
+            """(P, L, m, 3, k)."""
+            return np.asarray(np.matmul(rows.reshape(P, 1, m * 3, n), w).reshape(P, L, m, 3, -1))
 
-        Uw = through(system.moved)
-        s2 = (s**2)[:, None, None, None]
+        s2 = (s**2)[:, :, None, None, None]
         o_w = s2 * through(system.seen) + through(system.tilted)
-        o_HU = s2 * np.matmul(system.seen, self.HU.swapaxes(-1, -2)) + np.matmul(
-            system.tilted, self.HU.swapaxes(-1, -2)
-        )
-        SUw = np.matmul(self.S, Uw)
-        o_w = np.matmul(system.mix, o_w - np.matmul(o_HU, SUw))
-        b = (system.force[:, None] @ system.hit)[:, 0][self.lines.hit]  # (m, n)
-        b_HU = np.matmul(self.HU, b[..., None]).swapaxes(-1, -2)  # (L, m, 1, 3)
-        w_b = np.matmul(b, w) - np.matmul(b_HU, SUw)[..., 0, :]  # (L, m, k)
-        lag = 1.0 / (1.0 + system.compliance_loss_s[list(coordinates)] * s[:, None])
-        torque = w_b * (self.factor[:, None] * lag)[:, None, :]
-        return o_w.transpose(3, 1, 2, 0), torque.transpose(2, 1, 0)
+        HU = self.HU.swapaxes(-1, -2)
+        o_HU = s2 * np.matmul(system.seen[:, None], HU) + np.matmul(system.tilted[:, None], HU)
+        SUw = np.matmul(self.S, through(system.moved))
+        o_w = np.matmul(system.mix[:, None], o_w - np.matmul(o_HU, SUw))
+        b = self._forces()  # (P, m, n)
+        b_HU = np.matmul(self.HU, b[:, None, ..., None]).swapaxes(-1, -2)  # (P, L, m, 1, 3)
+        w_b = np.matmul(b[:, None], w) - np.matmul(b_HU, SUw)[..., 0, :]  # (P, L, m, k)
+        lag = 1.0 / (1.0 + system.compliance_loss_s[:, None, list(coordinates)] * s[..., None])
+        torque = w_b * (self.factor[..., None] * lag)[:, :, None, :]
+        return o_w.transpose(4, 0, 2, 3, 1), torque.transpose(3, 0, 2, 1)
+
+    def _forces(self) -> Array:
+        """(P, m, n) generalised force of the hit of each mounting."""
+        return _of_hits(_hit_forces(self.system), self.hit)
 
     def by_link_inertia(self, link: int, changes: Array) -> ComplexArray:
-        """Derivatives (k, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
+        """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
 
         Gravity's stiffness is taken as it is: its part is far below the inertia's own.
         """
         pieces = self.system.pieces.get(link)
         if pieces is None:
-            return self._by_inertia(self.system.link_motion[link], changes)
+            return self._by_inertia(self.system.link_motion[:, link], changes)
         split = np.stack([pieces.split(change) for change in changes], axis=1)
-        parts = [self._by_inertia(J, own) for J, own in zip(pieces.motion, split, strict=True)]
+        motions = pieces.motion.swapaxes(0, 1)  # (pieces, P, 6, n)
+        parts = [self._by_inertia(J, own) for J, own in zip(motions, split, strict=True)]
         return np.asarray(np.sum(parts, axis=0))
 
     def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
-        L, m, n = self.x.shape
+        """`J` (P, 6, n)."""
+        P, L, m, n = self.x.shape
         k = len(changes)
-        V = self.x.reshape(-1, n) @ J.T  # (L m, 6)
-        W = (self.Y.reshape(-1, n) @ J.T).reshape(L * m, 3, 6)
-        bent = (V @ changes.transpose(2, 0, 1).reshape(6, k * 6)).reshape(L * m, k, 6)
-        y = np.matmul(W, bent.swapaxes(1, 2)).reshape(L, m, 3, k)
-        return np.asarray(-(y * (self.lines.s_rad_s**2)[:, None, None, None]).transpose(3, 1, 2, 0))
+        turned = J.swapaxes(1, 2)
+        V = self.x.reshape(P, -1, n) @ turned  # (P, L m, 6)
+        W = (self.Y.reshape(P, -1, n) @ turned).reshape(-1, 3, 6)
+        bent = (V.reshape(-1, 6) @ changes.transpose(2, 0, 1).reshape(6, k * 6)).reshape(-1, k, 6)
+        y = np.matmul(W, bent.swapaxes(1, 2)).reshape(P, L, m, 3, k)
+        y = y * -(self.s_rad_s**2)[:, :, None, None, None]
+        return np.asarray(y.transpose(4, 0, 2, 3, 1))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
-        """Derivative by the force's components (3,) of one hit."""
-        b = change @ self.system.hit[hit]
-        mine = (self.lines.hit == hit).astype(np.float64)
-        return _last((self.Y @ b) * mine[:, None])
+        """Derivative by the force's components (P, 3) of one hit."""
+        b = (change[:, None] @ self.system.hit[:, hit])[:, 0]  # (P, n)
+        mine = (self.hit == hit).astype(np.float64)
+        return _last(_applied(self.Y, b[:, None, None]) * mine[:, None, :, None])
 
     def by_shift(self) -> ComplexArray:
-        """Derivatives (3, m, 3, L) by a shift of each mounting along its own sensor's axes.
+        """Derivatives (3, P, m, 3, L) by a shift of each mounting along its own sensor's axes.
 
         The accelerometer's mass is taken to stay where it is.
         """
-        turn = np.matmul(self.system.turned, self.x[..., None])[..., 0]  # (L, m, 3)
-        scale = (self.factor * self.lines.s_rad_s**2)[:, None, None]
+        turn = _applied(self.system.turned[:, None], self.x)  # (P, L, m, 3)
+        scale = (self.factor * self.s_rad_s**2)[:, :, None, None]
         moved = [np.cross(turn, axis) * scale for axis in np.eye(3)]
-        return np.stack([_last(np.matmul(self.system.mix, a[..., None])[..., 0]) for a in moved])
+        return np.stack([_last(_applied(self.system.mix[:, None], a)) for a in moved])
 
     def by_slopes(self, slopes: Slopes) -> ComplexArray:
-        """Derivatives (k, m, 3, L) by the k joint angles."""
-        system, s = self.system, self.lines.s_rad_s
-        L, m, n = self.x.shape
-        k = len(slopes.mass)
-        s2 = (s**2)[:, None, None]  # (L, 1, 1)
-        x = self.x.swapaxes(0, 1)  # (m, L, n)
+        """Derivatives (k, P, m, 3, L) by the k joint angles; slopes of P postures."""
+        system = self.system
+        P, L, m, n = self.x.shape
+        k = slopes.mass.shape[1]
+        s2 = (self.s_rad_s**2)[:, None, :, None, None]  # (P, 1, L, 1, 1)
+        x = np.ascontiguousarray(self.x.swapaxes(1, 2))  # (P, m, L, n)
 
         def seen(by: Array) -> ComplexArray:
-            """(m, L, k, 3) of motions (k, m, 3, n) at the mountings."""
-            rows = by.transpose(1, 3, 0, 2).reshape(m, n, k * 3)
-            return _times(x, rows).reshape(m, L, k, 3)
+            """(P, m, L, k, 3) of motions (P, k, m, 3, n) at the mountings."""
+            rows = by.transpose(0, 2, 4, 1, 3).reshape(P, m, n, k * 3)
+            return _times(x, rows).reshape(P, m, L, k, 3)
 
-        pull = s2 * _times(x, slopes.mass.transpose(2, 0, 1).reshape(n, k * n)).reshape(m, L, k, n)
-        if system.sensor_mass_kg:
+        by_mass = slopes.mass.transpose(0, 3, 1, 2).reshape(P, 1, n, k * n)
+        pull = s2 * _times(x, by_mass).reshape(P, m, L, k, n)
+        if system.sensor_mass_kg.any():
             U, dU = system.moved, slopes.moved
-            load = _times(seen(dU).reshape(m, L * k, 3), U).reshape(m, L, k, n)
-            still = _times(x, U.swapaxes(1, 2))  # (m, L, 3)
-            load = load + _times(still, dU.transpose(1, 2, 0, 3).reshape(m, 3, k * n)).reshape(
-                m, L, k, n
-            )
-            pull += system.sensor_mass_kg * s2 * load
-        push = np.einsum("ha,khan->khn", system.force, slopes.hit)[:, self.lines.hit]
-        pull -= push.swapaxes(0, 1)[:, None]
-        y = -np.matmul(pull, self.Y.transpose(1, 0, 3, 2))  # (m, L, k, 3)
-        more = s2 * seen(system.mix @ slopes.seen) + seen(system.mix @ slopes.tilted)
-        y += self.factor[:, None, None] * more
-        return np.asarray(y.transpose(2, 0, 3, 1))
+            load = _times(seen(dU).reshape(P, m, L * k, 3), U).reshape(P, m, L, k, n)
+            still = _times(x, U.swapaxes(2, 3))  # (P, m, L, 3)
+            rows = dU.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n)
+            load = load + _times(still, rows).reshape(P, m, L, k, n)
+            pull += system.sensor_mass_kg[:, None, None, None, None] * s2 * load
+        push = np.einsum("pha,pkhan->phkn", system.force, slopes.hit)
+        pull -= _of_hits(push, self.hit)[:, :, None]
+        y = -np.matmul(pull, self.Y.transpose(0, 2, 1, 4, 3))  # (P, m, L, k, 3)
+        mix = system.mix[:, None]
+        more = s2 * seen(mix @ slopes.seen) + seen(mix @ slopes.tilted)
+        y += self.factor[:, None, :, None, None] * more
+        return np.asarray(y.transpose(3, 0, 1, 4, 2))
 
     def by_change(self, change: Change) -> ComplexArray:
-        """Derivative by a parameter that changes the system as told."""
-        system, s = self.system, self.lines.s_rad_s
-        L, m, n = self.x.shape
-        flat = self.x.reshape(-1, n)
-        dZx = np.zeros((L, m, n), dtype=np.complex128)
-        for matrix, power in (
-            (change.mass, s**2),
-            (change.damping, s),
-            (change.stiffness, np.ones_like(s)),
-            (change.loss, hysteresis(s)),
+        """Derivative by a parameter that changes the systems as told."""
+        system, s = self.system, self.s_rad_s
+        P, L, m, n = self.x.shape
+        flat = self.x.reshape(P, L * m, n)
+        dZx = np.zeros((P, L, m, n), dtype=np.complex128)
+        for matrix, kind in (
+            (change.mass, "mass"),
+            (change.damping, "damping"),
+            (change.stiffness, "stiffness"),
+            (change.loss, "loss"),
         ):
             if matrix is not None:
-                dZx += power[:, None, None] * (flat @ matrix.T).reshape(L, m, n)
-        column = self.x[..., None]
+                by = (flat @ matrix.swapaxes(1, 2)).reshape(P, L, m, n)
+                dZx += self._weight(kind)[:, :, None, None] * by
+        U = system.moved[:, None]
+        s2 = (s**2)[:, :, None, None]
         if change.sensor_mass_kg is not None:
-            load = np.matmul(system.moved.swapaxes(1, 2), np.matmul(system.moved, column))[..., 0]
-            dZx += change.sensor_mass_kg * (s**2)[:, None, None] * load
-        if change.moved is not None and system.sensor_mass_kg:
-            U, dU = system.moved, change.moved
-            both = np.matmul(dU.swapaxes(1, 2), np.matmul(U, column)) + np.matmul(
-                U.swapaxes(1, 2), np.matmul(dU, column)
+            load = _applied(U.swapaxes(-1, -2), _applied(U, self.x))
+            dZx += change.sensor_mass_kg[:, None, None, None] * s2 * load
+        if change.moved is not None and system.sensor_mass_kg.any():
+            dU = change.moved[:, None]
+            both = _applied(dU.swapaxes(-1, -2), _applied(U, self.x)) + _applied(
+                U.swapaxes(-1, -2), _applied(dU, self.x)
             )
-            dZx += system.sensor_mass_kg * (s**2)[:, None, None] * both[..., 0]
+            dZx += system.sensor_mass_kg[:, None, None, None] * s2 * both
         if change.hit is not None:
-            dZx -= (system.force[:, None] @ change.hit)[:, 0][self.lines.hit]
+            push = np.einsum("pha,phan->phn", system.force, change.hit)
+            dZx -= _of_hits(push, self.hit)[:, None]
         if change.force is not None:
-            dZx -= (change.force[:, None] @ system.hit)[:, 0][self.lines.hit]
-        y = -np.matmul(self.Y, dZx[..., None])[..., 0]
+            push = np.einsum("pha,phan->phn", change.force, system.hit)
+            dZx -= _of_hits(push, self.hit)[:, None]
+        y = -_applied(self.Y, dZx)
         more = np.zeros_like(y)
         if change.seen is not None:
-            more += (s**2)[:, None, None] * np.matmul(change.seen, column)[..., 0]
+            more += s2 * _applied(change.seen[:, None], self.x)
         if change.tilted is not None:
-            more += np.matmul(change.tilted, column)[..., 0]
+            more += _applied(change.tilted[:, None], self.x)
         if change.seen is not None or change.tilted is not None:
-            y = y + self.factor[:, None, None] * np.matmul(system.mix, more[..., None])[..., 0]
+            y = y + self.factor[:, :, None, None] * _applied(system.mix[:, None], more)
         if change.mix is not None:
-            y = y + np.matmul(change.mix, self.true_axes[..., None])[..., 0]
+            y = y + _applied(change.mix[:, None], self.true_axes)
         return _last(y)
+
+
+def _applied(matrix: ComplexArray | Array, vector: ComplexArray | Array) -> ComplexArray:
+    """Matrices (..., a, b) times vectors (..., b)."""
+    return np.asarray(np.matmul(matrix, vector[..., None])[..., 0])
 
 
 def _times(z: ComplexArray, real: Array) -> ComplexArray:
@@ -262,62 +301,93 @@ def _times(z: ComplexArray, real: Array) -> ComplexArray:
         (*np.broadcast_shapes(z.shape[:-2], real.shape[:-2]), z.shape[-2], real.shape[-1]),
         dtype=np.complex128,
     )
-    found.real, found.imag = np.matmul(z.real, real), np.matmul(z.imag, real)
+    # Copies: BLAS takes no parts of complex numbers where they lie.
+    found.real = np.matmul(np.ascontiguousarray(z.real), real)
+    found.imag = np.matmul(np.ascontiguousarray(z.imag), real)
     return found
 
 
 def _last(y: ComplexArray) -> ComplexArray:
-    """(L, m, 3) to (m, 3, L)."""
-    return np.asarray(y.transpose(1, 2, 0))
+    """(P, L, m, 3) to (P, m, 3, L)."""
+    return np.asarray(y.transpose(0, 2, 3, 1))
 
 
-def respond(system: System, lines: PostureLines) -> Response:
-    """Solve a system on its lines, as far from them as a hidden window moved them."""
-    if system.decay_rad_s:
-        lines = replace(lines, s_rad_s=lines.s_rad_s + system.decay_rad_s)
-    s = lines.s_rad_s
-    n = system.mass.shape[0]
-    m = len(lines.sensor_point)
-    L = s.size
-    soft = np.isfinite(system.compliance)
-    gamma = np.where(soft, system.compliance, 1.0)
-    scale = np.where(soft, gamma / (1.0 + s[:, None] * system.compliance_loss_s), 1.0)  # (L, n)
-    Z = (
-        (s**2)[:, None, None] * system.mass
-        + s[:, None, None] * system.damping
-        + system.stiffness
-        + hysteresis(s)[:, None, None] * system.loss
+def _of_hits(by_hit: Array, hit: npt.NDArray[np.int64]) -> Array:
+    """(P, n_hits, ...) to (P, m, ...): each mounting's own hit."""
+    if by_hit.shape[1] == 1:
+        return np.broadcast_to(by_hit, (*hit.shape, *by_hit.shape[2:]))
+    return np.asarray(by_hit[np.arange(len(hit))[:, None], hit])
+
+
+def _hit_forces(system: System) -> Array:
+    """(P, n_hits, n) generalised forces."""
+    return np.asarray((system.force[:, :, None] @ system.hit)[:, :, 0])
+
+
+def _inverse(M: ComplexArray) -> ComplexArray:
+    """Inverses of matrices (..., 3, 3), by cross products of their rows."""
+    a, b, c = M[..., 0, :], M[..., 1, :], M[..., 2, :]
+    columns = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-1)
+    return np.asarray(columns / np.sum(a * columns[..., 0], axis=-1)[..., None, None])
+
+
+def _cross(a: ComplexArray, b: ComplexArray) -> ComplexArray:
+    return np.stack(
+        [a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in ((1, 2), (2, 0), (0, 1))],
+        axis=-1,
     )
-    A = scale[:, :, None] * Z
-    A[:, soft, soft] += 1.0
+
+
+def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -> Response:
+    """Solve systems of P postures on their lines, as far from them as a hidden window moved them.
+
+    `s_rad_s` (P, L), `hit` (P, m): each mounting's, index into the system's.
+    """
+    s = s_rad_s + system.decay_rad_s[:, None]
+    P, L = s.shape
+    m, n = hit.shape[1], system.mass.shape[-1]
+    soft = np.isfinite(system.compliance[0])
+    gamma = np.where(soft, system.compliance, 1.0)[:, None]
+    loss_s = system.compliance_loss_s[:, None]
+    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)  # (P, L, n)
+    by_line = s[..., None, None]
+    Z = (
+        by_line**2 * system.mass[:, None]
+        + by_line * system.damping[:, None]
+        + system.stiffness[:, None]
+        + hysteresis(by_line) * system.loss[:, None]
+    )
+    A = scale[..., None] * Z
+    A[..., soft, soft] += 1.0
     inner = np.linalg.inv(A)
-    H = inner * scale[:, None, :]  # symmetric
+    H = inner * scale[:, :, None, :]  # symmetric
 
     def rows(of: Array) -> ComplexArray:
-        return np.asarray(np.matmul(of.reshape(m * 3, n), H).reshape(L, m, 3, n))
+        return np.asarray(np.matmul(of.reshape(P, 1, m * 3, n), H).reshape(P, L, m, 3, n))
 
-    U = system.moved  # (m, 3, n)
+    U = system.moved  # (P, m, 3, n)
+    U_turned = U[:, None].swapaxes(-1, -2)
     HU = rows(U)
-    ms2 = (system.sensor_mass_kg * s**2)[:, None, None, None]
-    S = ms2 * np.linalg.inv(np.eye(3) + ms2 * np.matmul(HU, U.swapaxes(1, 2)))
-    b = (system.force[:, None] @ system.hit)[:, 0]  # (n_hits, n)
-    x0 = np.matmul(b, H)[:, lines.hit]  # (L, m, n)
-    SUx = np.matmul(S, np.matmul(U, x0[..., None]))
-    x = x0 - np.matmul(SUx.swapaxes(-1, -2), HU)[..., 0, :]
+    ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, :, None, None, None]
+    S = ms2 * _inverse(np.eye(3) + ms2 * np.matmul(HU, U_turned))
+    of_hits = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
+    x0 = _of_hits(of_hits.swapaxes(1, 2), hit).swapaxes(1, 2)  # (P, L, m, n)
+    SUx = _applied(S, _applied(U[:, None], x0))
+    x = x0 - np.matmul(SUx[..., None, :], HU)[..., 0, :]
     # Loads along the recorded channels, so that their mixing is inside.
-    Y0 = (s**2)[:, None, None, None] * rows(system.mix @ system.seen)
+    Y0 = by_line[..., None] ** 2 * rows(system.mix @ system.seen)
     Y0 = Y0 + rows(system.mix @ system.tilted)
-    Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U.swapaxes(1, 2)), S), HU)
-    factor = np.exp(system.log_scale - s * system.delay_s)
-    raw = (s**2)[:, None, None] * np.matmul(system.seen, x[..., None])[..., 0]
-    raw = raw + np.matmul(system.tilted, x[..., None])[..., 0]
+    Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U_turned), S), HU)
+    factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
+    raw = by_line**2 * _applied(system.seen[:, None], x) + _applied(system.tilted[:, None], x)
     return Response(
         system=system,
-        lines=lines,
+        s_rad_s=s,
+        hit=hit,
         factor=factor,
         x=x,
-        Y=Y * factor[:, None, None, None],
-        true_axes=raw * factor[:, None, None],
+        Y=Y * factor[:, :, None, None, None],
+        true_axes=raw * factor[:, :, None, None],
         inner=inner,
         HU=HU,
         S=S,

@@ -224,17 +224,18 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     n = len(fit.space)
     size = n + len(links) * len(_PAIRS)
     gradient, curvature = np.zeros(size), np.zeros((size, size))
-    for p, lines in enumerate(stage.lines):
-        model = stage.models[p]
-        y, dy = model.derivatives(fit.hypothesis, lines, fit.space, fit.values)
+    for here, together in stage.together():
+        y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
         rows = [dy]
         for probe, names in probes:
             wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
             values = {**fit.values, **dict.fromkeys(names, 0.0)}
-            rows.append(std * model.interface_columns(wide, lines, values, names, _PAIRS))
-        part = stage.weighings[p].quadratic(y, np.concatenate(rows))
-        gradient += part.gradient
-        curvature += part.curvature
+            rows.append(std * together.interface_columns(wide, values, names, _PAIRS))
+        every = np.concatenate(rows)
+        for i, p in enumerate(here):
+            part = stage.weighings[p].quadratic(y[i], every[:, i])
+            gradient += part.gradient
+            curvature += part.curvature
     free = np.flatnonzero(fit.free)
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     left = gradient[free] + fit.u[free]

@@ -51,19 +51,20 @@ def scan_dampers(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[
     pairs = [(a, b) for a in range(len(joints)) for b in range(a, len(joints))]
     std = nonproportional.size_std(ordinary)
     n = len(fit.space)
-    gradients, curvatures, geometries = [], [], []
-    for p, lines in enumerate(stage.lines):
-        model = stage.models[p]
-        y, dy = model.derivatives(fit.hypothesis, lines, fit.space, fit.values)
-        columns, geometry = model.damping_columns(
-            fit.hypothesis, lines, fit.values, [(names[a], names[b]) for a, b in pairs]
+    found_at: dict[int, tuple[Array, Array, PostureGeometry]] = {}
+    twice = np.array([1.0 if a == b else 2.0 for a, b in pairs])
+    for group, together in stage.together():
+        y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
+        columns, posed = together.damping_columns(
+            fit.hypothesis, fit.values, [(names[a], names[b]) for a, b in pairs]
         )
-        twice = np.array([1.0 if a == b else 2.0 for a, b in pairs])
-        scaled = columns * (std * twice)[:, None, None, None]
-        part = stage.weighings[p].quadratic(y, np.concatenate([dy, scaled]))
-        gradients.append(part.gradient)
-        curvatures.append(part.curvature)
-        geometries.append(geometry)
+        every = np.concatenate([dy, columns * (std * twice)[:, None, None, None, None]])
+        for i, p in enumerate(group):
+            part = stage.weighings[p].quadratic(y[i], every[:, i])
+            found_at[p] = part.gradient, part.curvature, posed[i]
+    gradients, curvatures, geometries = zip(
+        *(found_at[p] for p in range(len(stage.lines))), strict=True
+    )
     free = np.flatnonzero(fit.free)
     H = np.stack(curvatures)  # (postures, n + pairs, n + pairs)
     A = H.sum(axis=0)[np.ix_(free, free)] + np.eye(len(free))

@@ -19,6 +19,7 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Stage
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import Postures
 from analyzer.gap.scan import Candidate
 
 __all__ = ["scan_sensors"]
@@ -41,9 +42,8 @@ def scan_sensors(stage: Stage, hypothesis: Hypothesis, values: dict[str, float])
     slope = np.zeros((n_points, 3))
     curve = np.zeros((n_points, 3))
     measured = np.zeros(n_points, dtype=bool)
-    for p, lines in enumerate(stage.lines):
-        y = stage.models[p].response(hypothesis, lines, values).values
-        weighing = stage.weighings[p]
+    for p, (lines, weighing) in enumerate(zip(stage.lines, stage.weighings, strict=True)):
+        y = stage.models[p].values(hypothesis, lines, values)
         np.add.at(table, lines.sensor_point, weighing.cost_by_axis(y))
         g, h = weighing.gain_slopes(y)
         np.add.at(slope, lines.sensor_point, g)
@@ -81,9 +81,9 @@ def _elsewhere(stage: Stage, hypothesis: Hypothesis, values: dict[str, float]) -
     gain = np.zeros((len(stage.lines), n_points, n_points))  # of a point's sensor at another
     slope = np.zeros((n_points, 3))
     curve = np.zeros((n_points, 3, 3))
-    for p, lines in enumerate(stage.lines):
-        response = stage.models[p].response(hypothesis, lines, values)
-        weighing, y = stage.weighings[p], response.values
+    for p, (lines, weighing) in enumerate(zip(stage.lines, stage.weighings, strict=True)):
+        response = Postures([stage.models[p]], [lines]).response(hypothesis, values)
+        y = response.values[0]
         own = weighing.cost_by_mounting(y).sum(axis=1)
         row_of = {
             (int(point), int(hit)): m
@@ -93,7 +93,7 @@ def _elsewhere(stage: Stage, hypothesis: Hypothesis, values: dict[str, float]) -
             rows = np.array([row_of.get((int(other), int(hit)), -1) for hit in lines.hit])
             cost = weighing.cost_by_mounting(y[rows]).sum(axis=1)
             np.add.at(gain[p, :, other], lines.sensor_point, np.where(rows < 0, 0.0, own - cost))
-        g, h = weighing.own_slopes(y, response.by_shift())
+        g, h = weighing.own_slopes(y, response.by_shift()[:, 0])
         np.add.at(slope, lines.sensor_point, g)
         np.add.at(curve, lines.sensor_point, h)
     found = [*_exchanged(ordinary, ids, gain.sum(axis=0)), *_taken_for(ordinary, ids, gain)]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -17,13 +18,23 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slopes:
-    """Change of a system with each of k joint angles, per rad; all else stays."""
+    """Change of a system with each of k joint angles, per rad; all else stays.
+
+    Stacked: of P postures, the first axis of every array.
+    """
 
     mass: Array  # (k, n, n)
     moved: Array  # (k, m, 3, n)
     seen: Array  # (k, m, 3, n)
     tilted: Array  # (k, m, 3, n)
     hit: Array  # (k, n_hits, 3, n)
+
+    @classmethod
+    def stacked(cls, slopes: Sequence[Slopes]) -> Slopes:
+        """Return the slopes of several postures as one."""
+        return cls(
+            **{f.name: np.stack([getattr(own, f.name) for own in slopes]) for f in fields(cls)}
+        )
 
 
 def angle_slopes(assembly: Assembly, system: System, geometry: GeometrySlopes) -> Slopes:

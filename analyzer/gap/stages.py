@@ -11,8 +11,8 @@ from analyzer.arm.reduced import model_modes, reduce_model
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.gap.fit import Stage
-from analyzer.gap.hypothesis import PosedModel
 from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
+from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from protocols.errors import EstimateError

@@ -145,16 +145,13 @@ class Weighing:
         r, N = self._residual(y), self._nuisance(y)
         Nr = np.einsum("milk,mil->mik", N, r)
         left = r - np.einsum("milk,mik->mil", N, _solved(N, Nr[..., None])[..., 0])
-        L = y.shape[-1]
-        return np.asarray(left[..., :L] + 1j * left[..., L:])
+        return np.ascontiguousarray(left).view(np.complex128)
 
     def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
         """Misfit of a prediction with its derivatives (n, m, 3, L)."""
         r, N = self._residual(y), self._nuisance(y)
-        n, m, _, L = dy.shape
-        J = np.empty((n, m, 3, 2 * L))
-        np.multiply(dy.real, self.scale, out=J[..., :L])
-        np.multiply(dy.imag, self.scale, out=J[..., L:])
+        n, m = dy.shape[:2]
+        J = _stacked(dy * self.scale)  # (n, m, 3, 2L)
         Nr = np.einsum("milk,mil->mik", N, r)
         by_channel = J.transpose(1, 2, 0, 3)  # (m, 3, n, 2L)
         JN = np.matmul(by_channel, N)  # (m, 3, n, 3)
@@ -177,7 +174,8 @@ class Weighing:
 
 
 def _stacked(z: ComplexArray) -> Array:
-    return np.concatenate([z.real, z.imag], axis=-1)
+    """Real and imaginary parts in turn along the last axis."""
+    return np.ascontiguousarray(z).view(np.float64)
 
 
 def _solved(N: Array, right: Array) -> Array:

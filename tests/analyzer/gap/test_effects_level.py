@@ -10,11 +10,12 @@ from analyzer.gap.add import file_key, instances_of_file
 from analyzer.gap.effects import backlash, friction, microslip, softening
 from analyzer.gap.fit import Stage
 from analyzer.gap.hit_levels import has_levels, weight_factors
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import Annealing, PostureLines, own_lines
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
 from hil_sim.study import make_case
 from protocols.arm.files import load_arm
@@ -83,8 +84,8 @@ def test_it_is_the_plain_arm_with_another_spring_at_that_level(kind, ordinary, h
         f"ln c {joint}": values[f"ln c {joint}"] + ln_c,
     }
     np.testing.assert_allclose(
-        posed.response(changed, hard, values).values,
-        posed.response(plain, hard, other).values,
+        posed.values(changed, hard, values),
+        posed.values(plain, hard, other),
         rtol=1e-9,
     )
 
@@ -102,7 +103,7 @@ def test_derivatives_are_those_of_differences(kind, ordinary, hard, posed):
         for side in (1e-5, -1e-5):
             moved = u.copy()
             moved[i] += side
-            ends.append(posed.response(hypothesis, hard, space.values(moved)).values)
+            ends.append(posed.values(hypothesis, hard, space.values(moved)))
         want = (ends[0] - ends[1]) / 2e-5
         # Analytic against central differences: rounding over the step.
         np.testing.assert_allclose(dy[i], want, atol=1e-5 * np.abs(want).max())

@@ -10,9 +10,10 @@ from analyzer.arm.superset import Superset
 from analyzer.gap.add import file_key, instances_of_file
 from analyzer.gap.effects import exponential_window, hit_direction, wrong_point
 from analyzer.gap.fit import Stage
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import PosedModel
 from analyzer.gap.sensors import scan_sensors
 from analyzer.gap.weigh import Discrepancy
 from protocols.arm.files import load_arm
@@ -58,7 +59,7 @@ def predicted(posed, ordinary, lines, instances=(), **changes):
     hypothesis = Hypothesis(ordinary=ordinary, instances=instances)
     space = hypothesis.space()
     values = space.values(space.start()) | changes
-    return posed.response(hypothesis, lines, values).values
+    return posed.values(hypothesis, lines, values)
 
 
 def test_a_window_nobody_took_off_is_the_frf_further_from_the_poles(posed, ordinary, lines):
@@ -143,7 +144,7 @@ def test_derivatives_are_those_of_differences(make, ordinary, lines, posed):
         for side in (1e-4, -1e-4):
             moved = u.copy()
             moved[i] += side
-            ends.append(posed.response(hypothesis, lines, space.values(moved)).values)
+            ends.append(posed.values(hypothesis, lines, space.values(moved)))
         want = (ends[0] - ends[1]) / 2e-4
         # One-sided differences over a thousandth of the prior inside: 1e-3 of a curved column.
         np.testing.assert_allclose(dy[i], want, atol=3e-3 * np.abs(want).max())

@@ -13,10 +13,11 @@ from analyzer.gap.effects.load_damping import gravity_load
 from analyzer.gap.effects.long_link import LongLink, long_links
 from analyzer.gap.effects.nonproportional import FLOOR
 from analyzer.gap.geometry import GeometryNear
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import PosedModel
 from analyzer.gap.records import EffectFound, Interval
 from protocols.arm.files import arm_from_texts, load_arm
 from protocols.arm.rewrite import text_with_effects
@@ -77,8 +78,8 @@ def test_a_heavier_sensor_is_one_whose_file_says_so(ordinary, lines, posed):
     values = start_of(heavy)
     told = replace(lines, sensor_mass_kg=lines.sensor_mass_kg + 0.08)
     np.testing.assert_allclose(
-        posed.response(heavy, lines, values | {"sensor mass": 0.08}).values,
-        posed.response(Hypothesis(ordinary=ordinary), told, values).values,
+        posed.values(heavy, lines, values | {"sensor mass": 0.08}),
+        posed.values(Hypothesis(ordinary=ordinary), told, values),
         rtol=1e-12,
     )
 
@@ -110,8 +111,8 @@ def test_load_damping_adds_to_the_joint_s_own_by_its_load(superset, ordinary, li
     load = abs(gravity_load(geometry, links, superset.joint_column(2)))
     more = values | {"ln c axis_3": values["ln c axis_3"] + np.log(1.0 + 0.02 * load)}
     np.testing.assert_allclose(
-        posed.response(loaded, lines, values | {instance.size: 0.02}).values,
-        posed.response(Hypothesis(ordinary=ordinary), lines, more).values,
+        posed.values(loaded, lines, values | {instance.size: 0.02}),
+        posed.values(Hypothesis(ordinary=ordinary), lines, more),
         rtol=1e-10,
     )
 
@@ -134,7 +135,7 @@ def test_wound_wrist_gears_are_a_stiff_spring_on_both_turns(superset, ordinary, 
     wound = Hypothesis(ordinary=ordinary, instances=(instance,))
     values = start_of(wound) | {instance.size: 0.8}
     still = replace(lines, sensor_mass_kg=0.0)
-    got = posed.response(wound, still, values).values
+    got = posed.values(wound, still, values)
     dynamics, arm = superset.posture(JOINTS), superset.arm
     columns = [superset.joint_column(i) for i in range(6)]
     own = [(j.stiffness.value, j.damping.value) if j.stiffness else (0.0, 0.0) for j in arm.joints]
@@ -180,7 +181,7 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
     instance = instance_of(ordinary, "link_bending", "lower_arm")
     hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
     values = start_of(hypothesis) | {instance.size: 1e-5}
-    system = posed.response(hypothesis, lines, values).system
+    system = posed.system(hypothesis, lines, values)
     line = next(x for x in long_links(ordinary) if x.name == "lower_arm")
     n = system.moved.shape[-1]
     hinges = range(n - 6, n)  # three places, two ways
@@ -212,8 +213,8 @@ def test_what_is_not_there_changes_nothing(ordinary, lines, posed):
     zero = {n: 0.0 for i in others for n in (i.size, *i.sizes)}
     every = space.values(space.start()) | zero | values
     np.testing.assert_allclose(
-        posed.response(beside, lines, every).values,
-        posed.response(alone, lines, values).values,
+        posed.values(beside, lines, every),
+        posed.values(alone, lines, values),
         rtol=1e-8,
     )
 
@@ -260,7 +261,7 @@ def test_a_damper_resists_the_rate_of_its_length(superset, ordinary, lines, pose
         step = np.zeros(6)
         step[i] = 1e-5
         rate.append((length(JOINTS + step) - length(JOINTS - step)) / 2e-5)
-    more, less = (posed.response(hypothesis, lines, v).system.damping for v in (damped, plain))
+    more, less = (posed.system(hypothesis, lines, v).damping for v in (damped, plain))
     elastic = len(ordinary.elastic)
     want = 700.0 * np.outer(rate[:elastic], rate[:elastic])
     np.testing.assert_allclose(
@@ -320,5 +321,5 @@ def test_shapes_do_nothing_while_there_is_nothing(ordinary, lines, posed):
         other = values | {
             n: values[n] + 0.3 * std[n] * rng.standard_normal() for n in instance.shapes
         }
-        one, two = (posed.response(hypothesis, lines, v).values for v in (values, other))
+        one, two = (posed.values(hypothesis, lines, v) for v in (values, other))
         np.testing.assert_allclose(one, two, rtol=1e-9, err_msg=instance.title)

@@ -7,10 +7,11 @@ from analyzer.arm.reduced import reduce_model
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
-from analyzer.gap.hypothesis import Hypothesis, PosedModel
+from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import PosedModel, Postures
 from protocols.arm.files import load_arm
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
@@ -59,7 +60,7 @@ def test_without_errors_it_is_the_reduced_model_mounting_by_mounting(
     for name in values:
         if name.startswith("bearing") or name == "loss":
             values[name] = 0.0
-    got = posed.response(Hypothesis(ordinary=ordinary), lines, values).values
+    got = posed.values(Hypothesis(ordinary=ordinary), lines, values)
     dynamics = superset.posture(JOINTS)
     gravity = dynamics.gravity_m_s2
     for m in (0, 7, 16):
@@ -85,8 +86,8 @@ def test_a_compliance_of_zero_is_the_model_without_it(lines, ordinary, posed):
     space = with_axis.space()
     values = space.values(space.start())
     np.testing.assert_allclose(
-        posed.response(with_axis, lines, values).values,
-        posed.response(plain, lines, values).values,
+        posed.values(with_axis, lines, values),
+        posed.values(plain, lines, values),
         rtol=1e-10,
     )
 
@@ -104,8 +105,8 @@ def test_axis_in_a_joint_s_own_line_is_a_spring_in_series(lines, ordinary, posed
     in_series = values | {names[0]: gamma, names[1]: 0.0}
     softer = values | {f"ln k {joint.name}": -np.log(1.0 / joint.stiffness.value + gamma)}
     np.testing.assert_allclose(
-        posed.response(both, lines, in_series).values,
-        posed.response(plain, lines, softer).values,
+        posed.values(both, lines, in_series),
+        posed.values(plain, lines, softer),
         rtol=2e-6,  # gravity's stiffness, a thousandth of k, acts on each of the two: its square
     )
 
@@ -140,7 +141,7 @@ def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, 
             for side in (1.0, -1.0):
                 moved = u.copy()
                 moved[i] += side * h
-                ends.append(posed.response(hypothesis, lines, space.values(moved)).values)
+                ends.append(posed.values(hypothesis, lines, space.values(moved)))
             want = (ends[0] - ends[1]) / (2 * h)
             size = np.abs(want).max()
             name = space.parameters[i].name
@@ -153,14 +154,12 @@ def test_the_equations_are_reciprocal(lines, ordinary, posed):
     """H is symmetric: loads and motions of the coordinates exchange."""
     hypothesis = Hypothesis(ordinary=ordinary)
     space = hypothesis.space()
-    found = posed.response(hypothesis, lines, space.values(space.start()))
+    found = Postures([posed], [lines]).response(hypothesis, space.values(space.start()))
     system = found.system
-    H = (
-        found.inner
-        * np.where(
-            np.isfinite(system.compliance),
-            system.compliance / (1.0 + lines.s_rad_s[:, None] * system.compliance_loss_s),
-            1.0,
-        )[:, None, :]
+    scale = np.where(
+        np.isfinite(system.compliance[0]),
+        system.compliance[0] / (1.0 + lines.s_rad_s[:, None] * system.compliance_loss_s[0]),
+        1.0,
     )
+    H = found.inner[0] * scale[:, None, :]
     np.testing.assert_allclose(H, H.swapaxes(1, 2), rtol=1e-8, atol=1e-18)

@@ -1,0 +1,338 @@
+"""Predictions in postures, and their derivatives by every parameter.
+
+Postures whose lines are alike are solved together: a posture alone has too few lines to keep the
+arithmetic busy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.assembly import Assembly, System
+from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.ordinary import Ordinary, across
+from analyzer.gap.response import Change, Response, hysteresis, respond
+from analyzer.gap.slopes import Slopes, angle_slopes
+from analyzer.gap.space import Space
+
+__all__ = ["PosedModel", "Postures"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_INERTIA_STEP = 1e-6
+_RELATIVE_STEP = 1e-3  # of a parameter's prior deviation
+
+
+class PosedModel:
+    """An arm in one posture, with the geometry of the last angles at hand."""
+
+    def __init__(self, superset: Superset, joints_rad: Array) -> None:
+        self._near = GeometryNear(superset, joints_rad)
+
+    def geometry(self, ordinary: Ordinary, values: Mapping[str, float]) -> PostureGeometry:
+        """Geometry at the angles read and the encoders' offsets."""
+        return self._near.at(ordinary.encoder(values))
+
+    def slopes(self) -> GeometrySlopes:
+        """Return how the geometry last asked for changes with the angles."""
+        return self._near.slopes()
+
+    def system(
+        self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
+    ) -> System:
+        """Return the posture's equations."""
+        geometry = self.geometry(hypothesis.ordinary, values)
+        return hypothesis.assemble(geometry, lines, values).system()
+
+    def values(
+        self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
+    ) -> ComplexArray:
+        """Predict the posture's FRFs: (m, 3, L)."""
+        return np.asarray(Postures([self], [lines]).response(hypothesis, values).values[0])
+
+    def derivatives(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        space: Space,
+        values: Mapping[str, float],
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """FRFs (m, 3, L) and derivatives (n_parameters, m, 3, L), as `Postures.derivatives`."""
+        y, dy = Postures([self], [lines]).derivatives(hypothesis, space, values)
+        return y[0], dy[:, 0]
+
+
+class Postures:
+    """P postures with lines alike: as many mountings, hits and lines."""
+
+    def __init__(self, models: Sequence[PosedModel], lines: Sequence[PostureLines]) -> None:
+        self._models, self.lines = tuple(models), tuple(lines)
+        self._s_rad_s = np.stack([own.s_rad_s for own in lines])
+        self._hit = np.stack([own.hit for own in lines])
+
+    @staticmethod
+    def likeness(lines: PostureLines) -> tuple[object, ...]:
+        """Return what postures that are solved together have in common."""
+        return lines.values.shape, len(lines.hit_point), lines.brakes
+
+    def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
+        """Predict the postures' FRFs."""
+        return self._solved(self._assemblies(hypothesis, values))[1]
+
+    def derivatives(
+        self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Predict FRFs and their derivatives by a prior deviation of each parameter.
+
+        Returns
+        -------
+        y : (P, m, 3, L) complex128
+        dy : (n_parameters, P, m, 3, L) complex128
+            Rows of parameters that do not act here are zero.
+        """
+        assemblies = self._assemblies(hypothesis, values)
+        systems, found = self._solved(assemblies)
+        y = found.values
+        dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
+        posed = _Posed(hypothesis, assemblies, systems, found, values)
+        for name, derivative in chain(
+            posed.by_joints(),
+            posed.by_compliances(),
+            posed.by_inertias(),
+            posed.by_measurement(),
+            posed.by_angles([model.slopes() for model in self._models]),
+            posed.by_terms(),
+            posed.by_differences(space, self._s_rad_s),
+        ):
+            if name in space.index:
+                dy[space.index[name]] += derivative * space.std[space.index[name]]
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, P, m, 3, L) by the compliance matrix of some locked coordinates.
+
+        Of an element a, b of that of the coordinates `names`: both triangles' mean.
+        """
+        assemblies = self._assemblies(hypothesis, values)
+        found = self._solved(assemblies)[1]
+        left, right = found.through_compliances(
+            [assemblies[0].compliance_of[name][0][0] for name in names]
+        )
+        right = right[:, :, :, None]
+        return np.stack([0.5 * (left[a] * right[b] + left[b] * right[a]) for a, b in pairs])
+
+    def damping_columns(
+        self,
+        hypothesis: Hypothesis,
+        values: Mapping[str, float],
+        pairs: Sequence[tuple[str, str]],
+    ) -> tuple[ComplexArray, list[PostureGeometry]]:
+        """Derivatives (n_pairs, P, m, 3, L) by a damping between two joints; geometries.
+
+        Of an element of C of two named joints: both triangles' mean.
+        """
+        assemblies = self._assemblies(hypothesis, values)
+        found = self._solved(assemblies)[1]
+        names = assemblies[0].names
+        at = [(names[a], names[b]) for a, b in pairs]
+        columns = [
+            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
+        ]
+        return np.stack(columns), [assembly.geometry for assembly in assemblies]
+
+    def _assemblies(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> list[Assembly]:
+        return [
+            hypothesis.assemble(model.geometry(hypothesis.ordinary, values), lines, values)
+            for model, lines in zip(self._models, self.lines, strict=True)
+        ]
+
+    def _solved(self, assemblies: Sequence[Assembly]) -> tuple[list[System], Response]:
+        systems = [assembly.system() for assembly in assemblies]
+        return systems, respond(System.stacked(systems), self._s_rad_s, self._hit)
+
+
+@dataclass(frozen=True, slots=True)
+class _Posed:
+    """Solved postures, and their derivatives (P, m, 3, L) by name."""
+
+    hypothesis: Hypothesis
+    assemblies: Sequence[Assembly]
+    systems: Sequence[System]  # of each posture
+    found: Response
+    values: Mapping[str, float]
+
+    @property
+    def ordinary(self) -> Ordinary:
+        """Return the ordinary model."""
+        return self.hypothesis.ordinary
+
+    def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Stiffness with its hysteretic part, damping, and the common loss."""
+        s = self.found.s_rad_s
+        loss, turn = self.values["loss"], hysteresis(s)[:, None, None, :]
+        by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
+        for i in self.ordinary.elastic:
+            name = self.ordinary.arm.joints[i].name
+            row = np.stack([own.joint_row(name) for own in self.assemblies])
+            factors = np.array([own.factors.get(name, (1.0, 1.0)) for own in self.assemblies])
+            k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
+            by_stiffness = self.found.by_stretch(row, k * factors[:, :1])
+            by_spring[name] = (
+                (1.0 + loss * turn) * by_stiffness,
+                self.found.by_stretch(row, c * factors[:, 1:] * s),
+            )
+            yield f"ln k {name}", by_spring[name][0]
+            yield f"ln c {name}", by_spring[name][1]
+            by_loss = by_loss + turn * by_stiffness
+        for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():
+            slopes = np.array([own.log_slopes[parameter][1:] for own in self.assemblies])
+            by_k, by_c = slopes.T[:, :, None, None, None]
+            yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
+        yield "loss", by_loss
+
+    def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Compliances and their losses."""
+        s, system = self.found.s_rad_s, self.found.system
+        compliances = self.assemblies[0].compliance_of
+        every = [at for parts in compliances.values() for at, _ in parts]
+        row_of = dict(zip(every, self.found.by_compliances(every), strict=True))
+        for name, parts in compliances.items():
+            weights = np.array(
+                [[part for _, part in own.compliance_of[name]] for own in self.assemblies]
+            )
+            yield name, _weighed_sum([row_of[at] for at, _ in parts], weights.T)
+        for name, coordinates in self.assemblies[0].loss_of.items():
+            slower = [
+                -system.compliance[:, at, None]
+                * s
+                / (1.0 + system.compliance_loss_s[:, at, None] * s)
+                for at in coordinates
+            ]
+            yield (
+                name,
+                np.sum(
+                    [
+                        row_of[at] * w[:, None, None, :]
+                        for at, w in zip(coordinates, slower, strict=True)
+                    ],
+                    axis=0,
+                ),
+            )
+
+    def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Masses, centres and tensors of the links."""
+        for link in range(len(self.ordinary.arm.joints)):
+            names = self.ordinary.inertia_names(link)
+            changes = _inertia_changes(self.ordinary, link, names, self.values)
+            yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
+
+    def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Gains, delay and aim."""
+        found = self.found
+        y = found.values
+        for axis, letter in enumerate("xyz"):
+            column = found.system.mix[..., axis]  # (P, m, 3) of the recorded channels
+            true = found.true_axes[..., axis].swapaxes(1, 2)  # (P, m, L)
+            yield f"ln gain {letter}", column[..., None] * true[:, :, None]
+        yield "ln hammer", -y
+        yield "delay", -found.s_rad_s[:, None, None, :] * y
+        if found.system.hit.shape[1] == 1:
+            sides = np.stack([across(own.lines.hit_direction[0]) for own in self.assemblies])
+            for side, letter in enumerate("ab"):
+                by_aim = found.by_force(0, sides[..., side])
+                for p, own in enumerate(self.assemblies):
+                    alone = np.zeros_like(by_aim)
+                    alone[p] = by_aim[p]
+                    yield f"aim {letter} {own.lines.name}", alone
+
+    def by_angles(self, near: Sequence[GeometrySlopes]) -> Iterator[tuple[str, ComplexArray]]:
+        """Joint angles, by which the encoders are off."""
+        slopes = [
+            angle_slopes(assembly, system, geometry)
+            for assembly, system, geometry in zip(self.assemblies, self.systems, near, strict=True)
+        ]
+        names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
+        return zip(names, self.found.by_slopes(Slopes.stacked(slopes)), strict=True)
+
+    def by_terms(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What effects add linearly."""
+        for name, terms in self.assemblies[0].terms_of.items():
+            slopes = np.array([[v for *_, v in own.terms_of[name]] for own in self.assemblies])
+            columns = [self.found.by_term(kind, i, j) for kind, i, j, _ in terms]
+            yield name, _weighed_sum(columns, slopes.T)
+        for name, rows in self.assemblies[0].stretches_of.items():
+            of_all = [own.stretches_of[name] for own in self.assemblies]
+            slopes = np.array([[v for *_, v in own] for own in of_all])
+            columns = [
+                self.found.by_stretch_of(kind, np.stack([own[at][1] for own in of_all]))
+                for at, (kind, _, _) in enumerate(rows)
+            ]
+            yield name, _weighed_sum(columns, slopes.T)
+
+    def by_differences(
+        self, space: Space, s_rad_s: ComplexArray
+    ) -> Iterator[tuple[str, ComplexArray]]:
+        """What is left of effects, by differences of the equations."""
+        first = self.assemblies[0]
+        known = {
+            *first.compliance_of,
+            *first.loss_of,
+            *first.terms_of,
+            *first.stretches_of,
+            *first.log_slopes,
+        }
+        for instance in self.hypothesis.instances:
+            for parameter in instance.parameters:
+                is_idle = parameter.name in instance.shapes and self.values[instance.size] == 0.0
+                if parameter.name in known or parameter.name not in space.index or is_idle:
+                    continue
+                step = _RELATIVE_STEP * parameter.std
+                if self.values[parameter.name] + step > parameter.high:
+                    step = -step
+                changed = {**self.values, parameter.name: self.values[parameter.name] + step}
+                other = System.stacked(
+                    [
+                        self.hypothesis.assemble(own.geometry, own.lines, changed).system()
+                        for own in self.assemblies
+                    ]
+                )
+                if not np.array_equal(other.decay_rad_s, self.found.system.decay_rad_s):
+                    there = respond(other, s_rad_s, self.found.hit)
+                    yield parameter.name, (there.values - self.found.values) / step
+                    continue
+                change = Change.between(self.found.system, other, step)
+                yield parameter.name, self.found.by_change(change)
+
+
+def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArray:
+    """Sum of columns (P, m, 3, L), each with a weight (P,) of every posture."""
+    return np.asarray(
+        sum(c * w[:, None, None, None] for c, w in zip(columns, weights, strict=True))
+    )
+
+
+def _inertia_changes(
+    ordinary: Ordinary, link: int, names: tuple[str, ...], values: Mapping[str, float]
+) -> Array:
+    """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
+    z = np.array([values[name] for name in names])
+    beside = np.concatenate([z[None], z + _INERTIA_STEP * np.eye(len(names))])
+    inertias, _ = ordinary.link_inertias([link] * len(beside), beside)
+    return np.asarray((inertias[1:] - inertias[0]) / _INERTIA_STEP)
