@@ -147,9 +147,9 @@ class Assembly:
     stretches: list[tuple[str, Array, float]] = field(default_factory=list)
     stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
     # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates between pieces:
-    # the link, how many pieces do not move with it, and which points.
+    # the link, how many pieces do not move with it, and whether each point does not.
     pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
-    between: dict[int, tuple[int, int, npt.NDArray[np.int64]]] = field(default_factory=dict)
+    between: dict[int, tuple[int, int, npt.NDArray[np.bool_]]] = field(default_factory=dict)
     # What a joint's stiffness and damping are multiplied by beside their parameters, and what a
     # parameter adds to the logarithms of both.
     factors: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -359,7 +359,7 @@ class Assembly:
         """Return (k, 6, n) motion of points, those that stand elsewhere shifted."""
         motion = self.geometry.point_jacobian[points] @ T
         for at, (_, _, still) in self.between.items():
-            motion[np.isin(points, still), :, at] = 0.0
+            motion[still[points], :, at] = 0.0
         for point, shift in self.shifts_m.items():
             arm = skew(self.geometry.point_rotation[point] @ shift)
             rows = points == point

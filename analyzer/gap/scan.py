@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +24,9 @@ from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.compliance import compliance_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.space import Parameter
+from protocols.arrays import frozen_array
 
 __all__ = ["Candidate", "scan_axes", "scan_instances"]
 
@@ -253,22 +255,7 @@ def _best_lines(
     gram: Array, slope: Array, ordinary: Ordinary, link: int
 ) -> tuple[list[float], list[tuple[Array, Array]]]:
     """Lines by falling gain, each well apart from the better ones."""
-    directions = _hemisphere(_N_DIRECTIONS)
-    center = ordinary.arm.joints[link].link.center_m
-    twists, lines = [], []
-    for u in directions:
-        a = np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
-        a /= np.linalg.norm(a)
-        b = np.cross(u, a)
-        for around in (np.zeros(3), center):
-            for lever in _LEVERS_M:
-                for turn in (a, b, -a, -b) if lever else (a,):
-                    point = around + lever * turn
-                    point = point - u * (u @ point)
-                    twists.append(np.concatenate([np.cross(point, u), u]))
-                    lines.append((u, point))
-    t = np.array(twists)
-    q = np.stack([t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS], axis=1)
+    q, lines = _lines_tried(tuple(ordinary.arm.joints[link].link.center_m.tolist()))
     g = q @ slope
     h = np.einsum("ki,ij,kj->k", q, gram, q) + 1.0
     gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)
@@ -279,6 +266,27 @@ def _best_lines(
         if len(chosen) == 3:
             break
     return [float(gain[i]) for i in chosen], [lines[i] for i in chosen]
+
+
+@lru_cache(maxsize=64)
+def _lines_tried(center: tuple[float, ...]) -> tuple[Array, list[tuple[Array, Array]]]:
+    """Products (n_lines, 21) of lines' twists, and direction and nearest point of each.
+
+    Through the link's origin and its centre (in its frame), and beside both.
+    """
+    twists, lines = [], []
+    for u in _hemisphere(_N_DIRECTIONS):
+        a, b = across(u).T
+        for around in (np.zeros(3), np.array(center)):
+            for lever in _LEVERS_M:
+                for turn in (a, b, -a, -b) if lever else (a,):
+                    point = around + lever * turn
+                    point = point - u * (u @ point)
+                    twists.append(np.concatenate([np.cross(point, u), u]))
+                    lines.append((u, point))
+    t = np.array(twists)
+    q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS]
+    return frozen_array(np.stack(q, axis=1), np.float64), lines
 
 
 def _hemisphere(n: int) -> Array:

@@ -74,7 +74,7 @@ def _point_slopes(
     """(k, n_points, 6, n) change of the points' motion with each angle."""
     found: Array = geometry.point_jacobian[:, points] @ T
     for at, (_, _, still) in assembly.between.items():
-        found[:, np.isin(points, still), :, at] = 0.0
+        found[:, still[points], :, at] = 0.0
     if assembly.shifts_m:
         motion = assembly.point_motion(points, T)
         for point, shift in assembly.shifts_m.items():

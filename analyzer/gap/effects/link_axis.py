@@ -53,7 +53,7 @@ def at_axis(
     sides = across(direction)
     gamma, loss, part = (f"axis {what} {name}" for what in ("compliance", "loss", "mass before"))
     moves = [f"axis {what} {name}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
-    still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
+    still = np.array([point.id in before for point in ordinary.arm.points])
     columns = ordinary.superset.interface_columns(link)
     nearest = point_m - direction * (direction @ point_m)
 

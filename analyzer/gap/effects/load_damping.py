@@ -34,12 +34,11 @@ _VERTICAL = 0.99
 
 def gravity_load(geometry: PostureGeometry, links: tuple[InertialLink, ...], column: int) -> float:
     """Torque in N m that the links' believed weight puts on a freedom of the superset."""
-    torque = 0.0
-    for J, link in zip(geometry.link_jacobian, links, strict=True):
-        weight = link.mass_kg * (J[:3, :3] @ geometry.gravity_m_s2)  # along the link's axes
-        motion = J[:3, column] + np.cross(J[3:, column], link.center_m)
-        torque += float(weight @ motion)
-    return torque
+    J = geometry.link_jacobian
+    weight = J[:, :3, :3] @ geometry.gravity_m_s2  # of a kg, along each link's axes
+    centers = np.array([link.center_m for link in links])
+    motion = J[:, :3, column] + np.cross(J[:, 3:, column], centers)
+    return float(np.array([link.mass_kg for link in links]) @ np.sum(weight * motion, axis=1))
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -95,7 +95,8 @@ def given_way(
     for number, (s, twist) in enumerate(line.twists(directions)):
         column = np.zeros(ordinary.superset.n)
         column[columns] = twist
-        still = np.array([i for i, at in points if at < s], dtype=np.int64)
+        still = np.zeros(len(ordinary.arm.points), dtype=np.bool_)
+        still[[i for i, at in points if at < s]] = True
         hinges.append((column, 1 + number // len(directions), still))
     edges = np.array([0.0, *line.places_m, line.length_m])
     shares = np.diff(edges) / line.length_m
