@@ -8,10 +8,13 @@ most promising effects are fitted on broad lines first, the best of those on sha
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.judge import misfit_per_line
 from analyzer.gap.looks import look_at_all, most_promising
 from analyzer.gap.starts import (
     BEHIND,
@@ -30,7 +33,7 @@ __all__ = ["Rivals", "find_rivals"]
 _MOST_PROMISING = 4
 _COARSE, _MIDDLE, _FINALISTS = 9, 4, 4
 _LOOKED_AT_SHARPLY = 10
-_BEHIND_BROADLY = 1.5  # times the least cost on broad lines, likewise
+_BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines, likewise
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _SPLIT = 2  # leading fits in which an axis may have a part of its link before it
@@ -41,6 +44,11 @@ _BELIEVABLE = (
 # Where soft and hard hits are told apart: a joint that follows the level leaves much, and is near.
 _NEAR_BY_LEVEL = 4.0
 _WORTH_SHARP = 15.0  # of cost by the linear look; less is not worth a fit
+_FIRST_SHARPLY, _BLOCK = 8, 4  # steps of a finalist, how many at a time
+# A finalist goes on while it is no further behind than this, times misfit a residual, and than it
+# would gain in so many blocks like its last.
+_BESIDE, _PATIENCE = 60.0, 4.0
+_WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it is fitted again
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _LITTLE = 8.0  # of evidence after two steps: less becomes no name
@@ -64,6 +72,7 @@ def find_rivals(
     *,
     postures: Sequence[int] | None = None,
     start: dict[str, float] | None = None,
+    fitted: Fit | None = None,
     tell: Progress = lambda _: None,
 ) -> Rivals:
     """Fit the present hypothesis and the effects that could improve on it.
@@ -72,66 +81,143 @@ def find_rivals(
     ----------
     stages
         Widest, broad, middle and sharp lines of the same postures.
+    fitted
+        A sharp fit of the present hypothesis to all postures, if there is one.
     """
-    widest, broad, middle, sharp = stages
+    widest, broad, _, sharp = stages
+    start = start or {}
     tell("the arm as believed" if not present.instances else present.name)
-    at_widest = fit_hypothesis(widest, present, start=start, postures=postures, max_iterations=7)
-    base = _further(broad, at_widest, postures, 5)
-    at_middle = _further(middle, base, postures, 5)
-    at_sharp = _further(sharp, at_middle, postures, 8)
-    per_line = 2.0 * at_sharp.cost / sum(w.n for w in sharp.weighings)
-    near = _NEAR_BY_LEVEL if present.ordinary.level_span else _NEAR
-    lost = at_sharp.farthest > _BELIEVABLE
-    if per_line < near and not lost:
-        least = base.cost
-        at_sharp = _further(sharp, at_sharp, postures, _STEPS)
-        looked_at = look_at_all(sharp, at_sharp, start or {}, from_start=False)
-        chosen = most_promising(looked_at, _WORTH_SHARP, each_kind=False)[:_LOOKED_AT_SHARPLY]
-        first = first_steps(sharp, at_sharp, chosen, postures, start or {})
-        # The best after two steps, and those that promise most: some need more than two.
-        promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
-        best = _leading(first, None)[: _FINALISTS - 1]
-        best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
-        little = at_sharp.evidence - _LITTLE
-        best = [f for i, f in enumerate(best) if i == 0 or f.evidence < little]
+    so_far = _annealed(stages, present, postures, start, fitted)
+    if so_far.astray:
+        best, least = _searched(stages, so_far, postures, start, tell)
     else:
-        wide = from_the_start(widest, present, postures, start or {}, alone=lost)
-        coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
-        if not lost and wide[0].cost > _OBVIOUS * at_widest.cost:
-            looked_at = look_at_all(broad, base, start or {}, from_start=True)
-            chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
-            coarse += first_steps(broad, base, chosen, postures, start or {})
-        coarse.sort(key=lambda f: f.cost)
-        leading = not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]
-        coarse += axes_of_bearings(broad, present, leading, postures)
-        coarse.sort(key=lambda f: f.cost)
-        best = []
-        for f in not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]:
-            tell(f.hypothesis.name)
-            best.append(_further(broad, f, postures, 6))
-        least = min(f.cost for f in best)
-        best += split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
-        best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
-        best = _leading(best, at_middle)
-    behind = behind_joints(broad, base, postures)
-    behind = [f for f in _leading(behind, base)[:1] if f.cost < BEHIND * least]
+        so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, postures, _STEPS))
+        best, least = _looked_for(sharp, so_far.sharp, postures, start), so_far.broad.cost
+    behind = behind_joints(widest, so_far.widest, postures)
+    behind = [_further(broad, f, postures, 3) for f in behind]
+    behind = [f for f in _leading(behind, so_far.broad)[:1] if f.cost < BEHIND * least]
     best += [f for f in behind if _key(f) not in map(_key, best)]
-    finals = []
+    finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
-        finals.append(_further(sharp, f, postures, 8))
+        finals.append(_while_hopeful(sharp, f, postures, finals, _FIRST_SHARPLY))
     finals.sort(key=lambda f: f.evidence)
     finals += split_axes(sharp, finals[:1], postures, 8)
     finals = _leading(finals, None)
-    finals = [
-        f if f.converged else _further(sharp, f, postures, _STEPS)
-        for f in finals
-        if f.evidence < finals[0].evidence + _HOPELESS
-    ]
-    return Rivals(
-        present=at_sharp,
-        rivals=tuple(sorted(finals, key=lambda f: f.evidence)),
+    if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
+        finals[0] = _further(sharp, finals[0], postures, _STEPS)
+        finals[1:] = [_while_hopeful(sharp, f, postures, finals, _STEPS) for f in finals[1:]]
+    return Rivals(present=so_far.sharp, rivals=tuple(sorted(finals, key=lambda f: f.evidence)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Annealed:
+    """The present hypothesis on the lines of each stage."""
+
+    widest: Fit
+    broad: Fit
+    middle: Fit
+    sharp: Fit
+    astray: bool
+
+
+def _annealed(
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    postures: Sequence[int] | None,
+    start: dict[str, float],
+    fitted: Fit | None,
+) -> _Annealed:
+    widest, broad, middle, sharp = stages
+    if fitted is not None and not _is_astray(sharp, fitted):
+        at_widest = fit_hypothesis(
+            widest, present, resumed=fitted, postures=postures, max_iterations=3
+        )
+        at_broad = _further(broad, at_widest, postures, 3)
+        return _Annealed(
+            widest=at_widest, broad=at_broad, middle=at_broad, sharp=fitted, astray=False
+        )
+    at_widest = fit_hypothesis(widest, present, start=start, postures=postures, max_iterations=7)
+    at_broad = _further(broad, at_widest, postures, 5)
+    at_middle = _further(middle, at_broad, postures, 5)
+    at_sharp = _further(sharp, at_middle, postures, 8)
+    return _Annealed(
+        widest=at_widest,
+        broad=at_broad,
+        middle=at_middle,
+        sharp=at_sharp,
+        astray=_is_astray(sharp, at_sharp),
     )
+
+
+def _looked_for(
+    sharp: Stage, fit: Fit, postures: Sequence[int] | None, start: dict[str, float]
+) -> list[Fit]:
+    """By a linear look on the sharp lines."""
+    looked_at = look_at_all(sharp, fit, start, from_start=False)
+    chosen = most_promising(looked_at, _WORTH_SHARP, each_kind=False)[:_LOOKED_AT_SHARPLY]
+    first = first_steps(sharp, fit, chosen, postures, start)
+    # The best after two steps, and those that promise most: some need more than two.
+    promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
+    best = _leading(first, None)[: _FINALISTS - 1]
+    best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
+    little = fit.evidence - _LITTLE
+    return [f for i, f in enumerate(best) if i == 0 or f.evidence < little]
+
+
+def _searched(
+    stages: Sequence[Stage],
+    so_far: _Annealed,
+    postures: Sequence[int] | None,
+    start: dict[str, float],
+    tell: Progress,
+) -> tuple[list[Fit], float]:
+    """By fits on ever sharper lines; and the least cost on the broad ones."""
+    widest, broad, middle, _ = stages
+    present, base = so_far.sharp.hypothesis, so_far.broad
+    lost = so_far.sharp.farthest > _BELIEVABLE
+    wide = from_the_start(widest, present, postures, start, alone=lost)
+    coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
+    if not lost and wide[0].cost > _OBVIOUS * so_far.widest.cost:
+        looked_at = look_at_all(broad, base, start, from_start=True)
+        chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
+        coarse += first_steps(broad, base, chosen, postures, start)
+    coarse.sort(key=lambda f: f.cost)
+    leading = not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]
+    coarse += axes_of_bearings(broad, present, leading, postures)
+    coarse.sort(key=lambda f: f.cost)
+    best = not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]
+    for _ in range(2):
+        tell(best[0].hypothesis.name)
+        best = sorted((_further(broad, f, postures, 3) for f in best), key=lambda f: f.cost)
+        best = not_hopeless(best, _BEHIND_LATER)
+    least = best[0].cost
+    best += split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
+    best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
+    return _leading(best, so_far.middle), least
+
+
+def _is_astray(sharp: Stage, fit: Fit) -> bool:
+    """Whether a linear look about a fit would mislead: far from the measurement or believable."""
+    near = _NEAR_BY_LEVEL if fit.hypothesis.ordinary.level_span else _NEAR
+    return misfit_per_line(sharp, fit) >= near or fit.farthest > _BELIEVABLE
+
+
+def _while_hopeful(
+    stage: Stage, fit: Fit, postures: Sequence[int] | None, others: Sequence[Fit], steps: int
+) -> Fit:
+    """Some steps more at a time, while they could still bring a fit beside the best of others."""
+    best = min((f.evidence for f in others if f is not fit), default=np.inf)
+    allowed = _BESIDE * max(1.0, misfit_per_line(stage, fit))
+    taken = 0
+    while taken < steps:
+        further = _further(stage, fit, postures, min(_BLOCK, steps - taken))
+        taken += _BLOCK
+        gained = further.first_cost - further.cost if further is not fit else 0.0
+        fit = further
+        if fit.converged or fit.evidence - _PATIENCE * gained > best + allowed:
+            break
+    return fit
 
 
 def _key(fit: Fit) -> tuple[str, str]:

@@ -32,8 +32,10 @@ BEHIND = 2.2  # times the least cost on the widest lines: what costs more is not
 WORTH_BROAD = 4.0  # of cost by the linear look; less is not worth a fit
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
-_FROM_START, _ALONE, _BETTER, _FEWEST = 10, 18, 12, 3
-_FEW_PARAMETERS, _MANY_STEPS, _WIDE_STEPS = 6, 9, 3
+_SERVO_STEPS, _SERVOS = 4, 3
+_FROM_START, _ALONE, _FEWEST = 10, 18, 3
+_WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS = (2, 2, 2), (2, 8), 6  # in turn, for ever fewer fits
+_STILL_IN = (24, 12)
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -136,14 +138,18 @@ def from_the_start(
     fits = []
     for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
-    fits.sort(key=lambda f: f.cost)
-    better = []
-    for fit in not_hopeless(fits, BEHIND)[:_BETTER]:
-        many = len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
-        steps = _MANY_STEPS if many else _WIDE_STEPS
-        better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
-    return sorted(better, key=lambda f: f.cost)
+        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS[0]))
+    for steps, many_steps, most in zip(_WIDE_STEPS[1:], _MANY_STEPS, _STILL_IN, strict=True):
+        fits.sort(key=lambda f: f.cost)
+        fits = [
+            _quickly(stage, f.hypothesis, f.values, postures, many_steps if _has_many(f) else steps)
+            for f in not_hopeless(fits, BEHIND)[:most]
+        ]
+    return sorted(fits, key=lambda f: f.cost)
+
+
+def _has_many(fit: Fit) -> bool:
+    return len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
 
 
 def not_hopeless(fits: Sequence[Fit], behind: float) -> list[Fit]:
@@ -167,7 +173,7 @@ def _quickly(
 def behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> list[Fit]:
     """Servos from several starts that leave each joint as soft as it was: no linear look sees one.
 
-    Between them the plain fit has the whole compliance in the joint's own spring.
+    Between them the plain fit has the whole compliance in the joint's own spring. The best few.
     """
     taken = {instance.key for instance in fit.hypothesis.instances}
     found = []
@@ -188,10 +194,8 @@ def behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> lis
         ]
         richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, servo))
         begin = better_start(stage, richer, starts, postures)
-        found.append(
-            fit_hypothesis(stage, richer, start=begin, postures=postures, max_iterations=4)
-        )
-    return found
+        found.append(_quickly(stage, richer, begin, postures, _SERVO_STEPS))
+    return sorted(found, key=lambda f: f.cost)[:_SERVOS]
 
 
 def axes_of_bearings(

@@ -44,6 +44,7 @@ __all__ = ["GapOutcome", "find_gap"]
 
 _FEWEST_POINTS = 4
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
+_FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
 _LEAST_EXPLAINED = 0.25  # of what ordinary errors do not leave; a name for less would be a guess
 
 Tell = Callable[[str], None]
@@ -109,9 +110,10 @@ def find_gap(
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
+    fitted: Fit | None = None
     rounds = 0
     while True:
-        found = find_rivals(stages, present, start=start, tell=tell)
+        found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
         judged = judge(stages[-1], found.present, found.rivals, limits)
         rounds += 1
@@ -126,7 +128,8 @@ def find_gap(
             break
         better, swapped = _joint_rather_than_axis(stages[-1], step, limits)
         named = [_renamed(old, swapped) for old in (*named, step)]
-        present, start, gone = _still_earning(stages[-1], better, limits, judged.phi)
+        fitted, gone = _still_earning(stages[-1], better, limits, judged.phi)
+        present, start = fitted.hypothesis, fitted.values
         named = [step for step in named if _last(step[1]) not in gone]
         notes += [
             f"{instance.title} was taken out again: it no longer earns its place"
@@ -245,20 +248,23 @@ def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
 
 def _still_earning(
     stage: Stage, fit: Fit, limits: Thresholds, phi: float
-) -> tuple[Hypothesis, dict[str, float], list[Instance]]:
+) -> tuple[Fit, list[Instance]]:
     """Take out effects, added before the last, that the later ones made unneeded."""
     gone: list[Instance] = []
     while True:
         for instance in fit.hypothesis.instances[:-1]:
             rest = tuple(i for i in fit.hypothesis.instances if i is not instance)
-            fewer = fit_hypothesis(stage, replace(fit.hypothesis, instances=rest), start=fit.values)
+            hypothesis = replace(fit.hypothesis, instances=rest)
+            fewer = fit_hypothesis(stage, hypothesis, start=fit.values, max_iterations=_FEW_STEPS)
             small = not instance.is_material(fit.values)
+            if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:
+                fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
             if small or fewer.evidence - fit.evidence < limits.clear * phi:
                 gone.append(instance)
                 fit = fewer
                 break
         else:
-            return fit.hypothesis, fit.values, gone
+            return fit, gone
 
 
 def _check_enough(session: Session) -> None:
