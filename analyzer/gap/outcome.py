@@ -325,7 +325,8 @@ def _gaps(
 
 
 def _interface(stage: Stage, before: Fit) -> str:
-    lines = scan_axes(stage, fit_hypothesis(stage, before.hypothesis, start=before.values))
+    near = fit_hypothesis(stage, before.hypothesis, resumed=before, max_iterations=3)
+    lines = scan_axes(stage, near)
     if not lines or lines[0].gain < Thresholds().clear:
         return "no interface of a link departs from the model beyond what is allowed"
     best = lines[0].instance.place

@@ -31,7 +31,8 @@ from analyzer.gap.starts import (
 __all__ = ["Rivals", "find_rivals"]
 
 _MOST_PROMISING = 4
-_COARSE, _MIDDLE, _FINALISTS = 9, 4, 4
+_MIDDLE, _FINALISTS = 4, 4
+_COARSE = (12, 6)  # fits on broad lines, some steps each in turn
 _LOOKED_AT_SHARPLY = 10
 _BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines, likewise
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
@@ -92,10 +93,11 @@ def find_rivals(
         best, least = _searched(stages, so_far, postures, start, tell)
     else:
         so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, postures, _STEPS))
-        best, least = _looked_for(sharp, so_far.sharp, postures, start), so_far.broad.cost
+        best = _looked_for(sharp, so_far.sharp, postures, start)
+        least = so_far.widest.cost, so_far.broad.cost
     behind = behind_joints(widest, so_far.widest, postures)
-    behind = [_further(broad, f, postures, 3) for f in behind]
-    behind = [f for f in _leading(behind, so_far.broad)[:1] if f.cost < BEHIND * least]
+    behind = [_further(broad, f, postures, 3) for f in behind if f.cost < BEHIND * least[0]]
+    behind = [f for f in _leading(behind, so_far.broad)[:1] if f.cost < BEHIND * least[1]]
     best += [f for f in behind if _key(f) not in map(_key, best)]
     finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
@@ -119,6 +121,7 @@ class _Annealed:
     middle: Fit
     sharp: Fit
     astray: bool
+    again: bool  # something was named already
 
 
 def _annealed(
@@ -135,7 +138,12 @@ def _annealed(
         )
         at_broad = _further(broad, at_widest, postures, 3)
         return _Annealed(
-            widest=at_widest, broad=at_broad, middle=at_broad, sharp=fitted, astray=False
+            widest=at_widest,
+            broad=at_broad,
+            middle=at_broad,
+            sharp=fitted,
+            astray=False,
+            again=True,
         )
     at_widest = fit_hypothesis(widest, present, start=start, postures=postures, max_iterations=7)
     at_broad = _further(broad, at_widest, postures, 5)
@@ -147,6 +155,7 @@ def _annealed(
         middle=at_middle,
         sharp=at_sharp,
         astray=_is_astray(sharp, at_sharp),
+        again=fitted is not None,
     )
 
 
@@ -171,27 +180,28 @@ def _searched(
     postures: Sequence[int] | None,
     start: dict[str, float],
     tell: Progress,
-) -> tuple[list[Fit], float]:
-    """By fits on ever sharper lines; and the least cost on the broad ones."""
+) -> tuple[list[Fit], tuple[float, float]]:
+    """By fits on ever sharper lines; and the least cost on the widest and on the broad ones."""
     widest, broad, middle, _ = stages
     present, base = so_far.sharp.hypothesis, so_far.broad
     lost = so_far.sharp.farthest > _BELIEVABLE
-    wide = from_the_start(widest, present, postures, start, alone=lost)
+    begin = so_far.widest.values if so_far.again else start
+    wide = from_the_start(widest, present, postures, begin, alone=lost, again=so_far.again)
     coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
     if not lost and wide[0].cost > _OBVIOUS * so_far.widest.cost:
         looked_at = look_at_all(broad, base, start, from_start=True)
         chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
         coarse += first_steps(broad, base, chosen, postures, start)
     coarse.sort(key=lambda f: f.cost)
-    leading = not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]
+    leading = not_hopeless(coarse, _BEHIND_BROADLY)[: _COARSE[0]]
     coarse += axes_of_bearings(broad, present, leading, postures)
     coarse.sort(key=lambda f: f.cost)
-    best = not_hopeless(coarse, _BEHIND_BROADLY)[:_COARSE]
-    for _ in range(2):
+    best = not_hopeless(coarse, _BEHIND_BROADLY)
+    for most in _COARSE:
         tell(best[0].hypothesis.name)
-        best = sorted((_further(broad, f, postures, 3) for f in best), key=lambda f: f.cost)
-        best = not_hopeless(best, _BEHIND_LATER)
-    least = best[0].cost
+        best = [_further(broad, f, postures, 3) for f in best[:most]]
+        best = not_hopeless(sorted(best, key=lambda f: f.cost), _BEHIND_LATER)
+    least = wide[0].cost, best[0].cost
     best += split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
     best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
     return _leading(best, so_far.middle), least

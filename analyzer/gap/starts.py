@@ -34,8 +34,7 @@ WORTH_BROAD = 4.0  # of cost by the linear look; less is not worth a fit
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
 _SERVO_STEPS, _SERVOS = 4, 3
 _FROM_START, _ALONE, _FEWEST = 10, 18, 3
-_WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS = (2, 2, 2), (2, 8), 6  # in turn, for ever fewer fits
-_STILL_IN = (24, 12)
+_WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER = 3, 9, 6, 12
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -118,34 +117,35 @@ def from_the_start(
     start: dict[str, float],
     *,
     alone: bool,
+    again: bool,
 ) -> list[Fit]:
     """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
 
     On the widest lines nearly every start finds its way. Where these fits stand alone, more of
-    them. Least cost first.
+    them; where something was named already and `start` is a fit with it, only those that a linear
+    look about it promises. Least cost first.
     """
     first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
     looked_at = look_at_all(stage, first, start, from_start=False)
     chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
-    chosen = chosen[: _ALONE if alone else _FROM_START]
+    chosen = chosen[: _ALONE if alone or again else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
     known = {instance.key for instance in (*present.instances, *instances)}
     instances += [
         i
         for i in all_instances(present.ordinary)
-        if i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
+        if not again and i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
     ]
     fits = []
     for instance in instances:
         richer = replace(present, instances=(*present.instances, instance))
-        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS[0]))
-    for steps, many_steps, most in zip(_WIDE_STEPS[1:], _MANY_STEPS, _STILL_IN, strict=True):
-        fits.sort(key=lambda f: f.cost)
-        fits = [
-            _quickly(stage, f.hypothesis, f.values, postures, many_steps if _has_many(f) else steps)
-            for f in not_hopeless(fits, BEHIND)[:most]
-        ]
-    return sorted(fits, key=lambda f: f.cost)
+        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
+    fits.sort(key=lambda f: f.cost)
+    better = []
+    for fit in not_hopeless(fits, BEHIND)[:_BETTER]:
+        steps = _MANY_STEPS if _has_many(fit) else _WIDE_STEPS
+        better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
+    return sorted(better, key=lambda f: f.cost)
 
 
 def _has_many(fit: Fit) -> bool:
