@@ -35,6 +35,8 @@ _MIDDLE, _FINALISTS = 4, 4
 _COARSE = (12, 6)  # fits on broad lines, some steps each in turn
 _LOOKED_AT_SHARPLY = 10
 _BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines, likewise
+_MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
+_LARGE_PART = 0.4  # likewise, of evidence, to be fitted on sharper lines
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _SPLIT = 2  # leading fits in which an axis may have a part of its link before it
@@ -188,7 +190,8 @@ def _searched(
     begin = so_far.widest.values if so_far.again else start
     wide = from_the_start(widest, present, postures, begin, alone=lost, again=so_far.again)
     coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
-    if not lost and wide[0].cost > _OBVIOUS * so_far.widest.cost:
+    is_obvious = wide[0].cost < _OBVIOUS * so_far.widest.cost
+    if not (lost or so_far.again or is_obvious):
         looked_at = look_at_all(broad, base, start, from_start=True)
         chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
         coarse += first_steps(broad, base, chosen, postures, start)
@@ -199,8 +202,10 @@ def _searched(
     best = not_hopeless(coarse, _BEHIND_BROADLY)
     for most in _COARSE:
         tell(best[0].hypothesis.name)
-        best = [_further(broad, f, postures, 3) for f in best[:most]]
-        best = not_hopeless(sorted(best, key=lambda f: f.cost), _BEHIND_LATER)
+        best = sorted((_further(broad, f, postures, 3) for f in best[:most]), key=lambda f: f.cost)
+        gained = base.cost - best[0].cost
+        worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
+        best = [f for f in not_hopeless(best, _BEHIND_LATER) if f.cost < worth]
     least = wide[0].cost, best[0].cost
     best += split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
     best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
@@ -250,14 +255,21 @@ def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int)
 
 
 def _leading(fits: Sequence[Fit], base: Fit | None) -> list[Fit]:
-    """By evidence; one for each effect and place, and none hopeless beside the best or the base."""
+    """By evidence; one for each effect and place, and none hopeless beside the best or the base.
+
+    Where much is to be gained over the base, and two effects may share it, a part of it is hope.
+    """
     if not fits:
         return []
     kept: dict[tuple[tuple[str, str], ...], Fit] = {}
     for fit in sorted(fits, key=lambda f: f.evidence):
         kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
     ordered = list(kept.values())
-    worst = ordered[0].evidence + _HOPELESS
+    behind = _HOPELESS
+    if base is not None:
+        gained = base.evidence - ordered[0].evidence
+        behind = max(behind, (1.0 - _LARGE_PART) * gained)
+    worst = ordered[0].evidence + behind
     if base is not None:
         worst = min(worst, base.evidence - _PROMISE)
     return [f for f in ordered if f.evidence < worst]

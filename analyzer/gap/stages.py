@@ -22,7 +22,7 @@ from protocols.session.records import Session
 __all__ = ["FEWEST_POSTURES", "stages_of", "with_test"]
 
 FEWEST_POSTURES = 2
-_STAGES = ((40.0, 20.0), (16.0, 8.0), (6.0, 4.0), (2.0, 3.0))  # sigma Hz, step Hz
+_STAGES = ((40.0, 28.0), (16.0, 12.0), (6.0, 6.0), (2.0, 3.0))  # sigma Hz, step Hz
 _SPARSER = 1.7  # where soft and hard hits are told apart
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from analyzer.gap.judge import (
     is_as_good,
     judge,
     misfit_per_line,
+    one_mechanism,
     scale,
 )
 from analyzer.gap.levels import told_apart
@@ -31,7 +33,7 @@ from analyzer.gap.outcome import GapOutcome, Step, conclude
 from analyzer.gap.records import (
     Gate,
 )
-from analyzer.gap.rivals import find_rivals
+from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import FEWEST_POSTURES, stages_of, with_test
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
@@ -93,9 +95,7 @@ def find_gap(
     tell("checks without a model")
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
     stages = stages_of(superset, session, frfs)
-    for number, other in enumerate(more, start=2):
-        stages, own = with_test(stages, superset, other, number)
-        frfs = [*frfs, *own]
+    stages, frfs = _with_tests(stages, superset, frfs, more)
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
     notes = _notes(session, single_hits)
 
@@ -111,12 +111,10 @@ def find_gap(
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
-    rounds = 0
-    while True:
+    for rounds in count(1):
         found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
         judged = judge(stages[-1], found.present, found.rivals, limits)
-        rounds += 1
         if judged.named is None or len(named) == _MOST_EFFECTS or rounds > _MOST_ROUNDS:
             break
         better = judged.named
@@ -131,10 +129,12 @@ def find_gap(
         fitted, gone = _still_earning(stages[-1], better, limits, judged.phi)
         present, start = fitted.hypothesis, fitted.values
         named = [step for step in named if _last(step[1]) not in gone]
-        notes += [
-            f"{instance.title} was taken out again: it no longer earns its place"
-            for instance in gone
-        ]
+        notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
+        if one_mechanism(present.instances) is not None:
+            # Outside the library: what else there is would be told of a wrong model.
+            found = Rivals(present=fitted, rivals=())
+            judged = Judged(named=None, standing=(), phi=judged.phi)
+            break
     final = found.present
     phi = scale(stages[-1], [final, *found.rivals], limits)
     return conclude(
@@ -154,6 +154,18 @@ def find_gap(
         plan=session.header.plan if advice and single_hits else None,
         tell=tell,
     )
+
+
+def _with_tests(
+    stages: tuple[Stage, ...],
+    superset: Superset,
+    frfs: Sequence[FrequencyResponse],
+    more: Sequence[Session],
+) -> tuple[tuple[Stage, ...], Sequence[FrequencyResponse]]:
+    for number, other in enumerate(more, start=2):
+        stages, own = with_test(stages, superset, other, number)
+        frfs = [*frfs, *own]
+    return stages, frfs
 
 
 def _by_level(
