@@ -140,7 +140,7 @@ def find_gap(
     return conclude(
         frfs=frfs,
         stages=stages,
-        before=before,
+        before=before or final,
         final=final,
         found=found,
         judged=judged,
