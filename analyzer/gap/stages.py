@@ -22,8 +22,9 @@ from protocols.session.records import Session
 __all__ = ["FEWEST_POSTURES", "stages_of", "with_test"]
 
 FEWEST_POSTURES = 2
-_STAGES = ((40.0, 28.0), (16.0, 12.0), (6.0, 6.0), (2.0, 3.0))  # sigma Hz, step Hz
-_SPARSER = 1.7  # where soft and hard hits are told apart
+# Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
+# lines, of which every second frequency or so costs about the same.
+_STAGES = ((40.0, 28.0, 34.0), (16.0, 12.0, 13.6), (6.0, 6.0, 6.8), (2.0, 3.0, 5.1))
 
 
 def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[float, float]:
@@ -73,9 +74,8 @@ def stages_of(
         )
     band = _band_hz(superset, known)
     made: list[Stage] = []
-    for sigma_hz, step_hz in _STAGES:
-        # Twice as many lines take every second frequency or so: it costs about the same.
-        step = _SPARSER * step_hz if by_level else step_hz
+    for sigma_hz, step_hz, step_by_level_hz in _STAGES:
+        step = step_by_level_hz if by_level else step_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         lines: tuple[PostureLines, ...]
         if session.hits:
@@ -117,7 +117,7 @@ def with_test(
             f"'{session.header.arm.name}'; give sessions of one arm"
         )
     made: list[Stage] = []
-    for (sigma_hz, step_hz), old in zip(_STAGES, stages, strict=True):
+    for (sigma_hz, step_hz, _), old in zip(_STAGES, stages, strict=True):
         band = (_frequency(old, 0), _frequency(old, -1))
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=band)
         lines = [
