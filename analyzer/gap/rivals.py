@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import misfit_per_line
@@ -46,7 +47,10 @@ _BELIEVABLE = (
 )
 # Where soft and hard hits are told apart: a joint that follows the level leaves much, and is near.
 _NEAR_BY_LEVEL = 4.0
-_WORTH_SHARP = 15.0  # of cost by the linear look; less is not worth a fit
+# Of cost by the linear look, for a term of the equations and for an error of the measurement: less
+# is not worth a fit.
+_WORTH_SHARP, _WORTH_ERROR = 22.0, 15.0
+_WORTH_SPLIT = 50.0  # of evidence: an axis that brings less becomes no name with a part before it
 _FIRST_SHARPLY, _BLOCK = 8, 4  # steps of a finalist, how many at a time
 # A finalist goes on while it is no further behind than this, times misfit a residual, and than it
 # would gain in so many blocks like its last.
@@ -54,7 +58,7 @@ _BESIDE, _PATIENCE = 60.0, 4.0
 _WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it is fitted again
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
-_LITTLE = 8.0  # of evidence after two steps: less becomes no name
+_LITTLE, _LITTLE_OF_TERM = 8.0, 16.0  # of evidence after two steps: less becomes no name
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
 _STEPS = 24  # a finalist converges within these
 
@@ -106,7 +110,8 @@ def find_rivals(
         tell(f"sharply: {f.hypothesis.name}")
         finals.append(_while_hopeful(sharp, f, postures, finals, _FIRST_SHARPLY))
     finals.sort(key=lambda f: f.evidence)
-    finals += split_axes(sharp, finals[:1], postures, 8)
+    if finals and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT:
+        finals += split_axes(sharp, finals[:1], postures, 8)
     finals = _leading(finals, None)
     if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
         finals[0] = _further(sharp, finals[0], postures, _STEPS)
@@ -134,23 +139,19 @@ def _annealed(
     fitted: Fit | None,
 ) -> _Annealed:
     widest, broad, middle, sharp = stages
-    if fitted is not None and not _is_astray(sharp, fitted):
+    if fitted is None:
         at_widest = fit_hypothesis(
-            widest, present, resumed=fitted, postures=postures, max_iterations=3
+            widest, present, start=start, postures=postures, max_iterations=7
+        )
+        at_broad = _further(broad, at_widest, postures, 5)
+        at_middle = _further(middle, at_broad, postures, 5)
+        at_sharp = _further(sharp, at_middle, postures, 8)
+    else:
+        at_widest = fit_hypothesis(
+            widest, present, resumed=fitted, postures=postures, max_iterations=4
         )
         at_broad = _further(broad, at_widest, postures, 3)
-        return _Annealed(
-            widest=at_widest,
-            broad=at_broad,
-            middle=at_broad,
-            sharp=fitted,
-            astray=False,
-            again=True,
-        )
-    at_widest = fit_hypothesis(widest, present, start=start, postures=postures, max_iterations=7)
-    at_broad = _further(broad, at_widest, postures, 5)
-    at_middle = _further(middle, at_broad, postures, 5)
-    at_sharp = _further(sharp, at_middle, postures, 8)
+        at_middle, at_sharp = _further(middle, at_broad, postures, 1), fitted
     return _Annealed(
         widest=at_widest,
         broad=at_broad,
@@ -166,14 +167,23 @@ def _looked_for(
 ) -> list[Fit]:
     """By a linear look on the sharp lines."""
     looked_at = look_at_all(sharp, fit, start, from_start=False)
-    chosen = most_promising(looked_at, _WORTH_SHARP, each_kind=False)[:_LOOKED_AT_SHARPLY]
+    worthy = [c for c in looked_at if c.gain > _WORTH_SHARP or not _is_a_term(c.instance)]
+    chosen = most_promising(worthy, _WORTH_ERROR, each_kind=False)[:_LOOKED_AT_SHARPLY]
     first = first_steps(sharp, fit, chosen, postures, start)
     # The best after two steps, and those that promise most: some need more than two.
     promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
     best = _leading(first, None)[: _FINALISTS - 1]
     best += [f for f in first if _key(f) in promising and _key(f) not in map(_key, best)][:2]
-    little = fit.evidence - _LITTLE
-    return [f for i, f in enumerate(best) if i == 0 or f.evidence < little]
+    return [f for i, f in enumerate(best) if i == 0 or fit.evidence - f.evidence > _little(f)]
+
+
+def _is_a_term(instance: Instance) -> bool:
+    """Whether it adds a term, which takes more to be named than an error of the measurement."""
+    return bool(instance.parameters)
+
+
+def _little(fit: Fit) -> float:
+    return _LITTLE_OF_TERM if _is_a_term(fit.hypothesis.instances[-1]) else _LITTLE
 
 
 def _searched(
