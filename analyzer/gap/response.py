@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -74,20 +75,34 @@ class Change:
         return cls(**found)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Response:
-    """Solution of systems on their lines."""
+    """Solution of systems on their lines; what only derivatives need is solved when asked for."""
 
     system: System  # of P postures
     s_rad_s: ComplexArray  # (P, L)
     hit: npt.NDArray[np.int64]  # (P, m) index into the system's hits
     factor: ComplexArray  # (P, L) of all channels: scale and delay
     x: ComplexArray  # (P, L, m, n) motion under the hit
-    Y: ComplexArray  # (P, L, m, 3, n) motion under unit loads on the recorded axes, factor included
     true_axes: ComplexArray  # (P, L, m, 3) before channels were mixed, factor included
     inner: ComplexArray  # (P, L, n, n) A^-1: column i is w of coordinate i
+    H: ComplexArray  # (P, L, n, n) receptance without the accelerometer
     HU: ComplexArray  # (P, L, m, 3, n) rows H U
     S: ComplexArray  # (P, L, m, 3, 3)
+
+    @cached_property
+    def Y(self) -> ComplexArray:  # noqa: N802
+        """(P, L, m, 3, n) motion under unit loads on the recorded axes, factor included.
+
+        Along the recorded channels, so that their mixing is inside.
+        """
+        system = self.system
+        s2 = (self.s_rad_s**2)[:, :, None, None, None]
+        Y0 = s2 * _rows(system.mix @ system.seen, self.H)
+        Y0 = Y0 + _rows(system.mix @ system.tilted, self.H)
+        U_turned = system.moved[:, None].swapaxes(-1, -2)
+        Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U_turned), self.S), self.HU)
+        return np.asarray(Y * self.factor[:, :, None, None, None])
 
     @property
     def values(self) -> ComplexArray:
@@ -307,6 +322,12 @@ def _times(z: ComplexArray, real: Array) -> ComplexArray:
     return found
 
 
+def _rows(of: Array, H: ComplexArray) -> ComplexArray:
+    """(P, L, m, 3, n) of (P, m, 3, n) on the left of H."""
+    P, m, _, n = of.shape
+    return np.asarray(np.matmul(of.reshape(P, 1, m * 3, n), H).reshape(P, -1, m, 3, n))
+
+
 def _last(y: ComplexArray) -> ComplexArray:
     """(P, L, m, 3) to (P, m, 3, L)."""
     return np.asarray(y.transpose(0, 2, 3, 1))
@@ -344,8 +365,6 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     `s_rad_s` (P, L), `hit` (P, m): each mounting's, index into the system's.
     """
     s = s_rad_s + system.decay_rad_s[:, None]
-    P, L = s.shape
-    m, n = hit.shape[1], system.mass.shape[-1]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
     loss_s = system.compliance_loss_s[:, None]
@@ -361,23 +380,14 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     A[..., soft, soft] += 1.0
     inner = np.linalg.inv(A)
     H = inner * scale[:, :, None, :]  # symmetric
-
-    def rows(of: Array) -> ComplexArray:
-        return np.asarray(np.matmul(of.reshape(P, 1, m * 3, n), H).reshape(P, L, m, 3, n))
-
     U = system.moved  # (P, m, 3, n)
-    U_turned = U[:, None].swapaxes(-1, -2)
-    HU = rows(U)
+    HU = _rows(U, H)
     ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, :, None, None, None]
-    S = ms2 * _inverse(np.eye(3) + ms2 * np.matmul(HU, U_turned))
+    S = ms2 * _inverse(np.eye(3) + ms2 * np.matmul(HU, U[:, None].swapaxes(-1, -2)))
     of_hits = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
     x0 = _of_hits(of_hits.swapaxes(1, 2), hit).swapaxes(1, 2)  # (P, L, m, n)
     SUx = _applied(S, _applied(U[:, None], x0))
     x = x0 - np.matmul(SUx[..., None, :], HU)[..., 0, :]
-    # Loads along the recorded channels, so that their mixing is inside.
-    Y0 = by_line[..., None] ** 2 * rows(system.mix @ system.seen)
-    Y0 = Y0 + rows(system.mix @ system.tilted)
-    Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U_turned), S), HU)
     factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
     raw = by_line**2 * _applied(system.seen[:, None], x) + _applied(system.tilted[:, None], x)
     return Response(
@@ -386,9 +396,9 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
         hit=hit,
         factor=factor,
         x=x,
-        Y=Y * factor[:, :, None, None, None],
         true_axes=raw * factor[:, :, None, None],
         inner=inner,
+        H=H,
         HU=HU,
         S=S,
     )
