@@ -41,6 +41,9 @@ class Thresholds:
     misread: float = 45.0  # nats for axes exchanged or turned round: nothing to tune
     relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
     outside_misfit: float = 0.80  # above this something is missing
+    # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
+    # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
+    outside_left: float = 0.20
     unplaced: float = 1000.0  # nats of what is too small to matter: then it is not that
     held_out: float = 3.0  # nats that held-out postures must gain together
 

@@ -98,7 +98,13 @@ def conclude(
             f"{both[0].title} and {both[1].title} together are what one mechanism across these "
             "joints would look like, such as a bar; the library does not know it"
         )
-    if left > limits.outside_misfit or unplaced or both is not None:
+    unexplained = _left_by_level(sharp, final) > limits.outside_left
+    if unexplained:
+        notes.append(
+            f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
+            "changes is no joint's stiffness or damping"
+        )
+    if left > limits.outside_misfit or unplaced or unexplained or both is not None:
         verdict = Verdict.OUTSIDE_LIBRARY
     elif effects:
         verdict = Verdict.NAMED
@@ -146,6 +152,14 @@ def conclude(
     return GapOutcome(
         result=result, stages=stages, before=before, final=final, standing=standing, scale=phi
     )
+
+
+def _left_by_level(stage: Stage, final: Fit) -> float:
+    """Largest part of a posture's response that is left where soft and hard hits are apart."""
+    if not final.hypothesis.ordinary.level_span:
+        return 0.0
+    postures = range(len(stage.lines))
+    return max(posture_gap(stage, final, p, held_out=False).frf_error for p in postures)
 
 
 def _title(fit: Fit) -> str:

@@ -33,7 +33,8 @@ __all__ = ["Rivals", "find_rivals"]
 
 _MOST_PROMISING = 4
 _MIDDLE, _FINALISTS = 4, 4
-_COARSE = (12, 6)  # fits on broad lines, some steps each in turn
+# Fits on broad lines, some steps each in turn; about a fit with a name the cost tells more.
+_COARSE, _COARSE_AGAIN = (12, 6), (6, 3)
 _LOOKED_AT_SHARPLY = 10
 _BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines, likewise
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
@@ -51,10 +52,10 @@ _NEAR_BY_LEVEL = 4.0
 # is not worth a fit.
 _WORTH_SHARP, _WORTH_ERROR = 22.0, 15.0
 _WORTH_SPLIT = 50.0  # of evidence: an axis that brings less becomes no name with a part before it
-_FIRST_SHARPLY, _BLOCK = 8, 4  # steps of a finalist, how many at a time
+_FIRST_SHARPLY, _BLOCK = 9, 3  # steps of a finalist, how many at a time
 # A finalist goes on while it is no further behind than this, times misfit a residual, and than it
 # would gain in so many blocks like its last.
-_BESIDE, _PATIENCE = 60.0, 4.0
+_BESIDE, _PATIENCE = 60.0, 3.0
 _WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it is fitted again
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
@@ -198,7 +199,15 @@ def _searched(
     present, base = so_far.sharp.hypothesis, so_far.broad
     lost = so_far.sharp.farthest > _BELIEVABLE
     begin = so_far.widest.values if so_far.again else start
-    wide = from_the_start(widest, present, postures, begin, alone=lost, again=so_far.again)
+    wide = from_the_start(
+        widest,
+        present,
+        postures,
+        begin,
+        alone=lost,
+        again=so_far.again,
+        plain_cost=so_far.widest.cost,
+    )
     coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
     is_obvious = wide[0].cost < _OBVIOUS * so_far.widest.cost
     if not (lost or so_far.again or is_obvious):
@@ -210,7 +219,7 @@ def _searched(
     coarse += axes_of_bearings(broad, present, leading, postures)
     coarse.sort(key=lambda f: f.cost)
     best = not_hopeless(coarse, _BEHIND_BROADLY)
-    for most in _COARSE:
+    for most in _COARSE_AGAIN if so_far.again else _COARSE:
         tell(best[0].hypothesis.name)
         best = sorted((_further(broad, f, postures, 3) for f in best[:most]), key=lambda f: f.cost)
         gained = base.cost - best[0].cost

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -35,6 +36,7 @@ _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
 _SERVO_STEPS, _SERVOS = 4, 3
 _FROM_START, _ALONE, _FEWEST = 10, 18, 3
 _WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER = 3, 9, 6, 12
+_CERTAIN = 0.1  # of the plain fit's cost: what leaves less is found
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -118,6 +120,7 @@ def from_the_start(
     *,
     alone: bool,
     again: bool,
+    plain_cost: float,
 ) -> list[Fit]:
     """Fits from where nothing is fitted yet: the plain fit may have gone where none comes back.
 
@@ -130,22 +133,33 @@ def from_the_start(
     chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
     chosen = chosen[: _ALONE if alone or again else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
-    known = {instance.key for instance in (*present.instances, *instances)}
-    instances += [
-        i
-        for i in all_instances(present.ordinary)
-        if not again and i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
-    ]
-    fits = []
-    for instance in instances:
-        richer = replace(present, instances=(*present.instances, instance))
-        fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
+    fits = _wide_fits(stage, present, instances, start, postures)
+    found = min((f.cost for f in fits), default=np.inf) < _CERTAIN * plain_cost
+    if not (again or found):
+        known = {instance.key for instance in (*present.instances, *instances)}
+        every_place = [
+            i
+            for i in all_instances(present.ordinary)
+            if i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
+        ]
+        fits += _wide_fits(stage, present, every_place, start, postures)
     fits.sort(key=lambda f: f.cost)
     better = []
     for fit in not_hopeless(fits, BEHIND)[:_BETTER]:
         steps = _MANY_STEPS if _has_many(fit) else _WIDE_STEPS
         better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
     return sorted(better, key=lambda f: f.cost)
+
+
+def _wide_fits(
+    stage: Stage,
+    present: Hypothesis,
+    instances: Sequence[Instance],
+    start: dict[str, float],
+    postures: Sequence[int] | None,
+) -> list[Fit]:
+    richer = [replace(present, instances=(*present.instances, i)) for i in instances]
+    return [_quickly(stage, hypothesis, start, postures, _WIDE_STEPS) for hypothesis in richer]
 
 
 def _has_many(fit: Fit) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, LEAST_BY_K, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -14,6 +14,7 @@ WORDS = EffectWords(
     changes="a joint's stiffness grows with the hit's level, since play takes less of the motion",
     signature="softer hits see a softer joint, most in postures whose weight does not close it",
     confused_with=("softening",),
+    covers=COVERED,
     told_by="a posture whose weight loads the joint: there it is gone",
     remedy="set the play of gear or belt, or test in postures that load the joint",
 )

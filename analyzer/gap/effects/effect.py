@@ -27,6 +27,7 @@ class EffectWords:
     contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
     # With one of these at one of the same joints it is a single mechanism that nobody listed.
     one_with: tuple[str, ...] = ()
+    covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
 
@@ -94,7 +95,9 @@ class Instance:
         return largest >= self.material or beside
 
     def excludes(self, other: Instance) -> bool:
-        """Return whether it cuts the same link's mass into other pieces."""
+        """Return whether one covers the other, or both cut one link's mass, but otherwise."""
+        if other.effect.name in self.effect.covers or self.effect.name in other.effect.covers:
+            return True
         own, theirs = self.pieces.split(maxsplit=1), other.pieces.split(maxsplit=1)
         return own[1:] == theirs[1:] != [] and own[0] != theirs[0]
 

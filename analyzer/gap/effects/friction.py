@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import LEAST_BY_C, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, LEAST_BY_C, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -14,6 +14,7 @@ WORDS = EffectWords(
     changes="a joint's damping falls with the hit's level, its stiffness too or not at all",
     signature="softer hits see a stiffer joint with more damping; it sticks as it dies away",
     confused_with=("microslip", "softening"),
+    covers=COVERED,
     told_by="more levels, and the decay of one hard hit in windows",
     remedy="look at seals, brakes and the preload of the gear; test at the level of use",
 )

@@ -22,11 +22,15 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
-__all__ = ["LEAST_BY_C", "LEAST_BY_K", "Slope", "any_change", "level_instances"]
+__all__ = ["COVERED", "LEAST_BY_C", "LEAST_BY_K", "Slope", "any_change", "level_instances"]
+
+# A hit of one level moves the joint more in one posture than in another: what changes with its
+# motion changes with the posture, and effects that do so would be told of that.
+COVERED = ("gravity_compensator", "load_damping")
 
 LEAST_BY_K = 0.01  # per unit of ln level: 3 % of k from a hit to one twenty times as hard
 LEAST_BY_C = 0.05
-_REACH = 2.0  # times as far from the middle level as was measured: k there is the joint's too
+_REACH = 2.5  # times as far from the middle level as was measured: k there is the joint's too
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, LEAST_BY_K, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -14,6 +14,7 @@ WORDS = EffectWords(
     changes="a joint's stiffness falls with the hit's level while its damping grows",
     signature="harder hits see a softer joint with more damping",
     confused_with=("softening", "friction"),
+    covers=COVERED,
     told_by="more levels: damping has its maximum where stiffness falls most",
     remedy="retorque bolted seats and clamps of the joint's drive",
 )

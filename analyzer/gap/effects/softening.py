@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, LEAST_BY_K, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -14,6 +14,7 @@ WORDS = EffectWords(
     changes="a joint's stiffness falls with the hit's level; its damping stays",
     signature="frequencies fall with harder hits, damping does not change",
     confused_with=("microslip", "friction"),
+    covers=COVERED,
     told_by="more levels: stiffness goes on falling, damping stays",
     remedy="give the joint's stiffness at the level of use; look at preloads that open",
 )
