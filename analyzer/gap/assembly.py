@@ -112,12 +112,12 @@ class System:
     def stacked(cls, systems: Sequence[System]) -> System:
         """Return systems with the same coordinates, mountings and hits as one."""
         found: dict[str, Any] = {
-            f.name: np.stack([getattr(system, f.name) for system in systems])
+            f.name: np.array([getattr(system, f.name) for system in systems])
             for f in fields(cls)
             if f.name != "pieces"
         }
         pieces = {
-            link: replace(own, motion=np.stack([s.pieces[link].motion for s in systems]))
+            link: replace(own, motion=np.array([s.pieces[link].motion for s in systems]))
             for link, own in systems[0].pieces.items()
         }
         return cls(**found, pieces=pieces)
@@ -166,6 +166,18 @@ class Assembly:
     # (m,) point where each mounting truly was; None: as recorded.
     sensor_point: npt.NDArray[np.int64] | None = None
     shifts_m: dict[int, Array] = field(default_factory=dict)  # of points, along sensor axes there
+
+    def copied(self) -> Assembly:
+        """Return equations that can be added to without changing these."""
+        own = {f.name: getattr(self, f.name) for f in fields(self)}
+        apart = {
+            name: {k: list(v) if isinstance(v, list) else v for k, v in value.items()}
+            if isinstance(value, dict)
+            else list(value)
+            for name, value in own.items()
+            if isinstance(value, (dict, list))
+        }
+        return Assembly(**{**own, **apart})
 
     def add_spring(self, name: str, column: Array, stiffness: float, damping: float) -> int:
         """Add a coordinate on a spring."""

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.geometry import PostureGeometry
-from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Space
 
@@ -36,11 +34,9 @@ class Hypothesis:
             )
         return space
 
-    def assemble(
-        self, geometry: PostureGeometry, lines: PostureLines, values: Mapping[str, float]
-    ) -> Assembly:
-        """Return a posture's equations, effects included."""
-        assembly = self.ordinary.assemble(geometry, lines, values)
+    def add_to(self, ordinary: Assembly, values: Mapping[str, float]) -> Assembly:
+        """Return a posture's equations with the effects; the ordinary ones stay as they are."""
+        assembly = ordinary.copied()
         for instance in self.instances:
             instance.add(assembly, values)
         return assembly

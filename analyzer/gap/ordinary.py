@@ -146,15 +146,23 @@ class Ordinary:
         """Return the names of a link's ten inertial parameters."""
         return tuple(f"{what} {self.arm.joints[link].link.name}" for what in _INERTIAL)
 
+    def bodies(self, values: Mapping[str, float]) -> tuple[Array, Array]:
+        """Return inertias and moments of all links, the same in every posture."""
+        every = range(len(self.arm.joints))
+        z = np.array([[values[name] for name in self.inertia_names(i)] for i in every])
+        return self.link_inertias(every, z)
+
     def assemble(
-        self, geometry: PostureGeometry, lines: PostureLines, values: Mapping[str, float]
+        self,
+        geometry: PostureGeometry,
+        lines: PostureLines,
+        values: Mapping[str, float],
+        bodies: tuple[Array, Array],
     ) -> Assembly:
         """Begin a posture's equations."""
         assembly = Assembly(geometry=geometry, lines=lines)
         arm, superset = self.arm, self.superset
-        every = range(len(arm.joints))
-        z = np.array([[values[name] for name in self.inertia_names(i)] for i in every])
-        inertias, moments = self.link_inertias(every, z)
+        inertias, moments = bodies
         assembly.link_inertia += list(inertias)
         assembly.link_moments += list(moments)
         if lines.known_mass is not None:

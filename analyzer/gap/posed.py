@@ -51,8 +51,10 @@ class PosedModel:
         self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
     ) -> System:
         """Return the posture's equations."""
-        geometry = self.geometry(hypothesis.ordinary, values)
-        return hypothesis.assemble(geometry, lines, values).system()
+        ordinary = hypothesis.ordinary
+        geometry = self.geometry(ordinary, values)
+        plain = ordinary.assemble(geometry, lines, values, ordinary.bodies(values))
+        return hypothesis.add_to(plain, values).system()
 
     def values(
         self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
@@ -87,7 +89,7 @@ class Postures:
 
     def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
         """Predict the postures' FRFs."""
-        return self._solved(self._assemblies(hypothesis, values))[1]
+        return self._solved(self._assemblies(hypothesis, values)[1])[1]
 
     def derivatives(
         self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
@@ -100,11 +102,11 @@ class Postures:
         dy : (n_parameters, P, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        assemblies = self._assemblies(hypothesis, values)
+        plain, assemblies = self._assemblies(hypothesis, values)
         systems, found = self._solved(assemblies)
         y = found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
-        posed = _Posed(hypothesis, assemblies, systems, found, values)
+        posed = _Posed(hypothesis, plain, assemblies, systems, found, values)
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
@@ -129,7 +131,7 @@ class Postures:
 
         Of an element a, b of that of the coordinates `names`: both triangles' mean.
         """
-        assemblies = self._assemblies(hypothesis, values)
+        _, assemblies = self._assemblies(hypothesis, values)
         found = self._solved(assemblies)[1]
         left, right = found.through_compliances(
             [assemblies[0].compliance_of[name][0][0] for name in names]
@@ -147,7 +149,7 @@ class Postures:
 
         Of an element of C of two named joints: both triangles' mean.
         """
-        assemblies = self._assemblies(hypothesis, values)
+        _, assemblies = self._assemblies(hypothesis, values)
         found = self._solved(assemblies)[1]
         names = assemblies[0].names
         at = [(names[a], names[b]) for a, b in pairs]
@@ -156,11 +158,17 @@ class Postures:
         ]
         return np.stack(columns), [assembly.geometry for assembly in assemblies]
 
-    def _assemblies(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> list[Assembly]:
-        return [
-            hypothesis.assemble(model.geometry(hypothesis.ordinary, values), lines, values)
+    def _assemblies(
+        self, hypothesis: Hypothesis, values: Mapping[str, float]
+    ) -> tuple[list[Assembly], list[Assembly]]:
+        """Each posture's equations, without effects and with them."""
+        ordinary = hypothesis.ordinary
+        bodies = ordinary.bodies(values)
+        plain = [
+            ordinary.assemble(model.geometry(ordinary, values), lines, values, bodies)
             for model, lines in zip(self._models, self.lines, strict=True)
         ]
+        return plain, [hypothesis.add_to(own, values) for own in plain]
 
     def _solved(self, assemblies: Sequence[Assembly]) -> tuple[list[System], Response]:
         systems = [assembly.system() for assembly in assemblies]
@@ -172,6 +180,7 @@ class _Posed:
     """Solved postures, and their derivatives (P, m, 3, L) by name."""
 
     hypothesis: Hypothesis
+    plain: Sequence[Assembly]  # without effects
     assemblies: Sequence[Assembly]
     systems: Sequence[System]  # of each posture
     found: Response
@@ -308,10 +317,7 @@ class _Posed:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
                 other = System.stacked(
-                    [
-                        self.hypothesis.assemble(own.geometry, own.lines, changed).system()
-                        for own in self.assemblies
-                    ]
+                    [self.hypothesis.add_to(own, changed).system() for own in self.plain]
                 )
                 if not np.array_equal(other.decay_rad_s, self.found.system.decay_rad_s):
                     there = respond(other, s_rad_s, self.found.hit)

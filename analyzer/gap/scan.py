@@ -25,10 +25,10 @@ from analyzer.gap.effects.compliance import compliance_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.space import Parameter
+from analyzer.gap.space import Parameter, Space
 from protocols.arrays import frozen_array
 
-__all__ = ["Candidate", "scan_axes", "scan_instances"]
+__all__ = ["Candidate", "beside", "scan_axes", "scan_instances"]
 
 Array = npt.NDArray[np.float64]
 
@@ -52,13 +52,7 @@ class Candidate:
 
 def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """Linear gain of every instance on top of a fit, best first."""
-    new = [i for i in instances if i.parameters and not i.relaxes]
-    wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *(_small(i) for i in new)))
-    space = wide.space()
-    values = {**{p.name: p.first for p in space.parameters}, **fit.values}
-    parts = stage.quadratics(wide, space, values, range(len(stage.lines)))
-    gradient = np.sum([p.gradient for p in parts], axis=0)
-    curvature = np.sum([p.curvature for p in parts], axis=0)
+    space, gradient, curvature = _wide(stage, fit, instances)
     ordinary = np.array([p.name in fit.space.index for p in space.parameters])
     free = np.flatnonzero(ordinary)[fit.free]
     left = gradient[free] + fit.u[fit.free]  # where the fit has not converged
@@ -97,6 +91,45 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     return sorted(found, key=lambda c: -c.gain)
 
 
+def beside(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Fit]:
+    """Unfitted hypotheses with one instance more, where that changes nothing yet.
+
+    All from one evaluation; without those that have a size from the start.
+    """
+    plain = [i for i in instances if i.parameters and not i.relaxes and _begins_small(i)]
+    wide, gradient, curvature = _wide(stage, fit, plain)
+    found = []
+    for instance in plain:
+        richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, instance))
+        space = richer.space()
+        u = space.start(fit.values)
+        at = np.array([wide.index[name] for name in space.index])
+        found.append(
+            replace(
+                fit,
+                hypothesis=richer,
+                space=space,
+                u=u,
+                cost=fit.cost + 0.5 * float(u @ u - fit.u @ fit.u),
+                slope=gradient[at] + u,
+                curvature=curvature[np.ix_(at, at)],
+                free=np.ones(len(u), dtype=bool),
+            )
+        )
+    return found
+
+
+def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space, Array, Array]:
+    """Space, gradient and curvature of a fit's hypothesis with all of the instances at no size."""
+    new = [_small(i) for i in instances if i.parameters and not i.relaxes]
+    wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *new))
+    space = wide.space()
+    values = {**{p.name: p.first for p in space.parameters}, **fit.values}
+    parts = stage.quadratics(wide, space, values, range(len(stage.lines)))
+    gradient = np.sum([p.gradient for p in parts], axis=0)
+    return space, gradient, np.sum([p.curvature for p in parts], axis=0)
+
+
 def scan_axes(
     stage: Stage, fit: Fit, *, keep: int = 2, exclude: Sequence[str] = ()
 ) -> list[Candidate]:
@@ -121,6 +154,11 @@ def _small(instance: Instance) -> Instance:
         for p in instance.parameters
     )
     return replace(instance, parameters=parameters)
+
+
+def _begins_small(instance: Instance) -> bool:
+    here = [p.first for p in instance.parameters]
+    return here == [p.first for p in _small(instance).parameters]
 
 
 def _gain(

@@ -33,7 +33,7 @@ class Slopes:
     def stacked(cls, slopes: Sequence[Slopes]) -> Slopes:
         """Return the slopes of several postures as one."""
         return cls(
-            **{f.name: np.stack([getattr(own, f.name) for own in slopes]) for f in fields(cls)}
+            **{f.name: np.array([getattr(own, f.name) for own in slopes]) for f in fields(cls)}
         )
 
 

@@ -14,7 +14,7 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.looks import goes_with, look_at_all, most_promising
 from analyzer.gap.ordinary import across
-from analyzer.gap.scan import Candidate
+from analyzer.gap.scan import Candidate, beside
 
 __all__ = [
     "BEHIND",
@@ -133,7 +133,7 @@ def from_the_start(
     chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
     chosen = chosen[: _ALONE if alone or again else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
-    fits = _wide_fits(stage, present, instances, start, postures)
+    fits = _wide_fits(stage, first, instances, start, postures)
     found = min((f.cost for f in fits), default=np.inf) < _CERTAIN * plain_cost
     if not (again or found):
         known = {instance.key for instance in (*present.instances, *instances)}
@@ -142,7 +142,7 @@ def from_the_start(
             for i in all_instances(present.ordinary)
             if i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
         ]
-        fits += _wide_fits(stage, present, every_place, start, postures)
+        fits += _wide_fits(stage, first, every_place, start, postures)
     fits.sort(key=lambda f: f.cost)
     better = []
     for fit in not_hopeless(fits, BEHIND)[:_BETTER]:
@@ -153,13 +153,24 @@ def from_the_start(
 
 def _wide_fits(
     stage: Stage,
-    present: Hypothesis,
+    first: Fit,
     instances: Sequence[Instance],
     start: dict[str, float],
     postures: Sequence[int] | None,
 ) -> list[Fit]:
-    richer = [replace(present, instances=(*present.instances, i)) for i in instances]
-    return [_quickly(stage, hypothesis, start, postures, _WIDE_STEPS) for hypothesis in richer]
+    """Some steps with each instance from the first, unfitted one."""
+    ready = beside(stage, first, instances) if postures is None else []
+    begun = {fit.hypothesis.instances[-1].key: fit for fit in ready}
+    fits = []
+    for instance in instances:
+        resumed = begun.get(instance.key)
+        present = first.hypothesis
+        richer = replace(present, instances=(*present.instances, instance))
+        if resumed is not None and resumed.hypothesis == richer:
+            fits.append(_quickly(stage, richer, {}, postures, _WIDE_STEPS, resumed=resumed))
+        else:
+            fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
+    return fits
 
 
 def _has_many(fit: Fit) -> bool:
@@ -177,10 +188,18 @@ def _quickly(
     start: dict[str, float],
     postures: Sequence[int] | None,
     steps: int,
+    *,
+    resumed: Fit | None = None,
 ) -> Fit:
     """A fit of which only cost and values count."""
     return fit_hypothesis(
-        stage, hypothesis, start=start, postures=postures, max_iterations=steps, closing=False
+        stage,
+        hypothesis,
+        start=start,
+        postures=postures,
+        max_iterations=steps,
+        closing=False,
+        resumed=resumed,
     )
 
 
