@@ -40,6 +40,7 @@ _BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
 _LARGE_PART = 0.4  # likewise, of evidence, to be fitted on sharper lines
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
+_BLIND = 0.99  # likewise: if nothing costs less, the widest lines tell nothing
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _SPLIT = 2  # leading fits in which an axis may have a part of its link before it
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
@@ -209,8 +210,10 @@ def _searched(
         plain_cost=so_far.widest.cost,
     )
     coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
-    is_obvious = wide[0].cost < _OBVIOUS * so_far.widest.cost
-    if not (lost or so_far.again or is_obvious):
+    plain_cost = so_far.widest.cost
+    is_obvious = wide[0].cost < _OBVIOUS * plain_cost
+    is_blind = wide[0].cost > _BLIND * plain_cost
+    if is_blind or not (lost or so_far.again or is_obvious):
         looked_at = look_at_all(broad, base, start, from_start=True)
         chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
         coarse += first_steps(broad, base, chosen, postures, start)

@@ -242,7 +242,7 @@ def test_a_joint_s_stiffness_may_be_what_it_is_at_any_level_near(ordinary):
     for kind in KINDS:
         instance = kind.instances(ordinary)[0]
         by_k = instance.parameters[0].name
-        assert instance.reaches == {f"ln k {instance.place}": (by_k, 2.2)}  # twice 1.1
+        assert instance.reaches == {f"ln k {instance.place}": (by_k, 2.5 * 1.1)}
 
 
 def test_soft_and_hard_hits_make_lines_of_their_own(linear):
