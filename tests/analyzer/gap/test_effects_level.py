@@ -14,6 +14,7 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import Annealing, PostureLines, own_lines
+from analyzer.gap.looks import goes_with
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
@@ -243,6 +244,15 @@ def test_a_joint_s_stiffness_may_be_what_it_is_at_any_level_near(ordinary):
         instance = kind.instances(ordinary)[0]
         by_k = instance.parameters[0].name
         assert instance.reaches == {f"ln k {instance.place}": (by_k, 2.5 * 1.1)}
+
+
+def test_what_changes_with_the_motion_covers_what_changes_with_the_posture(ordinary):
+    every = all_instances(ordinary)
+    for kind in KINDS:
+        present = Hypothesis(ordinary=ordinary, instances=(kind.instances(ordinary)[0],))
+        beside = {i.effect.name for i in every if goes_with(i, present)}
+        assert not beside & {"gravity_compensator", "load_damping"}
+        assert beside >= {"coupling", "hysteretic", "servo"}
 
 
 def test_soft_and_hard_hits_make_lines_of_their_own(linear):

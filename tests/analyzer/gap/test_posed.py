@@ -1,0 +1,140 @@
+"""Postures solved together beside each alone, and starts that share one evaluation."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.fit import Stage, fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.library import all_instances
+from analyzer.gap.lines import PostureLines
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import PosedModel, Postures
+from analyzer.gap.scan import beside
+from analyzer.gap.weigh import Discrepancy
+from protocols.arm.files import load_arm
+
+ANGLES = np.deg2rad(
+    [
+        [10.0, -35.0, 20.0, 15.0, 40.0, 20.0],
+        [-40.0, 15.0, -30.0, 80.0, -25.0, 5.0],
+        [75.0, -10.0, 45.0, -60.0, 60.0, -90.0],
+    ]
+)
+DIRECTIONS = np.array([[-0.45, -0.62, -0.6427], [0.0, 0.6, 0.8]])
+
+
+@pytest.fixture(scope="module")
+def superset():
+    return Superset(load_arm("bench57"))
+
+
+@pytest.fixture(scope="module")
+def lines(superset):
+    """Three postures hit at two points each; in the last one point is missing."""
+    rng = np.random.default_rng(11)
+    n_points = len(superset.arm.points)
+    s = 2 * np.pi * (6.0 + 1j * np.array([8.0, 23.0, 51.0, 104.0]))
+    found = []
+    for i, q in enumerate(ANGLES):
+        points = np.arange(n_points - (i == 2))
+        shape = (2 * points.size, 3, s.size)
+        found.append(
+            PostureLines(
+                name=f"p{i}",
+                joints_rad=q,
+                s_rad_s=s,
+                sensor_point=np.tile(points, 2),
+                hit=np.repeat([0, 1], points.size),
+                hit_point=np.array([3, 12]),
+                hit_direction=DIRECTIONS,
+                values=rng.normal(size=shape) + 1j * rng.normal(size=shape),
+                variance=np.full(shape, 0.1),
+                sensor_mass_kg=0.0093,
+            )
+        )
+    return found
+
+
+@pytest.fixture(scope="module")
+def ordinary(superset):
+    return Ordinary(superset=superset, postures=("p0", "p1", "p2"))
+
+
+@pytest.fixture(scope="module")
+def stage(superset, lines):
+    return Stage(superset, lines, Discrepancy())
+
+
+def effects(ordinary, *names):
+    every = all_instances(ordinary)
+    return tuple(next(i for i in every if i.effect.name == name) for name in names)
+
+
+def test_postures_solved_together_are_each_alone(superset, lines, ordinary):
+    names = ("gravity_compensator", "link_bending", "nonproportional", "channel_gain")
+    hypothesis = Hypothesis(ordinary=ordinary, instances=effects(ordinary, *names))
+    space = hypothesis.space()
+    u = np.clip(space.start() + 0.1, space.low, space.high)
+    values = space.values(u)
+    models = [PosedModel(superset, q) for q in ANGLES]
+    y, dy = Postures(models[:2], lines[:2]).derivatives(hypothesis, space, values)
+    for p in range(2):
+        alone, by_each = models[p].derivatives(hypothesis, lines[p], space, values)
+        np.testing.assert_allclose(y[p], alone, rtol=1e-10)
+        size = np.abs(by_each).max(axis=(1, 2, 3), keepdims=True)
+        # Sums in another order: differences of parameters that act by them lose some digits.
+        np.testing.assert_allclose(dy[:, p] / (size + 1e-30), by_each / (size + 1e-30), atol=1e-6)
+
+
+def test_postures_of_other_shape_are_solved_apart(stage):
+    assert [own for own, _ in stage.together()] == [[0, 1], [2]]
+    assert [own for own, _ in stage.together([2, 0])] == [[2], [0]]
+
+
+def test_a_mounting_answers_its_own_hit(superset, lines, ordinary):
+    """Two hits at once are each hit alone: half of the mountings each."""
+    hypothesis = Hypothesis(ordinary=ordinary)
+    values = hypothesis.space().values(hypothesis.space().start())
+    model, both = PosedModel(superset, ANGLES[0]), lines[0]
+    y = model.values(hypothesis, both, values)
+    for hit in (0, 1):
+        mine = both.hit == hit
+        alone = replace(
+            both,
+            sensor_point=both.sensor_point[mine],
+            hit=np.zeros(mine.sum(), dtype=int),
+            hit_point=both.hit_point[[hit]],
+            hit_direction=both.hit_direction[[hit]],
+            values=both.values[mine],
+            variance=both.variance[mine],
+        )
+        more = replace(ordinary, postures=("p0",))
+        np.testing.assert_allclose(
+            model.values(Hypothesis(ordinary=more), alone, values), y[mine], rtol=1e-10
+        )
+
+
+def test_starts_from_one_evaluation_are_those_of_their_own(stage, ordinary):
+    present = Hypothesis(ordinary=ordinary)
+    first = fit_hypothesis(stage, present, max_iterations=0)
+    instances = effects(ordinary, "rotor", "coupling", "released_joint", "nonproportional", "base")
+    found = beside(stage, first, instances)
+    # A base has a mass from the start: it changes something at once.
+    assert [f.hypothesis.instances[0].effect.name for f in found] == [
+        "rotor",
+        "coupling",
+        "released_joint",
+        "nonproportional",
+    ]
+    for fit in found:
+        own = fit_hypothesis(stage, fit.hypothesis, start=first.values, max_iterations=0)
+        assert fit.cost == pytest.approx(own.cost, rel=1e-12)
+        np.testing.assert_allclose(fit.u, own.u)
+        scale = np.abs(own.slope).max()
+        np.testing.assert_allclose(fit.slope / scale, own.slope / scale, atol=1e-9)
+        scale = np.abs(own.curvature).max()
+        np.testing.assert_allclose(fit.curvature / scale, own.curvature / scale, atol=1e-9)
+        assert fit.on == own.on
