@@ -20,6 +20,7 @@ __all__ = [
     "Judged",
     "Thresholds",
     "is_as_good",
+    "is_certain",
     "judge",
     "misfit_per_line",
     "one_mechanism",
@@ -81,7 +82,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     better = [r for r in rivals if present.evidence - r.evidence > _wanted(r, thresholds) * phi]
     if not better:
         return Judged(named=None, standing=(), phi=phi)
-    material = [r for r in better if _added(r).is_material(r.values)]
+    material = [r for r in better if _added(r).is_material(r.values) and is_certain(r)]
     if not material:
         return Judged(named=None, standing=(), phi=phi)
     best = _plainest(material, present, thresholds.apart * phi)
@@ -124,6 +125,16 @@ def is_as_good(behind: float, gain: float, apart: float) -> bool:
         Nats by which rivals are told apart.
     """
     return behind < min(_LIKELIER * apart, _PART_OF_GAIN * gain)
+
+
+def is_certain(fit: Fit) -> bool:
+    """Whether the last effect's size is known well enough to be more than a patch."""
+    added = _added(fit)
+    if not added.least_certain:
+        return True
+    i = fit.space.index[added.size]
+    std = float(fit.space.std[i] * np.sqrt(fit.covariance()[i, i]))
+    return fit.values[added.size] >= added.least_certain * std
 
 
 def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | None:

@@ -22,7 +22,9 @@ from analyzer.gap.starts import (
     FIRST_STEPS,
     WORTH_BROAD,
     axes_of_bearings,
+    bearings_of_axes,
     behind_joints,
+    every_bearing,
     first_steps,
     from_the_start,
     not_hopeless,
@@ -52,11 +54,12 @@ _NEAR_BY_LEVEL = 4.0
 # Of cost by the linear look, for a term of the equations and for an error of the measurement: less
 # is not worth a fit.
 _WORTH_SHARP, _WORTH_ERROR = 22.0, 15.0
+_SOMETHING = 60.0  # of evidence: more is there than chance
 _WORTH_SPLIT = 50.0  # of evidence: an axis that brings less becomes no name with a part before it
 _FIRST_SHARPLY, _BLOCK = 9, 3  # steps of a finalist, how many at a time
 # A finalist goes on while it is no further behind than this, times misfit a residual, and than it
 # would gain in so many blocks like its last.
-_BESIDE, _PATIENCE = 60.0, 3.0
+_BESIDE, _PATIENCE, _NOTHING = 60.0, 3.0, 0.5
 _WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it is fitted again
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
@@ -172,6 +175,9 @@ def _looked_for(
     worthy = [c for c in looked_at if c.gain > _WORTH_SHARP or not _is_a_term(c.instance)]
     chosen = most_promising(worthy, _WORTH_ERROR, each_kind=False)[:_LOOKED_AT_SHARPLY]
     first = first_steps(sharp, fit, chosen, postures, start)
+    if first and fit.evidence - first[0].evidence > _SOMETHING:
+        first += every_bearing(sharp, fit, postures, [_key(f) for f in first])
+        first.sort(key=lambda f: f.cost)
     # The best after two steps, and those that promise most: some need more than two.
     promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
     best = _leading(first, None)[: _FINALISTS - 1]
@@ -228,6 +234,8 @@ def _searched(
         gained = base.cost - best[0].cost
         worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
         best = [f for f in not_hopeless(best, _BEHIND_LATER) if f.cost < worth]
+    best += bearings_of_axes(broad, present, best[:2], postures)
+    best.sort(key=lambda f: f.cost)
     least = wide[0].cost, best[0].cost
     best += split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
     best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
@@ -252,7 +260,7 @@ def _while_hopeful(
         taken += _BLOCK
         gained = further.first_cost - further.cost if further is not fit else 0.0
         fit = further
-        if fit.converged or fit.evidence - _PATIENCE * gained > best + allowed:
+        if gained < _NOTHING or fit.evidence - _PATIENCE * gained > best + allowed:
             break
     return fit
 

@@ -21,7 +21,9 @@ __all__ = [
     "FIRST_STEPS",
     "WORTH_BROAD",
     "axes_of_bearings",
+    "bearings_of_axes",
     "behind_joints",
+    "every_bearing",
     "first_steps",
     "from_the_start",
     "not_hopeless",
@@ -258,6 +260,63 @@ def axes_of_bearings(
                 fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4)
             )
     return found
+
+
+def bearings_of_axes(
+    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
+) -> list[Fit]:
+    """An axis in a link may stand for the bearing of the joint before it, or of that beyond."""
+    ordinary = present.ordinary
+    joints = ordinary.arm.joints
+    free = _bearings(present)
+    found = []
+    for fit in fits:
+        axis = fit.hypothesis.instances[-1]
+        if axis.effect.name != "link_axis" or axis.describe is None:
+            continue
+        link = next(i for i, joint in enumerate(joints) if joint.link.name == axis.place)
+        direction = np.asarray(axis.describe(fit.values)["direction"])
+        values = {k: v for k, v in fit.values.items() if k not in axis.owned}
+        for joint in joints[link : link + 2]:
+            bearing = free.pop(joint.name, None)
+            if bearing is None:
+                continue
+            is_own = joint is joints[link]
+            own = direction if is_own else joint.T_parent_joint[:3, :3].T @ direction
+            parts = (own @ across(np.asarray(joint.axis))) ** 2
+            more = dict(zip(bearing.sizes, (fit.values[axis.size] * parts).tolist(), strict=True))
+            found.append(_with_bearing(stage, present, bearing, values, more, postures))
+    return found
+
+
+def every_bearing(
+    stage: Stage, fit: Fit, postures: Sequence[int] | None, but: Sequence[tuple[str, str]]
+) -> list[Fit]:
+    """Bearings of all joints, from the fit: what their own loss brings no linear look has seen."""
+    return [
+        _with_bearing(stage, fit.hypothesis, bearing, fit.values, {}, postures)
+        for bearing in _bearings(fit.hypothesis).values()
+        if bearing.key not in but
+    ]
+
+
+def _bearings(present: Hypothesis) -> dict[str, Instance]:
+    taken = {instance.key for instance in present.instances}
+    every = all_instances(present.ordinary)
+    return {i.place: i for i in every if i.effect.name == "bearing" and i.key not in taken}
+
+
+def _with_bearing(
+    stage: Stage,
+    present: Hypothesis,
+    bearing: Instance,
+    values: dict[str, float],
+    more: dict[str, float],
+    postures: Sequence[int] | None,
+) -> Fit:
+    begin = {**values, **{name: values.get(name, 0.0) + own for name, own in more.items()}}
+    richer = replace(present, instances=(*present.instances, bearing))
+    return fit_hypothesis(stage, richer, start=begin, postures=postures, max_iterations=4)
 
 
 def split_axes(

@@ -60,6 +60,7 @@ class Instance:
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
+    least_certain: float = 0.0  # size over its deviation, below which it is only a patch
     size_offset: float = 0.0  # of the size: what the null has anyway
     # By ordinary parameter: what else it may be, either way, per unit of an own one.
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
