@@ -20,7 +20,6 @@ WORDS = EffectWords(
     told_by="points on both sides of the bearing; hits along two directions across the axis",
     remedy="check preload and bolts of the joint's main bearing",
 )
-_MATERIAL = 0.028  # of the arm's compliance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -40,7 +39,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 relaxes=relaxed,
                 size=names[0],
                 sizes=tuple(names),
-                material=_MATERIAL * ordinary.compliance,
+                material=ordinary.bearing_limit,
             )
         )
     return tuple(found)
