@@ -95,6 +95,9 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         and not _same(best, r)
         and not _is_no_more_than(r, best)
     ]
+    if beside and present.evidence - best.evidence < thresholds.clear * phi:
+        # So little, and for several alike: what ordinary errors leave, not an error beyond them.
+        return Judged(named=None, standing=(), phi=phi)
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)
     return Judged(named=best, standing=(best,), phi=phi)

@@ -58,8 +58,8 @@ _SOMETHING = 60.0  # of evidence: more is there than chance
 _WORTH_SPLIT = 50.0  # of evidence: an axis that brings less becomes no name with a part before it
 _FIRST_SHARPLY, _BLOCK = 9, 3  # steps of a finalist, how many at a time
 # A finalist goes on while it is no further behind than this, times misfit a residual, and than it
-# would gain in so many blocks like its last.
-_BESIDE, _PATIENCE, _NOTHING = 60.0, 3.0, 0.5
+# would gain in so many blocks like its last, and while a block gains some part of its cost.
+_BESIDE, _PATIENCE, _NOTHING = 60.0, 3.0, 1e-4
 _WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it is fitted again
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
@@ -115,11 +115,12 @@ def find_rivals(
         tell(f"sharply: {f.hypothesis.name}")
         finals.append(_while_hopeful(sharp, f, postures, finals, _FIRST_SHARPLY))
     finals.sort(key=lambda f: f.evidence)
-    if finals and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT:
+    worth_splits = finals and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT
+    if worth_splits and not so_far.astray:  # else they were tried on the broad lines
         finals += split_axes(sharp, finals[:1], postures, 8)
     finals = _leading(finals, None)
     if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
-        finals[0] = _further(sharp, finals[0], postures, _STEPS)
+        finals[0] = _while_hopeful(sharp, finals[0], postures, (), _STEPS)
         finals[1:] = [_while_hopeful(sharp, f, postures, finals, _STEPS) for f in finals[1:]]
     return Rivals(present=so_far.sharp, rivals=tuple(sorted(finals, key=lambda f: f.evidence)))
 
@@ -260,7 +261,7 @@ def _while_hopeful(
         taken += _BLOCK
         gained = further.first_cost - further.cost if further is not fit else 0.0
         fit = further
-        if gained < _NOTHING or fit.evidence - _PATIENCE * gained > best + allowed:
+        if gained < _NOTHING * fit.cost or fit.evidence - _PATIENCE * gained > best + allowed:
             break
     return fit
 

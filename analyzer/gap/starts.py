@@ -36,8 +36,8 @@ WORTH_BROAD = 4.0  # of cost by the linear look; less is not worth a fit
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
 _SERVO_STEPS, _SERVOS = 4, 3
-_FROM_START, _ALONE, _FEWEST = 10, 18, 3
-_WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER = 3, 9, 6, 12
+_FROM_START, _ALONE, _AGAIN, _FEWEST = 10, 18, 14, 3
+_WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER, _BETTER_AGAIN = 3, 9, 6, 12, 7
 _CERTAIN = 0.1  # of the plain fit's cost: what leaves less is found
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
@@ -133,7 +133,7 @@ def from_the_start(
     first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
     looked_at = look_at_all(stage, first, start, from_start=False)
     chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
-    chosen = chosen[: _ALONE if alone or again else _FROM_START]
+    chosen = chosen[: _AGAIN if again else _ALONE if alone else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
     fits = _wide_fits(stage, first, instances, start, postures)
     found = min((f.cost for f in fits), default=np.inf) < _CERTAIN * plain_cost
@@ -147,7 +147,7 @@ def from_the_start(
         fits += _wide_fits(stage, first, every_place, start, postures)
     fits.sort(key=lambda f: f.cost)
     better = []
-    for fit in not_hopeless(fits, BEHIND)[:_BETTER]:
+    for fit in not_hopeless(fits, BEHIND)[: _BETTER_AGAIN if again else _BETTER]:
         steps = _MANY_STEPS if _has_many(fit) else _WIDE_STEPS
         better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
     return sorted(better, key=lambda f: f.cost)

@@ -6,7 +6,9 @@ import pytest
 from analyzer.gap import score
 from analyzer.gap.effects import bearing, coupling, gravity_compensator, link_axis
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.judge import is_as_good, one_mechanism
+from analyzer.gap.fit import Fit
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.judge import is_as_good, is_certain, one_mechanism
 from analyzer.gap.score import equivalents, mark, rate, size_of_truth
 from analyzer.gap.space import Parameter, Space
 from tests.support.gap_results import made_result
@@ -101,6 +103,33 @@ def test_a_coupling_and_a_compensator_at_one_joint_are_one_mechanism_nobody_list
     assert one_mechanism([beside, pair]) == (pair, beside)
     assert one_mechanism([pair, elsewhere]) is None
     assert one_mechanism([pair, standing_at(bearing.WORDS, "b")]) is None
+
+
+def fitted(value, std):
+    """A fit of an axis whose size is known to a standard deviation, given in the prior's."""
+    size = Parameter(name="size", mean=0.0, std=1.0, low=0.0)
+    axis = Instance(
+        effect=link_axis.WORDS, place="l", parameters=(size,), size="size", least_certain=15.0
+    )
+    curvature = np.array([[1.0 / std**2 - 1.0]])  # the prior adds its own
+    return Fit(
+        hypothesis=Hypothesis(ordinary=None, instances=(axis,)),
+        space=Space([size]),
+        u=np.array([value]),
+        cost=0.0,
+        first_cost=0.0,
+        misfit=(0.0,),
+        curvature=curvature,
+        slope=np.zeros(1),
+        free=np.ones(1, dtype=bool),
+        converged=True,
+        n_iterations=1,
+    )
+
+
+def test_an_axis_of_uncertain_size_is_only_a_patch():
+    assert is_certain(fitted(0.32, 0.02))
+    assert not is_certain(fitted(0.28, 0.02))
 
 
 def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_explains_little_more():
