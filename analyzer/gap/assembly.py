@@ -11,7 +11,7 @@ model. Frames: superset, linear first.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -85,7 +85,7 @@ class Pieces:
 class System:
     """What of a hypothesis in one posture does not depend on frequency; n coordinates.
 
-    Stacked: of P postures, the first axis of every array.
+    Stacked (`analyzer.gap.systems`): of P postures, the first axis of every array.
     """
 
     mass: Array  # (n, n) without the accelerometer
@@ -108,19 +108,15 @@ class System:
     sensor_mass_kg: Array  # ()
     decay_rad_s: Array  # () by which all records fall that nobody wrote down
 
-    @classmethod
-    def stacked(cls, systems: Sequence[System]) -> System:
-        """Return systems with the same coordinates, mountings and hits as one."""
+    def alone(self, posture: int) -> System:
+        """Return one of stacked systems, without their axis."""
         found: dict[str, Any] = {
-            f.name: np.array([getattr(system, f.name) for system in systems])
-            for f in fields(cls)
-            if f.name != "pieces"
+            f.name: getattr(self, f.name)[posture] for f in fields(self) if f.name != "pieces"
         }
         pieces = {
-            link: replace(own, motion=np.array([s.pieces[link].motion for s in systems]))
-            for link, own in systems[0].pieces.items()
+            link: replace(own, motion=own.motion[posture]) for link, own in self.pieces.items()
         }
-        return cls(**found, pieces=pieces)
+        return System(**found, pieces=pieces)
 
 
 @dataclass
@@ -298,82 +294,7 @@ class Assembly:
                 found[..., :before, :, at] = 0.0
         return found
 
-    def system(self) -> System:
-        """Put the matrices together."""
-        geometry, lines = self.geometry, self.lines
-        T = np.stack(self.columns, axis=1)
-        n = T.shape[1]
-        link_motion = geometry.link_jacobian @ T
-        inertia = np.stack(self.link_inertia)
-        pieces = {
-            link: Pieces(
-                shares=shares,
-                offsets_m=offsets,
-                motion=self.motion_of_pieces(link, link_motion[link], len(shares)),
-            )
-            for link, (shares, offsets) in self.pieces.items()
-        }
-        whole = [i for i in range(len(inertia)) if i not in pieces]
-        flat = link_motion[whole].reshape(-1, n)
-        mass = flat.T @ (inertia[whole] @ link_motion[whole]).reshape(-1, n)
-        for link, piece in pieces.items():
-            flat = piece.motion.reshape(-1, n)
-            mass = mass + flat.T @ (piece.split(inertia[link]) @ piece.motion).reshape(-1, n)
-        matrices = {
-            "mass": mass,
-            "damping": np.zeros((n, n)),
-            "stiffness": T.T
-            @ np.tensordot(np.stack(self.link_moments), geometry.gravity_per_mass, axes=2)
-            @ T,
-            "loss": np.zeros((n, n)),
-        }
-        base = T[:6]
-        matrices["mass"] += base.T @ self.base_inertia @ base
-        for kind, i, j, value in self.terms:
-            matrices[kind][i, j] += value
-        for kind, row, value in self.stretches:
-            matrices[kind][: row.size, : row.size] += value * np.outer(row, row)
-        J = self.point_motion(self.where, T)
-        R = geometry.point_rotation[self.where]
-        weighed = self.weighed(J)
-        m = len(lines.sensor_point)
-        return System(
-            **matrices,
-            compliance=np.array(self.compliance),
-            compliance_loss_s=np.array(self.compliance_loss_s),
-            link_motion=link_motion,
-            pieces=pieces,
-            moved=J[:, :3],
-            seen=R.swapaxes(1, 2) @ J[:, :3],
-            tilted=R.swapaxes(1, 2) @ weighed,
-            turned=R.swapaxes(1, 2) @ J[:, 3:],
-            mix=np.broadcast_to(np.eye(3), (m, 3, 3)) if self.mix is None else self.mix,
-            hit=self.point_motion(lines.hit_point, T)[:, :3],
-            force=lines.hit_direction if self.force is None else self.force,
-            log_scale=np.array(self.log_scale),
-            delay_s=np.array(self.delay_s),
-            decay_rad_s=np.array(self.decay_rad_s),
-            sensor_mass_kg=np.array(lines.sensor_mass_kg + self.sensor_mass_kg),
-        )
-
     @property
     def where(self) -> npt.NDArray[np.int64]:
         """Return (m,) the point where each mounting is taken to stand."""
         return self.lines.sensor_point if self.sensor_point is None else self.sensor_point
-
-    def weighed(self, motion: Array) -> Array:
-        """Return what a rotation adds: a - g seen in axes turned by theta changes by theta x g."""
-        gx, gy, gz = self.geometry.gravity_m_s2
-        turn = np.array([[0.0, gz, -gy], [-gz, 0.0, gx], [gy, -gx, 0.0]])
-        return np.asarray(turn @ motion[..., 3:, :])
-
-    def point_motion(self, points: npt.NDArray[np.int64], T: Array) -> Array:
-        """Return (k, 6, n) motion of points, those that stand elsewhere shifted."""
-        motion = self.geometry.point_jacobian[points] @ T
-        for at, (_, _, still) in self.between.items():
-            motion[still[points], :, at] = 0.0
-        for point, shift in self.shifts_m.items():
-            arm = skew(self.geometry.point_rotation[point] @ shift)
-            rows = points == point
-            motion[rows, :3] -= arm @ motion[rows, 3:]
-        return motion

@@ -65,8 +65,7 @@ class GeometryNear:
 
     def slopes(self) -> GeometrySlopes:
         """Return how the geometry of the last `at` changes with the angles."""
-        link, point, rotation = self._slope
-        return GeometrySlopes(link_jacobian=link, point_jacobian=point, point_rotation=rotation)
+        return self._slopes
 
     def _centre_on(self, offset: Array) -> None:
         self._centre = offset.copy()
@@ -83,6 +82,10 @@ class GeometryNear:
                 [(a - b) / (2.0 * _STEP_RAD) for a, b in zip(ends[0], ends[1], strict=True)]
             )
         self._slope = [np.stack(kind) for kind in zip(*slopes, strict=True)]
+        link, point, rotation = self._slope
+        self._slopes = GeometrySlopes(
+            link_jacobian=link, point_jacobian=point, point_rotation=rotation
+        )
 
     def _geometry(self, link: Array, point: Array, rotation: Array) -> PostureGeometry:
         return PostureGeometry(

@@ -21,8 +21,8 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.response import Change, Response, hysteresis, respond
-from analyzer.gap.slopes import Slopes, angle_slopes
 from analyzer.gap.space import Space
+from analyzer.gap.systems import angle_slopes, stacked_slopes, systems
 
 __all__ = ["PosedModel", "Postures"]
 
@@ -54,7 +54,7 @@ class PosedModel:
         ordinary = hypothesis.ordinary
         geometry = self.geometry(ordinary, values)
         plain = ordinary.assemble(geometry, lines, values, ordinary.bodies(values))
-        return hypothesis.add_to(plain, values).system()
+        return systems([hypothesis.add_to(plain, values)]).alone(0)
 
     def values(
         self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
@@ -81,6 +81,7 @@ class Postures:
         self._models, self.lines = tuple(models), tuple(lines)
         self._s_rad_s = np.stack([own.s_rad_s for own in lines])
         self._hit = np.stack([own.hit for own in lines])
+        self._own_slopes: list[GeometrySlopes] = []
 
     @staticmethod
     def likeness(lines: PostureLines) -> tuple[object, ...]:
@@ -89,7 +90,7 @@ class Postures:
 
     def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
         """Predict the postures' FRFs."""
-        return self._solved(self._assemblies(hypothesis, values)[1])[1]
+        return self._solved(self._assemblies(hypothesis, values)[1])
 
     def derivatives(
         self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
@@ -103,16 +104,16 @@ class Postures:
             Rows of parameters that do not act here are zero.
         """
         plain, assemblies = self._assemblies(hypothesis, values)
-        systems, found = self._solved(assemblies)
+        found = self._solved(assemblies)
         y = found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
-        posed = _Posed(hypothesis, plain, assemblies, systems, found, values)
+        posed = _Posed(hypothesis, plain, assemblies, found, values)
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
             posed.by_inertias(),
             posed.by_measurement(),
-            posed.by_angles([model.slopes() for model in self._models]),
+            posed.by_angles(self._slopes()),
             posed.by_terms(),
             posed.by_differences(space, self._s_rad_s),
         ):
@@ -132,7 +133,7 @@ class Postures:
         Of an element a, b of that of the coordinates `names`: both triangles' mean.
         """
         _, assemblies = self._assemblies(hypothesis, values)
-        found = self._solved(assemblies)[1]
+        found = self._solved(assemblies)
         left, right = found.through_compliances(
             [assemblies[0].compliance_of[name][0][0] for name in names]
         )
@@ -150,7 +151,7 @@ class Postures:
         Of an element of C of two named joints: both triangles' mean.
         """
         _, assemblies = self._assemblies(hypothesis, values)
-        found = self._solved(assemblies)[1]
+        found = self._solved(assemblies)
         names = assemblies[0].names
         at = [(names[a], names[b]) for a, b in pairs]
         columns = [
@@ -170,9 +171,17 @@ class Postures:
         ]
         return plain, [hypothesis.add_to(own, values) for own in plain]
 
-    def _solved(self, assemblies: Sequence[Assembly]) -> tuple[list[System], Response]:
-        systems = [assembly.system() for assembly in assemblies]
-        return systems, respond(System.stacked(systems), self._s_rad_s, self._hit)
+    def _solved(self, assemblies: Sequence[Assembly]) -> Response:
+        return respond(systems(assemblies), self._s_rad_s, self._hit)
+
+    def _slopes(self) -> GeometrySlopes:
+        """Stacked, anew only where a geometry's centre has moved."""
+        own = [model.slopes() for model in self._models]
+        if any(a is not b for a, b in zip(own, self._own_slopes, strict=False)) or not (
+            self._own_slopes
+        ):
+            self._own_slopes, self._stacked = own, stacked_slopes(own)
+        return self._stacked
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +191,6 @@ class _Posed:
     hypothesis: Hypothesis
     plain: Sequence[Assembly]  # without effects
     assemblies: Sequence[Assembly]
-    systems: Sequence[System]  # of each posture
     found: Response
     values: Mapping[str, float]
 
@@ -271,14 +279,11 @@ class _Posed:
                     alone[p] = by_aim[p]
                     yield f"aim {letter} {own.lines.name}", alone
 
-    def by_angles(self, near: Sequence[GeometrySlopes]) -> Iterator[tuple[str, ComplexArray]]:
+    def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
-        slopes = [
-            angle_slopes(assembly, system, geometry)
-            for assembly, system, geometry in zip(self.assemblies, self.systems, near, strict=True)
-        ]
+        slopes = angle_slopes(self.assemblies, self.found.system, near)
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
-        return zip(names, self.found.by_slopes(Slopes.stacked(slopes)), strict=True)
+        return zip(names, self.found.by_slopes(slopes), strict=True)
 
     def by_terms(self) -> Iterator[tuple[str, ComplexArray]]:
         """What effects add linearly."""
@@ -316,9 +321,7 @@ class _Posed:
                 if self.values[parameter.name] + step > parameter.high:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
-                other = System.stacked(
-                    [self.hypothesis.add_to(own, changed).system() for own in self.plain]
-                )
+                other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
                 if not np.array_equal(other.decay_rad_s, self.found.system.decay_rad_s):
                     there = respond(other, s_rad_s, self.found.hit)
                     yield parameter.name, (there.values - self.found.values) / step

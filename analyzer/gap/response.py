@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import System
-from analyzer.gap.slopes import Slopes
+from analyzer.gap.systems import Slopes
 
 __all__ = ["Change", "Response", "hysteresis", "respond"]
 

@@ -1,0 +1,231 @@
+"""Matrices of the equations of several postures at once, and how they change with the angles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.assembly import Assembly, Pieces, System, skew
+from analyzer.gap.geometry import GeometrySlopes
+
+__all__ = ["Slopes", "angle_slopes", "stacked_slopes", "systems"]
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slopes:
+    """Change of P systems with each of k joint angles, per rad; all else stays."""
+
+    mass: Array  # (P, k, n, n)
+    moved: Array  # (P, k, m, 3, n)
+    seen: Array  # (P, k, m, 3, n)
+    tilted: Array  # (P, k, m, 3, n)
+    hit: Array  # (P, k, n_hits, 3, n)
+
+
+def systems(assemblies: Sequence[Assembly]) -> System:
+    """Return the equations of postures with the same coordinates, mountings and hits, stacked."""
+    first, T = assemblies[0], _columns(assemblies)
+    P, N, n = T.shape
+    links = np.array([own.geometry.link_jacobian for own in assemblies])
+    link_motion = (links.reshape(P, -1, N) @ T).reshape(P, -1, 6, n)
+    inertia = _inertias(assemblies)
+    pieces = {
+        link: Pieces(
+            shares=shares,
+            offsets_m=offsets,
+            motion=first.motion_of_pieces(link, link_motion[:, link], len(shares)),
+        )
+        for link, (shares, offsets) in first.pieces.items()
+    }
+    whole = [link for link in range(inertia.shape[1]) if link not in pieces]
+    mass = _together(link_motion[:, whole], _pull(inertia[:, whole], link_motion[:, whole]))
+    for link, piece in pieces.items():
+        mass += _together(piece.motion, _pull(_split(piece, inertia[:, link]), piece.motion))
+    base = T[:, :6]
+    base_inertia = np.array([own.base_inertia for own in assemblies])
+    mass += base.swapaxes(1, 2) @ base_inertia @ base
+    gravity = np.array(
+        [
+            np.tensordot(np.array(own.link_moments), own.geometry.gravity_per_mass, axes=2)
+            for own in assemblies
+        ]
+    )
+    matrices = {
+        "mass": mass,
+        "damping": np.zeros((P, n, n)),
+        "stiffness": T.swapaxes(1, 2) @ gravity @ T,
+        "loss": np.zeros((P, n, n)),
+    }
+    values = np.array([[value for *_, value in own.terms] for own in assemblies])
+    for term, (kind, i, j, _) in enumerate(first.terms):
+        matrices[kind][:, i, j] += values[:, term]
+    for at, (kind, row, _) in enumerate(first.stretches):
+        rows = np.array([own.stretches[at][1] for own in assemblies])
+        value = np.array([own.stretches[at][2] for own in assemblies])
+        square = value[:, None, None] * rows[:, :, None] * rows[:, None, :]
+        matrices[kind][:, : row.size, : row.size] += square
+    where, hits = _mountings(assemblies)
+    motion = _point_motion(assemblies, T)
+    J = _at(motion, where)
+    R = _turned_back(assemblies, where)
+    unmixed = np.broadcast_to(np.eye(3), (where.shape[1], 3, 3))
+    return System(
+        **matrices,
+        compliance=np.array([own.compliance for own in assemblies]),
+        compliance_loss_s=np.array([own.compliance_loss_s for own in assemblies]),
+        link_motion=link_motion,
+        pieces=pieces,
+        moved=J[..., :3, :],
+        seen=R @ J[..., :3, :],
+        tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
+        turned=R @ J[..., 3:, :],
+        mix=np.array([unmixed if own.mix is None else own.mix for own in assemblies]),
+        hit=_at(motion, hits)[..., :3, :],
+        force=np.array(
+            [own.lines.hit_direction if own.force is None else own.force for own in assemblies]
+        ),
+        log_scale=np.array([own.log_scale for own in assemblies]),
+        delay_s=np.array([own.delay_s for own in assemblies]),
+        decay_rad_s=np.array([own.decay_rad_s for own in assemblies]),
+        sensor_mass_kg=np.array(
+            [own.lines.sensor_mass_kg + own.sensor_mass_kg for own in assemblies]
+        ),
+    )
+
+
+def stacked_slopes(slopes: Sequence[GeometrySlopes]) -> GeometrySlopes:
+    """Return geometries' slopes with postures as the first axis of every array."""
+    return GeometrySlopes(
+        link_jacobian=np.array([own.link_jacobian for own in slopes]),
+        point_jacobian=np.array([own.point_jacobian for own in slopes]),
+        point_rotation=np.array([own.point_rotation for own in slopes]),
+    )
+
+
+def angle_slopes(
+    assemblies: Sequence[Assembly], system: System, geometry: GeometrySlopes
+) -> Slopes:
+    """Return how the matrices change with the angles; effects' own terms and gravity's stay.
+
+    `system` and `geometry` stacked.
+    """
+    first, T = assemblies[0], _columns(assemblies)
+    P, N, n = T.shape
+    k = geometry.link_jacobian.shape[1]
+    by_link = (geometry.link_jacobian.reshape(P, -1, N) @ T).reshape(P, k, -1, 6, n)
+    inertia = _inertias(assemblies)
+    whole = [link for link in range(inertia.shape[1]) if link not in system.pieces]
+    pull = _pull(inertia[:, whole], system.link_motion[:, whole])
+    half = _together(by_link[:, :, whole], pull[:, None])
+    for link, piece in system.pieces.items():
+        turned = first.motion_of_pieces(link, by_link[:, :, link], len(piece.shares))
+        pull = _pull(_split(piece, inertia[:, link]), piece.motion)
+        half += _together(turned, pull[:, None])
+    where, hits = _mountings(assemblies)
+    motion = _point_motion(assemblies, T)
+    slopes = _point_slopes(assemblies, motion, geometry, T)
+    J, dJ = _at(motion, where)[:, None], _along(slopes, where)
+    R = _turned_back(assemblies, where)[:, None]
+    dR = _along(geometry.point_rotation, where).swapaxes(-1, -2)
+    weights = _weights(assemblies)[:, None, None]
+    return Slopes(
+        mass=half + half.swapaxes(-1, -2),
+        moved=dJ[..., :3, :],
+        seen=dR @ J[..., :3, :] + R @ dJ[..., :3, :],
+        tilted=dR @ (weights @ J[..., 3:, :]) + R @ (weights @ dJ[..., 3:, :]),
+        hit=_along(slopes, hits)[..., :3, :],
+    )
+
+
+def _columns(assemblies: Sequence[Assembly]) -> Array:
+    """(P, N, n) motion of the superset by each coordinate."""
+    return np.array([own.columns for own in assemblies]).swapaxes(1, 2)
+
+
+def _inertias(assemblies: Sequence[Assembly]) -> Array:
+    """(P, n_links, 6, 6)."""
+    return np.array([own.link_inertia for own in assemblies])
+
+
+def _split(piece: Pieces, inertia: Array) -> Array:
+    """(P, pieces, 6, 6) of (P, 6, 6)."""
+    return np.array([piece.split(own) for own in inertia])
+
+
+def _pull(inertia: Array, motion: Array) -> Array:
+    """Momentum (..., bodies, 6, n) of unit motions (..., bodies, 6, n)."""
+    return np.asarray(inertia @ motion)
+
+
+def _together(motion: Array, pull: Array) -> Array:
+    """Sum over bodies of motion' pull: (..., n, n) of (..., bodies, 6, n)."""
+    n = motion.shape[-1]
+    flat = motion.reshape(*motion.shape[:-3], -1, n)
+    return np.asarray(flat.swapaxes(-1, -2) @ pull.reshape(*pull.shape[:-3], -1, n))
+
+
+def _mountings(assemblies: Sequence[Assembly]) -> tuple[Indices, Indices]:
+    """Points (P, m) where sensors are taken to stand, and (P, n_hits) that are hit."""
+    return (
+        np.array([own.where for own in assemblies]),
+        np.array([own.lines.hit_point for own in assemblies]),
+    )
+
+
+def _at(of_points: Array, points: Indices) -> Array:
+    """(P, k, ...) of (P, n_points, ...) at points (P, k)."""
+    return np.asarray(of_points[np.arange(len(points))[:, None], points])
+
+
+def _along(of_points: Array, points: Indices) -> Array:
+    """(P, k, m, ...) of (P, k, n_points, ...) at points (P, m)."""
+    return np.array([own[:, here] for own, here in zip(of_points, points, strict=True)])
+
+
+def _turned_back(assemblies: Sequence[Assembly], where: Indices) -> Array:
+    """(P, m, 3, 3) from the base frame to the sensors' axes."""
+    R = np.array([own.geometry.point_rotation for own in assemblies])
+    return _at(R, where).swapaxes(-1, -2)
+
+
+def _weights(assemblies: Sequence[Assembly]) -> Array:
+    """(P, 3, 3): a - g seen in axes turned by theta changes by theta x g."""
+    return -skew(np.array([own.geometry.gravity_m_s2 for own in assemblies]))
+
+
+def _point_motion(assemblies: Sequence[Assembly], T: Array) -> Array:
+    """(P, n_points, 6, n) motion of points, those that stand elsewhere shifted."""
+    P, N, n = T.shape
+    points = np.array([own.geometry.point_jacobian for own in assemblies])
+    motion = (points.reshape(P, -1, N) @ T).reshape(P, -1, 6, n)
+    for at, (_, _, still) in assemblies[0].between.items():
+        motion[:, still, :, at] = 0.0
+    for own, moved in zip(assemblies, motion, strict=True):
+        for point, shift in own.shifts_m.items():
+            arm = skew(own.geometry.point_rotation[point] @ shift)
+            moved[point, :3] -= arm @ moved[point, 3:]
+    return motion
+
+
+def _point_slopes(
+    assemblies: Sequence[Assembly], motion: Array, geometry: GeometrySlopes, T: Array
+) -> Array:
+    """(P, k, n_points, 6, n) change of the points' motion with each angle."""
+    P, N, n = T.shape
+    k = geometry.point_jacobian.shape[1]
+    found = (geometry.point_jacobian.reshape(P, -1, N) @ T).reshape(P, k, -1, 6, n)
+    for at, (_, _, still) in assemblies[0].between.items():
+        found[:, :, still, :, at] = 0.0
+    for p, own in enumerate(assemblies):
+        for point, shift in own.shifts_m.items():
+            arm = skew(own.geometry.point_rotation[point] @ shift)
+            turned = skew(geometry.point_rotation[p, :, point] @ shift)
+            change = turned @ motion[p, point, 3:] + arm @ found[p, :, point, 3:]
+            found[p, :, point, :3] -= change
+    return found
