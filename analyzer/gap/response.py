@@ -236,28 +236,31 @@ class Response:
         P, L, m, n = self.x.shape
         k = slopes.mass.shape[1]
         s2 = (self.s_rad_s**2)[:, None, :, None, None]  # (P, 1, L, 1, 1)
-        x = np.ascontiguousarray(self.x.swapaxes(1, 2))  # (P, m, L, n)
+        x = self.x.swapaxes(1, 2)  # (P, m, L, n)
+        parts = np.concatenate([x.real, x.imag], axis=2)  # BLAS takes no parts where they lie
 
-        def seen(by: Array) -> ComplexArray:
-            """(P, m, L, k, 3) of motions (P, k, m, 3, n) at the mountings."""
-            rows = by.transpose(0, 2, 4, 1, 3).reshape(P, m, n, k * 3)
-            return _times(x, rows).reshape(P, m, L, k, 3)
+        def of_motion(rows: Array) -> ComplexArray:
+            """(P, m, L, j) of real rows (P, m or 1, n, j)."""
+            found = np.matmul(parts, rows)
+            return np.asarray(found[:, :, :L] + 1j * found[:, :, L:])
 
+        mix = system.mix[:, None]
+        seen = [slopes.moved, mix @ slopes.seen, mix @ slopes.tilted]  # (P, k, m, 3, n) each
+        rows = np.concatenate([by.transpose(0, 2, 4, 1, 3).reshape(P, m, n, -1) for by in seen], -1)
+        moved, shown, tilted = of_motion(rows).reshape(P, m, L, 3, k, 3).transpose(3, 0, 1, 2, 4, 5)
         by_mass = slopes.mass.transpose(0, 3, 1, 2).reshape(P, 1, n, k * n)
-        pull = s2 * _times(x, by_mass).reshape(P, m, L, k, n)
+        pull = s2 * of_motion(by_mass).reshape(P, m, L, k, n)
         if system.sensor_mass_kg.any():
             U, dU = system.moved, slopes.moved
-            load = _times(seen(dU).reshape(P, m, L * k, 3), U).reshape(P, m, L, k, n)
-            still = _times(x, U.swapaxes(2, 3))  # (P, m, L, 3)
-            rows = dU.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n)
-            load = load + _times(still, rows).reshape(P, m, L, k, n)
+            load = _times(moved.reshape(P, m, L * k, 3), U).reshape(P, m, L, k, n)
+            still = of_motion(U.swapaxes(2, 3))  # (P, m, L, 3)
+            by_still = dU.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n)
+            load += _times(still, by_still).reshape(P, m, L, k, n)
             pull += system.sensor_mass_kg[:, None, None, None, None] * s2 * load
         push = np.einsum("pha,pkhan->phkn", system.force, slopes.hit)
         pull -= _of_hits(push, self.hit)[:, :, None]
         y = -np.matmul(pull, self.Y.transpose(0, 2, 1, 4, 3))  # (P, m, L, k, 3)
-        mix = system.mix[:, None]
-        more = s2 * seen(mix @ slopes.seen) + seen(mix @ slopes.tilted)
-        y += self.factor[:, None, :, None, None] * more
+        y += self.factor[:, None, :, None, None] * (s2 * shown + tilted)
         return np.asarray(y.transpose(3, 0, 1, 4, 2))
 
     def by_change(self, change: Change) -> ComplexArray:

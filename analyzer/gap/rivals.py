@@ -37,7 +37,7 @@ _MOST_PROMISING = 4
 _MIDDLE, _FINALISTS = 4, 4
 # Fits on broad lines, some steps each in turn; about a fit with a name the cost tells more.
 _COARSE, _COARSE_AGAIN = (12, 6), (6, 3)
-_LOOKED_AT_SHARPLY = 10
+_LOOKED_AT_SHARPLY = 8
 _BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines, likewise
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
 _LARGE_PART = 0.4  # likewise, of evidence, to be fitted on sharper lines
