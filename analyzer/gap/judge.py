@@ -24,6 +24,7 @@ __all__ = [
     "judge",
     "misfit_per_line",
     "one_mechanism",
+    "outside_misfit",
     "scale",
 ]
 
@@ -42,6 +43,8 @@ class Thresholds:
     misread: float = 45.0  # nats for axes exchanged or turned round: nothing to tune
     relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
     outside_misfit: float = 0.80  # above this something is missing
+    # The same where the variance allows for hits of unequal levels: true models leave 0.37 at most.
+    outside_widened: float = 0.50
     # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
     # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
     outside_left: float = 0.20
@@ -62,6 +65,12 @@ class Judged:
 def misfit_per_line(stage: Stage, fit: Fit) -> float:
     """chi^2 per real residual, priors included."""
     return 2.0 * fit.cost / sum(w.n for w in stage.weighings)
+
+
+def outside_misfit(stage: Stage, thresholds: Thresholds) -> float:
+    """Misfit a residual above which something is missing."""
+    widened = any(lines.widened for lines in stage.lines)
+    return thresholds.outside_widened if widened else thresholds.outside_misfit
 
 
 def scale(stage: Stage, fits: Sequence[Fit], thresholds: Thresholds) -> float:

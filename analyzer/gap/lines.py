@@ -65,6 +65,7 @@ class PostureLines:
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
+    widened: bool = False  # hits of unequal levels were averaged: the variance allows for that
 
     @property
     def title(self) -> str:
@@ -133,7 +134,8 @@ def _widened(
                 )
             ]
         )
-        result.append(replace(lines, variance=lines.variance * factors[:, None, None]))
+        variance = lines.variance * factors[:, None, None]
+        result.append(replace(lines, variance=variance, widened=True))
     return tuple(result)
 
 

@@ -14,7 +14,7 @@ from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
-from analyzer.gap.judge import Judged, Thresholds, misfit_per_line, one_mechanism
+from analyzer.gap.judge import Judged, Thresholds, misfit_per_line, one_mechanism, outside_misfit
 from analyzer.gap.library import all_instances
 from analyzer.gap.records import (
     Disagreement,
@@ -104,7 +104,7 @@ def conclude(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    if left > limits.outside_misfit or unplaced or unexplained or both is not None:
+    if left > outside_misfit(sharp, limits) or unplaced or unexplained or both is not None:
         verdict = Verdict.OUTSIDE_LIBRARY
     elif effects:
         verdict = Verdict.NAMED

@@ -23,6 +23,7 @@ from analyzer.gap.judge import (
     judge,
     misfit_per_line,
     one_mechanism,
+    outside_misfit,
     scale,
 )
 from analyzer.gap.levels import told_apart
@@ -211,7 +212,7 @@ def _explains_too_little(stage: Stage, present: Fit, better: Fit, limits: Thresh
     """Whether most of what ordinary errors do not leave is still there."""
     before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
     explained = (before - after) / max(before - limits.ordinary_misfit, 1e-9)
-    return after > limits.outside_misfit and explained < _LEAST_EXPLAINED
+    return after > outside_misfit(stage, limits) and explained < _LEAST_EXPLAINED
 
 
 def _only_relaxes(fit: Fit) -> bool:
