@@ -43,7 +43,7 @@ class Thresholds:
     misread: float = 45.0  # nats for axes exchanged or turned round: nothing to tune
     relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
     outside_misfit: float = 0.80  # above this something is missing
-    # The same where the variance allows for hits of unequal levels: true models leave 0.37 at most.
+    # At least, where the variance allows for hits of unequal levels: true models leave 0.37.
     outside_widened: float = 0.50
     # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
     # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
@@ -69,8 +69,9 @@ def misfit_per_line(stage: Stage, fit: Fit) -> float:
 
 def outside_misfit(stage: Stage, thresholds: Thresholds) -> float:
     """Misfit a residual above which something is missing."""
-    widened = any(lines.widened for lines in stage.lines)
-    return thresholds.outside_widened if widened else thresholds.outside_misfit
+    widened = max(lines.widened for lines in stage.lines)
+    least = thresholds.outside_widened
+    return max(thresholds.outside_misfit / float(np.sqrt(widened)), least)
 
 
 def scale(stage: Stage, fits: Sequence[Fit], thresholds: Thresholds) -> float:

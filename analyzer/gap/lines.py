@@ -65,7 +65,7 @@ class PostureLines:
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
-    widened: bool = False  # hits of unequal levels were averaged: the variance allows for that
+    widened: float = 1.0  # by how much the variance allows for averaged hits of unequal levels
 
     @property
     def title(self) -> str:
@@ -135,7 +135,7 @@ def _widened(
             ]
         )
         variance = lines.variance * factors[:, None, None]
-        result.append(replace(lines, variance=variance, widened=True))
+        result.append(replace(lines, variance=variance, widened=float(np.median(factors))))
     return tuple(result)
 
 
