@@ -92,8 +92,12 @@ def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
     named = [effect.name for effect in result.effects]
     counted = named if result.verdict is Verdict.NAMED else []
     standing = tuple(r.name for r in result.rivals if r.standing)
-    hits = [t for t in true if any(n in same.get(t, {t}) for n in counted)]
-    wrong = [n for n in counted if not any(n in same.get(t, {t}) for t in true)]
+    hits, wrong = [], list(counted)
+    for t in true:  # each for itself: a true name said twice is once too often
+        found = next((n for n in wrong if n in same.get(t, {t})), None)
+        if found is not None:
+            hits.append(t)
+            wrong.remove(found)
     is_outside = truth["verdict"] == "outside_library"
     if wrong:
         outcome = "wrong name"

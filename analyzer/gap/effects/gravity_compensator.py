@@ -32,6 +32,7 @@ WORDS = EffectWords(
     changes="stiffness and damping beside a joint's own, by an angle that turns with the joint",
     signature="a joint stiffer in some postures than in others, by its own angle alone",
     confused_with=("coupling", "servo", "encoder_offset"),
+    covers=("gravity_compensator",),  # an arm has one; what its law leaves looks like another
     told_by="three postures that differ in that joint's angle alone; or the cylinder taken off",
     remedy="put the cylinder's ends and stiffness into the model, or test with its valve open",
 )

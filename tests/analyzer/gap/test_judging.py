@@ -63,6 +63,12 @@ def test_one_of_two_is_not_yet_right_and_no_wrong_name():
     assert (found.outcome, found.n_true_named) == ("missed", 1)
 
 
+def test_a_true_name_said_twice_is_once_too_often():
+    twice = made_result("named", ["link_axis", "link_axis"])
+    assert mark(truth("link_axis"), twice).outcome == "wrong name"
+    assert mark(truth("link_axis", "link_axis"), twice).outcome == "right"
+
+
 def test_silence_is_right_on_nulls_and_missed_elsewhere():
     nothing = made_result("nothing_detectable", [])
     assert mark(truth(verdict="nothing_detectable"), nothing).outcome == "right"
