@@ -16,11 +16,12 @@ import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.assembly import Assembly, System
+from analyzer.gap.change import Change
 from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.response import Change, Response, hysteresis, respond
+from analyzer.gap.response import Response, hysteresis, respond
 from analyzer.gap.space import Space
 from analyzer.gap.systems import angle_slopes, stacked_slopes, systems
 

@@ -32,9 +32,10 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import System
+from analyzer.gap.change import Change
 from analyzer.gap.systems import Slopes
 
-__all__ = ["Change", "Response", "hysteresis", "respond"]
+__all__ = ["Response", "hysteresis", "respond"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -46,33 +47,6 @@ _REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has
 def hysteresis(s: ComplexArray) -> ComplexArray:
     """What a unit loss factor adds to a unit stiffness at s, in rad/s."""
     return np.asarray((2.0 / np.pi) * np.log(s / _REFERENCE_RAD_S))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """Difference of two systems over a parameter's step; None where nothing changes."""
-
-    mass: Array | None = None
-    damping: Array | None = None
-    stiffness: Array | None = None
-    loss: Array | None = None
-    moved: Array | None = None
-    seen: Array | None = None
-    tilted: Array | None = None
-    mix: Array | None = None
-    hit: Array | None = None
-    force: Array | None = None
-    sensor_mass_kg: Array | None = None
-
-    @classmethod
-    def between(cls, before: System, after: System, step: float) -> Change:
-        """Change a unit of the parameter makes."""
-        found: dict[str, Any] = {}
-        for name in cls.__slots__:
-            old, new = getattr(before, name), getattr(after, name)
-            if not np.array_equal(old, new):
-                found[name] = (new - old) / step
-        return cls(**found)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +65,7 @@ class Response:
     S: ComplexArray  # (P, L, m, 3, 3)
 
     @cached_property
-    def Y(self) -> ComplexArray:  # noqa: N802
+    def under_loads(self) -> ComplexArray:
         """(P, L, m, 3, n) motion under unit loads on the recorded axes, factor included.
 
         Along the recorded channels, so that their mixing is inside.
@@ -115,14 +89,14 @@ class Response:
         `row` (P, n), `weight` (P, L).
         """
         at = np.flatnonzero(np.any(row, axis=0))
-        Y = np.asarray(sum(self.Y[..., i] * row[:, i, None, None, None] for i in at))
+        Y = np.asarray(sum(self.under_loads[..., i] * row[:, i, None, None, None] for i in at))
         x = np.asarray(sum(self.x[..., i] * row[:, i, None, None] for i in at))
         return _last(-Y * (x * weight[:, :, None])[..., None])
 
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
         """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
         x = self.x[..., j] * self._weight(kind)[:, :, None]
-        return _last(-self.Y[..., i] * x[..., None])
+        return _last(-self.under_loads[..., i] * x[..., None])
 
     def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
         """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
@@ -149,7 +123,9 @@ class Response:
         for i, at in enumerate(coordinates):
             if i not in locked:
                 weight = (1.0 + loss_s[:, at, None] * s) / gamma[:, i, None] ** 2
-                found[i] = _last(self.Y[..., at] * (self.x[..., at] * weight[..., None])[..., None])
+                found[i] = _last(
+                    self.under_loads[..., at] * (self.x[..., at] * weight[..., None])[..., None]
+                )
         return found
 
     @property
@@ -208,7 +184,7 @@ class Response:
         k = len(changes)
         turned = J.swapaxes(1, 2)
         V = self.x.reshape(P, -1, n) @ turned  # (P, L m, 6)
-        W = (self.Y.reshape(P, -1, n) @ turned).reshape(-1, 3, 6)
+        W = (self.under_loads.reshape(P, -1, n) @ turned).reshape(-1, 3, 6)
         bent = (V.reshape(-1, 6) @ changes.transpose(2, 0, 1).reshape(6, k * 6)).reshape(-1, k, 6)
         y = np.matmul(W, bent.swapaxes(1, 2)).reshape(P, L, m, 3, k)
         y = y * -(self.s_rad_s**2)[:, :, None, None, None]
@@ -218,7 +194,7 @@ class Response:
         """Derivative by the force's components (P, 3) of one hit."""
         b = (change[:, None] @ self.system.hit[:, hit])[:, 0]  # (P, n)
         mine = (self.hit == hit).astype(np.float64)
-        return _last(_applied(self.Y, b[:, None, None]) * mine[:, None, :, None])
+        return _last(_applied(self.under_loads, b[:, None, None]) * mine[:, None, :, None])
 
     def by_shift(self) -> ComplexArray:
         """Derivatives (3, P, m, 3, L) by a shift of each mounting along its own sensor's axes.
@@ -259,7 +235,7 @@ class Response:
             pull += system.sensor_mass_kg[:, None, None, None, None] * s2 * load
         push = np.einsum("pha,pkhan->phkn", system.force, slopes.hit)
         pull -= _of_hits(push, self.hit)[:, :, None]
-        y = -np.matmul(pull, self.Y.transpose(0, 2, 1, 4, 3))  # (P, m, L, k, 3)
+        y = -np.matmul(pull, self.under_loads.transpose(0, 2, 1, 4, 3))  # (P, m, L, k, 3)
         y += self.factor[:, None, :, None, None] * (s2 * shown + tilted)
         return np.asarray(y.transpose(3, 0, 1, 4, 2))
 
@@ -295,7 +271,7 @@ class Response:
         if change.force is not None:
             push = np.einsum("pha,phan->phn", change.force, system.hit)
             dZx -= _of_hits(push, self.hit)[:, None]
-        y = -_applied(self.Y, dZx)
+        y = -_applied(self.under_loads, dZx)
         more = np.zeros_like(y)
         if change.seen is not None:
             more += s2 * _applied(change.seen[:, None], self.x)

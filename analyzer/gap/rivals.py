@@ -38,7 +38,7 @@ _MIDDLE, _FINALISTS = 4, 4
 # Fits on broad lines, some steps each in turn; about a fit with a name the cost tells more.
 _COARSE, _COARSE_AGAIN = (12, 6), (6, 3)
 _LOOKED_AT_SHARPLY = 8
-_BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines, likewise
+_BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
 _LARGE_PART = 0.4  # likewise, of evidence, to be fitted on sharper lines
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
@@ -46,9 +46,8 @@ _BLIND = 0.99  # likewise: if nothing costs less, the widest lines tell nothing
 _LEAP, _MOST_LEAPS = 0.7, 4  # of the cost; rounds
 _SPLIT = 2  # leading fits in which an axis may have a part of its link before it
 _NEAR = 0.9  # misfit a residual below which a linear look on the sharp lines is trusted
-_BELIEVABLE = (
-    4.9  # prior deviations: beyond, at the limits of what is ordinary, the fit went astray
-)
+# Prior deviations: beyond, at the limits of what is ordinary, the fit went astray.
+_BELIEVABLE = 4.9
 # Where soft and hard hits are told apart: a joint that follows the level leaves much, and is near.
 _NEAR_BY_LEVEL = 4.0
 # Of cost by the linear look, for a term of the equations and for an error of the measurement: less
@@ -82,7 +81,6 @@ def find_rivals(
     stages: Sequence[Stage],
     present: Hypothesis,
     *,
-    postures: Sequence[int] | None = None,
     start: dict[str, float] | None = None,
     fitted: Fit | None = None,
     tell: Progress = lambda _: None,
@@ -99,29 +97,29 @@ def find_rivals(
     widest, broad, _, sharp = stages
     start = start or {}
     tell("the arm as believed" if not present.instances else present.name)
-    so_far = _annealed(stages, present, postures, start, fitted)
+    so_far = _annealed(stages, present, start, fitted)
     if so_far.astray:
-        best, least = _searched(stages, so_far, postures, start, tell)
+        best, least = _searched(stages, so_far, start, tell)
     else:
-        so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, postures, _STEPS))
-        best = _looked_for(sharp, so_far.sharp, postures, start)
+        so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, _STEPS))
+        best = _looked_for(sharp, so_far.sharp, start)
         least = so_far.widest.cost, so_far.broad.cost
-    behind = behind_joints(widest, so_far.widest, postures)
-    behind = [_further(broad, f, postures, 3) for f in behind if f.cost < BEHIND * least[0]]
+    behind = behind_joints(widest, so_far.widest)
+    behind = [_further(broad, f, 3) for f in behind if f.cost < BEHIND * least[0]]
     behind = [f for f in _leading(behind, so_far.broad)[:1] if f.cost < BEHIND * least[1]]
     best += [f for f in behind if _key(f) not in map(_key, best)]
     finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
-        finals.append(_while_hopeful(sharp, f, postures, finals, _FIRST_SHARPLY))
+        finals.append(_while_hopeful(sharp, f, finals, _FIRST_SHARPLY))
     finals.sort(key=lambda f: f.evidence)
-    worth_splits = finals and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT
+    worth_splits = bool(finals) and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT
     if worth_splits and not so_far.astray:  # else they were tried on the broad lines
-        finals += split_axes(sharp, finals[:1], postures, 8)
+        finals += split_axes(sharp, finals[:1], 8)
     finals = _leading(finals, None)
     if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
-        finals[0] = _while_hopeful(sharp, finals[0], postures, (), _STEPS)
-        finals[1:] = [_while_hopeful(sharp, f, postures, finals, _STEPS) for f in finals[1:]]
+        finals[0] = _while_hopeful(sharp, finals[0], (), _STEPS)
+        finals[1:] = [_while_hopeful(sharp, f, finals, _STEPS) for f in finals[1:]]
     return Rivals(present=so_far.sharp, rivals=tuple(sorted(finals, key=lambda f: f.evidence)))
 
 
@@ -140,24 +138,19 @@ class _Annealed:
 def _annealed(
     stages: Sequence[Stage],
     present: Hypothesis,
-    postures: Sequence[int] | None,
     start: dict[str, float],
     fitted: Fit | None,
 ) -> _Annealed:
     widest, broad, middle, sharp = stages
     if fitted is None:
-        at_widest = fit_hypothesis(
-            widest, present, start=start, postures=postures, max_iterations=7
-        )
-        at_broad = _further(broad, at_widest, postures, 5)
-        at_middle = _further(middle, at_broad, postures, 5)
-        at_sharp = _further(sharp, at_middle, postures, 8)
+        at_widest = fit_hypothesis(widest, present, start=start, max_iterations=7)
+        at_broad = _further(broad, at_widest, 5)
+        at_middle = _further(middle, at_broad, 5)
+        at_sharp = _further(sharp, at_middle, 8)
     else:
-        at_widest = fit_hypothesis(
-            widest, present, resumed=fitted, postures=postures, max_iterations=4
-        )
-        at_broad = _further(broad, at_widest, postures, 3)
-        at_middle, at_sharp = _further(middle, at_broad, postures, 1), fitted
+        at_widest = fit_hypothesis(widest, present, resumed=fitted, max_iterations=4)
+        at_broad = _further(broad, at_widest, 3)
+        at_middle, at_sharp = _further(middle, at_broad, 1), fitted
     return _Annealed(
         widest=at_widest,
         broad=at_broad,
@@ -168,16 +161,14 @@ def _annealed(
     )
 
 
-def _looked_for(
-    sharp: Stage, fit: Fit, postures: Sequence[int] | None, start: dict[str, float]
-) -> list[Fit]:
+def _looked_for(sharp: Stage, fit: Fit, start: dict[str, float]) -> list[Fit]:
     """By a linear look on the sharp lines."""
     looked_at = look_at_all(sharp, fit, start, from_start=False)
     worthy = [c for c in looked_at if c.gain > _WORTH_SHARP or not _is_a_term(c.instance)]
     chosen = most_promising(worthy, _WORTH_ERROR, each_kind=False)[:_LOOKED_AT_SHARPLY]
-    first = first_steps(sharp, fit, chosen, postures, start)
+    first = first_steps(sharp, fit, chosen, start)
     if first and fit.evidence - first[0].evidence > _SOMETHING:
-        first += every_bearing(sharp, fit, postures, [_key(f) for f in first])
+        first += every_bearing(sharp, fit, [_key(f) for f in first])
         first.sort(key=lambda f: f.cost)
     # The best after two steps, and those that promise most: some need more than two.
     promising = [c.instance.key for c in looked_at[:_MOST_PROMISING]]
@@ -198,7 +189,6 @@ def _little(fit: Fit) -> float:
 def _searched(
     stages: Sequence[Stage],
     so_far: _Annealed,
-    postures: Sequence[int] | None,
     start: dict[str, float],
     tell: Progress,
 ) -> tuple[list[Fit], tuple[float, float]]:
@@ -206,40 +196,39 @@ def _searched(
     widest, broad, middle, _ = stages
     present, base = so_far.sharp.hypothesis, so_far.broad
     lost = so_far.sharp.farthest > _BELIEVABLE
+    plain_cost = so_far.widest.cost
     begin = so_far.widest.values if so_far.again else start
     wide = from_the_start(
         widest,
         present,
-        postures,
         begin,
         alone=lost,
         again=so_far.again,
-        plain_cost=so_far.widest.cost,
+        plain_cost=plain_cost,
     )
-    coarse = [_further(broad, f, postures, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
-    plain_cost = so_far.widest.cost
+    coarse = [_further(broad, f, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
     is_obvious = wide[0].cost < _OBVIOUS * plain_cost
     is_blind = wide[0].cost > _BLIND * plain_cost
     if is_blind or not (lost or so_far.again or is_obvious):
         looked_at = look_at_all(broad, base, start, from_start=True)
         chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
-        coarse += first_steps(broad, base, chosen, postures, start)
+        coarse += first_steps(broad, base, chosen, start)
     coarse.sort(key=lambda f: f.cost)
     leading = not_hopeless(coarse, _BEHIND_BROADLY)[: _COARSE[0]]
-    coarse += axes_of_bearings(broad, present, leading, postures)
+    coarse += axes_of_bearings(broad, present, leading)
     coarse.sort(key=lambda f: f.cost)
     best = not_hopeless(coarse, _BEHIND_BROADLY)
     for most in _COARSE_AGAIN if so_far.again else _COARSE:
         tell(best[0].hypothesis.name)
-        best = sorted((_further(broad, f, postures, 3) for f in best[:most]), key=lambda f: f.cost)
+        best = sorted((_further(broad, f, 3) for f in best[:most]), key=lambda f: f.cost)
         gained = base.cost - best[0].cost
         worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
         best = [f for f in not_hopeless(best, _BEHIND_LATER) if f.cost < worth]
-    best += bearings_of_axes(broad, present, best[:2], postures)
+    best += bearings_of_axes(broad, present, best[:2])
     best.sort(key=lambda f: f.cost)
     least = wide[0].cost, best[0].cost
-    best += split_axes(broad, _leading(best, base)[:_SPLIT], postures, 6)
-    best = [_further(middle, f, postures, 5) for f in _leading(best, base)[:_MIDDLE]]
+    best += split_axes(broad, _leading(best, base)[:_SPLIT], 6)
+    best = [_further(middle, f, 5) for f in _leading(best, base)[:_MIDDLE]]
     return _leading(best, so_far.middle), least
 
 
@@ -249,15 +238,13 @@ def _is_astray(sharp: Stage, fit: Fit) -> bool:
     return misfit_per_line(sharp, fit) >= near or fit.farthest > _BELIEVABLE
 
 
-def _while_hopeful(
-    stage: Stage, fit: Fit, postures: Sequence[int] | None, others: Sequence[Fit], steps: int
-) -> Fit:
+def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit], steps: int) -> Fit:
     """Some steps more at a time, while they could still bring a fit beside the best of others."""
     best = min((f.evidence for f in others if f is not fit), default=np.inf)
     allowed = _BESIDE * max(1.0, misfit_per_line(stage, fit))
     taken = 0
     while taken < steps:
-        further = _further(stage, fit, postures, min(_BLOCK, steps - taken))
+        further = _further(stage, fit, min(_BLOCK, steps - taken))
         taken += _BLOCK
         gained = further.first_cost - further.cost if further is not fit else 0.0
         fit = further
@@ -270,14 +257,12 @@ def _key(fit: Fit) -> tuple[str, str]:
     return fit.hypothesis.instances[-1].key
 
 
-def _further(stage: Stage, fit: Fit, postures: Sequence[int] | None, steps: int) -> Fit:
+def _further(stage: Stage, fit: Fit, steps: int) -> Fit:
     """Some steps more; and again while the cost still falls by leaps."""
     if fit.converged and fit.on is not None and fit.on[0] is stage:
         return fit
     for _ in range(_MOST_LEAPS):
-        further = fit_hypothesis(
-            stage, fit.hypothesis, resumed=fit, postures=postures, max_iterations=steps
-        )
+        further = fit_hypothesis(stage, fit.hypothesis, resumed=fit, max_iterations=steps)
         leapt = further.n_iterations == steps and further.cost < _LEAP * further.first_cost
         fit = further
         if not leapt:

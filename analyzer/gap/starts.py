@@ -60,7 +60,6 @@ def first_steps(
     stage: Stage,
     base: Fit,
     candidates: Sequence[Candidate],
-    postures: Sequence[int] | None,
     start: dict[str, float],
 ) -> list[Fit]:
     """The first steps of each promising candidate, best cost first."""
@@ -71,15 +70,11 @@ def first_steps(
         richer = replace(present, instances=(*present.instances, candidate.instance))
         if candidate.instance.effect.name in _MISREAD and not candidate.begin:
             # Unless it is small, the fit without it went astray.
-            begin = better_start(stage, richer, [begin, start or {}], postures)
+            begin = better_start(stage, richer, [begin, start])
         if candidate.begin:
             starts = [_part_of_the_way(base.values, candidate, part) for part in _PARTS]
-            begin = better_start(stage, richer, [begin, *starts], postures)
-        fits.append(
-            fit_hypothesis(
-                stage, richer, start=begin, postures=postures, max_iterations=FIRST_STEPS
-            )
-        )
+            begin = better_start(stage, richer, [begin, *starts])
+        fits.append(fit_hypothesis(stage, richer, start=begin, max_iterations=FIRST_STEPS))
     return sorted(fits, key=lambda f: f.cost)
 
 
@@ -101,15 +96,14 @@ def better_start(
     stage: Stage,
     hypothesis: Hypothesis,
     starts: Sequence[dict[str, float]],
-    postures: Sequence[int] | None,
 ) -> dict[str, float]:
     """The start of least cost."""
     space = hypothesis.space()
-    used = range(len(stage.lines)) if postures is None else postures
+    every = range(len(stage.lines))
 
     def cost(start: dict[str, float]) -> float:
         u = space.start(start)
-        return sum(stage.misfit(hypothesis, space.values(u), used)) + 0.5 * float(u @ u)
+        return sum(stage.misfit(hypothesis, space.values(u), every)) + 0.5 * float(u @ u)
 
     return min(starts, key=cost)
 
@@ -117,7 +111,6 @@ def better_start(
 def from_the_start(
     stage: Stage,
     present: Hypothesis,
-    postures: Sequence[int] | None,
     start: dict[str, float],
     *,
     alone: bool,
@@ -130,12 +123,12 @@ def from_the_start(
     them; where something was named already and `start` is a fit with it, only those that a linear
     look about it promises. Least cost first.
     """
-    first = fit_hypothesis(stage, present, start=start, postures=postures, max_iterations=0)
+    first = fit_hypothesis(stage, present, start=start, max_iterations=0)
     looked_at = look_at_all(stage, first, start, from_start=False)
     chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
     chosen = chosen[: _AGAIN if again else _ALONE if alone else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
-    fits = _wide_fits(stage, first, instances, start, postures)
+    fits = _wide_fits(stage, first, instances, start)
     found = min((f.cost for f in fits), default=np.inf) < _CERTAIN * plain_cost
     if not (again or found):
         known = {instance.key for instance in (*present.instances, *instances)}
@@ -144,12 +137,12 @@ def from_the_start(
             for i in all_instances(present.ordinary)
             if i.effect.name in _ASTRAY and i.key not in known and goes_with(i, present)
         ]
-        fits += _wide_fits(stage, first, every_place, start, postures)
+        fits += _wide_fits(stage, first, every_place, start)
     fits.sort(key=lambda f: f.cost)
     better = []
     for fit in not_hopeless(fits, BEHIND)[: _BETTER_AGAIN if again else _BETTER]:
         steps = _MANY_STEPS if _has_many(fit) else _WIDE_STEPS
-        better.append(_quickly(stage, fit.hypothesis, fit.values, postures, steps))
+        better.append(_quickly(stage, fit.hypothesis, fit.values, steps))
     return sorted(better, key=lambda f: f.cost)
 
 
@@ -158,10 +151,9 @@ def _wide_fits(
     first: Fit,
     instances: Sequence[Instance],
     start: dict[str, float],
-    postures: Sequence[int] | None,
 ) -> list[Fit]:
     """Some steps with each instance from the first, unfitted one."""
-    ready = beside(stage, first, instances) if postures is None else []
+    ready = beside(stage, first, instances)
     begun = {fit.hypothesis.instances[-1].key: fit for fit in ready}
     fits = []
     for instance in instances:
@@ -169,9 +161,9 @@ def _wide_fits(
         present = first.hypothesis
         richer = replace(present, instances=(*present.instances, instance))
         if resumed is not None and resumed.hypothesis == richer:
-            fits.append(_quickly(stage, richer, {}, postures, _WIDE_STEPS, resumed=resumed))
+            fits.append(_quickly(stage, richer, {}, _WIDE_STEPS, resumed=resumed))
         else:
-            fits.append(_quickly(stage, richer, start, postures, _WIDE_STEPS))
+            fits.append(_quickly(stage, richer, start, _WIDE_STEPS))
     return fits
 
 
@@ -188,7 +180,6 @@ def _quickly(
     stage: Stage,
     hypothesis: Hypothesis,
     start: dict[str, float],
-    postures: Sequence[int] | None,
     steps: int,
     *,
     resumed: Fit | None = None,
@@ -198,14 +189,13 @@ def _quickly(
         stage,
         hypothesis,
         start=start,
-        postures=postures,
         max_iterations=steps,
         closing=False,
         resumed=resumed,
     )
 
 
-def behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> list[Fit]:
+def behind_joints(stage: Stage, fit: Fit) -> list[Fit]:
     """Servos from several starts that leave each joint as soft as it was: no linear look sees one.
 
     Between them the plain fit has the whole compliance in the joint's own spring. The best few.
@@ -228,14 +218,12 @@ def behind_joints(stage: Stage, fit: Fit, postures: Sequence[int] | None) -> lis
             for turns in _ROTORS
         ]
         richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, servo))
-        begin = better_start(stage, richer, starts, postures)
-        found.append(_quickly(stage, richer, begin, postures, _SERVO_STEPS))
+        begin = better_start(stage, richer, starts)
+        found.append(_quickly(stage, richer, begin, _SERVO_STEPS))
     return sorted(found, key=lambda f: f.cost)[:_SERVOS]
 
 
-def axes_of_bearings(
-    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
-) -> list[Fit]:
+def axes_of_bearings(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> list[Fit]:
     """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
     ordinary = present.ordinary
     taken = {instance.key for instance in present.instances}
@@ -256,15 +244,11 @@ def axes_of_bearings(
             axis = link_axis.at_axis(ordinary, link, direction, np.zeros(3))
             richer = replace(present, instances=(*present.instances, axis))
             start = {**values, axis.size: float(np.sum(size))}
-            found.append(
-                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=4)
-            )
+            found.append(fit_hypothesis(stage, richer, start=start, max_iterations=4))
     return found
 
 
-def bearings_of_axes(
-    stage: Stage, present: Hypothesis, fits: Sequence[Fit], postures: Sequence[int] | None
-) -> list[Fit]:
+def bearings_of_axes(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> list[Fit]:
     """An axis in a link may stand for the bearing of the joint before it, or of that beyond."""
     ordinary = present.ordinary
     joints = ordinary.arm.joints
@@ -285,16 +269,14 @@ def bearings_of_axes(
             own = direction if is_own else joint.T_parent_joint[:3, :3].T @ direction
             parts = (own @ across(np.asarray(joint.axis))) ** 2
             more = dict(zip(bearing.sizes, (fit.values[axis.size] * parts).tolist(), strict=True))
-            found.append(_with_bearing(stage, present, bearing, values, more, postures))
+            found.append(_with_bearing(stage, present, bearing, values, more))
     return found
 
 
-def every_bearing(
-    stage: Stage, fit: Fit, postures: Sequence[int] | None, but: Sequence[tuple[str, str]]
-) -> list[Fit]:
+def every_bearing(stage: Stage, fit: Fit, but: Sequence[tuple[str, str]]) -> list[Fit]:
     """Bearings of all joints, from the fit: what their own loss brings no linear look has seen."""
     return [
-        _with_bearing(stage, fit.hypothesis, bearing, fit.values, {}, postures)
+        _with_bearing(stage, fit.hypothesis, bearing, fit.values, {})
         for bearing in _bearings(fit.hypothesis).values()
         if bearing.key not in but
     ]
@@ -312,16 +294,13 @@ def _with_bearing(
     bearing: Instance,
     values: dict[str, float],
     more: dict[str, float],
-    postures: Sequence[int] | None,
 ) -> Fit:
     begin = {**values, **{name: values.get(name, 0.0) + own for name, own in more.items()}}
     richer = replace(present, instances=(*present.instances, bearing))
-    return fit_hypothesis(stage, richer, start=begin, postures=postures, max_iterations=4)
+    return fit_hypothesis(stage, richer, start=begin, max_iterations=4)
 
 
-def split_axes(
-    stage: Stage, fits: Sequence[Fit], postures: Sequence[int] | None, steps: int
-) -> list[Fit]:
+def split_axes(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
     """Axes with some of their link's points, and a part of its mass, between joint and axis."""
     found = []
     for fit in fits:
@@ -337,7 +316,5 @@ def split_axes(
             if any(split.excludes(other) for other in others):
                 continue
             richer = replace(fit.hypothesis, instances=(*others, split))
-            found.append(
-                fit_hypothesis(stage, richer, start=start, postures=postures, max_iterations=steps)
-            )
+            found.append(fit_hypothesis(stage, richer, start=start, max_iterations=steps))
     return found
