@@ -13,17 +13,23 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.box import least_in_box
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.posed import PosedModel, Postures
 from analyzer.gap.space import Space
 from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, total
 
-__all__ = ["Fit", "Stage", "fit_hypothesis"]
+__all__ = ["Fit", "Stage", "better_start", "fit_hypothesis"]
 
 Array = npt.NDArray[np.float64]
 
 _EDGE = 1e-9
+_TRIALS = 6  # of a step, each more damped
+_FIRST_DAMPING, _LEAST_DAMPING = 1e-3, 1e-5
+_FELT = 0.03  # damping after a step that failed: less hardly changes the next
+_POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
+_NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
 _TOGETHER = 48  # lines of postures solved together: more outgrow the processor's cache
 
 
@@ -168,7 +174,7 @@ def fit_hypothesis(
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
     u = space.start(start) if resumed is None else resumed.u
-    damping = 1e-3
+    damping = _FIRST_DAMPING
     if resumed is not None and resumed.on is not None and resumed.on == (stage, used):
         misfit = resumed.misfit
         now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
@@ -185,21 +191,18 @@ def fit_hypothesis(
             moved = False
         slope = now.gradient + u
         gained = 0.0
-        for _ in range(6):
-            trial = _step(space, u, slope, now.curvature, damping)
-            values = space.values(trial)
-            try:
-                trial_cost = sum(stage.misfit(hypothesis, values, used)) + 0.5 * float(
-                    trial @ trial
-                )
-            except np.linalg.LinAlgError:
-                trial_cost = np.inf
-            if np.isfinite(trial_cost) and trial_cost < cost:
+        for _ in range(_TRIALS):
+            step, promised = _damped_step(space, u, slope, now.curvature, damping)
+            if promised < _NOTHING * tolerance:
+                break
+            trial = np.clip(u + step, space.low, space.high)
+            trial_cost = _cost(stage, hypothesis, space, trial, used)
+            kept = (cost - trial_cost) / promised
+            damping = _next_damping(damping, kept)
+            if kept > 0.0:
                 gained, moved = cost - trial_cost, True
                 u, cost = trial, trial_cost
-                damping = max(damping / 10.0, 1e-8)
                 break
-            damping *= 10.0
         if gained < tolerance:
             converged = True
             break
@@ -223,6 +226,15 @@ def fit_hypothesis(
     )
 
 
+def better_start(
+    stage: Stage, hypothesis: Hypothesis, starts: Sequence[Mapping[str, float]]
+) -> Mapping[str, float]:
+    """Return the start of least cost."""
+    space = hypothesis.space()
+    every = range(len(stage.lines))
+    return min(starts, key=lambda s: _cost(stage, hypothesis, space, space.start(s), every))
+
+
 def _evaluated(
     stage: Stage, hypothesis: Hypothesis, space: Space, u: Array, postures: Sequence[int]
 ) -> tuple[Quadratic, tuple[float, ...]]:
@@ -230,27 +242,40 @@ def _evaluated(
     return total(parts), tuple(p.cost for p in parts)
 
 
+def _cost(
+    stage: Stage, hypothesis: Hypothesis, space: Space, u: Array, postures: Sequence[int]
+) -> float:
+    """Cost at a point; infinite where there is none."""
+    try:
+        misfit = sum(stage.misfit(hypothesis, space.values(u), postures))
+    except np.linalg.LinAlgError:
+        return float("inf")
+    return misfit + 0.5 * float(u @ u)
+
+
+def _damped_step(
+    space: Space, u: Array, slope: Array, curvature: Array, damping: float
+) -> tuple[Array, float]:
+    """The step within the bounds that is best by the damped quadratic; what it promises undamped.
+
+    Marquardt, J. SIAM 11 (1963) 431: each parameter is damped by its own curvature.
+    """
+    A = curvature + np.eye(len(u))
+    damped = A + damping * np.diag(np.diag(A))
+    step = least_in_box(damped, slope, space.low - u, space.high - u)
+    return step, -float(slope @ step + 0.5 * step @ (A @ step))
+
+
+def _next_damping(damping: float, kept: float) -> float:
+    """By how much of what a step promised it kept."""
+    if not kept > 0.0:
+        return max(10.0 * damping, _FELT)
+    if kept < _POOR:
+        return 4.0 * damping
+    return max(damping / 10.0, _LEAST_DAMPING) if kept > _GOOD else damping
+
+
 def _resting(space: Space, u: Array, slope: Array) -> npt.NDArray[np.bool_]:
     low = (u <= space.low + _EDGE) & (slope > 0.0)
     high = (u >= space.high - _EDGE) & (slope < 0.0)
     return np.asarray(low | high)
-
-
-def _step(space: Space, u: Array, slope: Array, curvature: Array, damping: float) -> Array:
-    """A damped step within the bounds: what it would push beyond one rests there."""
-    free = ~_resting(space, u, slope)
-    trial = u.copy()
-    for _ in range(4):
-        A = curvature[np.ix_(free, free)]
-        A = A + np.eye(len(A)) + damping * np.diag(np.diag(A))
-        step = np.zeros_like(u)
-        step[free] = -np.linalg.solve(A, slope[free])
-        trial = np.clip(u + step, space.low, space.high)
-        beyond = free & ((u + step < space.low - _EDGE) | (u + step > space.high + _EDGE))
-        if not beyond.any():
-            break
-        # Those go to their bound; the others find their best beside them.
-        free = free & ~beyond
-        moved = np.where(beyond, trial - u, 0.0)
-        slope = slope + curvature @ moved + moved
-    return trial

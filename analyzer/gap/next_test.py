@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.posed import PosedModel
@@ -130,12 +130,12 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     model = PosedModel(superset, test.joints_rad)
     blank = _lines(stage.lines[0], test)
     ready = [_Ready.of(rival) for rival in rivals]
-    would = [model.values(r.hypothesis, blank, r.values) for r in ready]
     slopes = [model.derivatives(r.hypothesis, blank, r.space, r.values) for r in ready]
     least = np.inf
     for true, other in permutations(range(len(ready)), 2):
-        size = float(np.mean(np.abs(would[true]) ** 2) / np.mean(np.abs(blank.values) ** 2))
-        lines = replace(blank, values=would[true], variance=blank.variance * size)
+        would = slopes[true][0]
+        size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
+        lines = replace(blank, values=would, variance=blank.variance * size)
         weighing = Weighing(lines, superset.arm.tolerances, Discrepancy())
         surprise = [_surprise(weighing, ready[i], *slopes[i]) for i in (true, other)]
         least = min(least, surprise[1] - surprise[0])
@@ -187,9 +187,8 @@ def hidden_rival(stage: Stage, final: Fit, candidate: Candidate, change: float) 
         pinned = replace(instance, parameters=tuple(parameters))
         begin = {**{p.name: p.first for p in parameters}, **begin}
     wider = Hypothesis(ordinary=present.ordinary, instances=(*present.instances, pinned))
-    starts = [begin, {**final.values, name: size}]
-    fits = [fit_hypothesis(stage, wider, start=start, max_iterations=_STEPS) for start in starts]
-    return min(fits, key=lambda f: f.cost)
+    start = better_start(stage, wider, [begin, {**final.values, name: size}])
+    return fit_hypothesis(stage, wider, start=start, max_iterations=_STEPS)
 
 
 @dataclass(frozen=True, slots=True)

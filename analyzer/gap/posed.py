@@ -83,6 +83,7 @@ class Postures:
         self._s_rad_s = np.stack([own.s_rad_s for own in lines])
         self._hit = np.stack([own.hit for own in lines])
         self._own_slopes: list[GeometrySlopes] = []
+        self._last: _Solved | None = None
 
     @staticmethod
     def likeness(lines: PostureLines) -> tuple[object, ...]:
@@ -91,7 +92,7 @@ class Postures:
 
     def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
         """Predict the postures' FRFs."""
-        return self._solved(self._assemblies(hypothesis, values)[1])
+        return self._solved(hypothesis, values).found
 
     def derivatives(
         self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
@@ -104,11 +105,9 @@ class Postures:
         dy : (n_parameters, P, m, 3, L) complex128
             Rows of parameters that do not act here are zero.
         """
-        plain, assemblies = self._assemblies(hypothesis, values)
-        found = self._solved(assemblies)
-        y = found.values
+        posed = self._solved(hypothesis, values)
+        y = posed.found.values
         dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
-        posed = _Posed(hypothesis, plain, assemblies, found, values)
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
@@ -133,8 +132,8 @@ class Postures:
 
         Of an element a, b of that of the coordinates `names`: both triangles' mean.
         """
-        _, assemblies = self._assemblies(hypothesis, values)
-        found = self._solved(assemblies)
+        solved = self._solved(hypothesis, values)
+        found, assemblies = solved.found, solved.assemblies
         left, right = found.through_compliances(
             [assemblies[0].compliance_of[name][0][0] for name in names]
         )
@@ -151,8 +150,8 @@ class Postures:
 
         Of an element of C of two named joints: both triangles' mean.
         """
-        _, assemblies = self._assemblies(hypothesis, values)
-        found = self._solved(assemblies)
+        solved = self._solved(hypothesis, values)
+        found, assemblies = solved.found, solved.assemblies
         names = assemblies[0].names
         at = [(names[a], names[b]) for a, b in pairs]
         columns = [
@@ -172,8 +171,14 @@ class Postures:
         ]
         return plain, [hypothesis.add_to(own, values) for own in plain]
 
-    def _solved(self, assemblies: Sequence[Assembly]) -> Response:
-        return respond(systems(assemblies), self._s_rad_s, self._hit)
+    def _solved(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> _Solved:
+        """The last solution is kept: a step is tried first, its derivatives asked for after."""
+        last = self._last
+        if last is None or last.hypothesis is not hypothesis or last.values != values:
+            plain, assemblies = self._assemblies(hypothesis, values)
+            found = respond(systems(assemblies), self._s_rad_s, self._hit)
+            last = self._last = _Solved(hypothesis, plain, assemblies, found, dict(values))
+        return last
 
     def _slopes(self) -> GeometrySlopes:
         """Stacked, anew only where a geometry's centre has moved."""
@@ -186,7 +191,7 @@ class Postures:
 
 
 @dataclass(frozen=True, slots=True)
-class _Posed:
+class _Solved:
     """Solved postures, and their derivatives (P, m, 3, L) by name."""
 
     hypothesis: Hypothesis

@@ -9,7 +9,7 @@ import numpy as np
 
 from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.looks import goes_with, look_at_all, most_promising
@@ -90,22 +90,6 @@ def _part_of_the_way(
         elif name in sizes:
             start[name] = part * reached
     return start
-
-
-def better_start(
-    stage: Stage,
-    hypothesis: Hypothesis,
-    starts: Sequence[dict[str, float]],
-) -> dict[str, float]:
-    """The start of least cost."""
-    space = hypothesis.space()
-    every = range(len(stage.lines))
-
-    def cost(start: dict[str, float]) -> float:
-        u = space.start(start)
-        return sum(stage.misfit(hypothesis, space.values(u), every)) + 0.5 * float(u @ u)
-
-    return min(starts, key=cost)
 
 
 def from_the_start(
