@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -60,13 +60,13 @@ def first_steps(
     stage: Stage,
     base: Fit,
     candidates: Sequence[Candidate],
-    start: dict[str, float],
+    start: Mapping[str, float],
 ) -> list[Fit]:
     """The first steps of each promising candidate, best cost first."""
     present = base.hypothesis
     fits = []
     for candidate in candidates:
-        begin = base.values
+        begin: Mapping[str, float] = base.values
         richer = replace(present, instances=(*present.instances, candidate.instance))
         if candidate.instance.effect.name in _MISREAD and not candidate.begin:
             # Unless it is small, the fit without it went astray.
@@ -95,7 +95,7 @@ def _part_of_the_way(
 def from_the_start(
     stage: Stage,
     present: Hypothesis,
-    start: dict[str, float],
+    start: Mapping[str, float],
     *,
     alone: bool,
     again: bool,
@@ -134,7 +134,7 @@ def _wide_fits(
     stage: Stage,
     first: Fit,
     instances: Sequence[Instance],
-    start: dict[str, float],
+    start: Mapping[str, float],
 ) -> list[Fit]:
     """Some steps with each instance from the first, unfitted one."""
     ready = beside(stage, first, instances)
@@ -163,7 +163,7 @@ def not_hopeless(fits: Sequence[Fit], behind: float) -> list[Fit]:
 def _quickly(
     stage: Stage,
     hypothesis: Hypothesis,
-    start: dict[str, float],
+    start: Mapping[str, float],
     steps: int,
     *,
     resumed: Fit | None = None,
