@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
@@ -30,7 +30,7 @@ _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 
 
 def look_at_all(
-    stage: Stage, base: Fit, start: dict[str, float], *, from_start: bool
+    stage: Stage, base: Fit, start: Mapping[str, float], *, from_start: bool
 ) -> list[Candidate]:
     """Every effect at every place by its linear gain; sensors also beside the first guess."""
     hypothesis = base.hypothesis

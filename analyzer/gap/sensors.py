@@ -9,6 +9,7 @@ exchanged, and beside its slope along a shift of its place.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import permutations, product
 
 import numpy as np
@@ -34,7 +35,9 @@ _KEEP_PLACES = 2
 _SHIFT_STD_M, _LEAST_SHIFT_M = 0.1, 0.01
 
 
-def scan_sensors(stage: Stage, hypothesis: Hypothesis, values: dict[str, float]) -> list[Candidate]:
+def scan_sensors(
+    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
+) -> list[Candidate]:
     """Faults of axes, single gains and places that would lower the cost, best first."""
     ordinary = hypothesis.ordinary
     n_points = len(ordinary.arm.points)
@@ -73,7 +76,9 @@ def scan_sensors(stage: Stage, hypothesis: Hypothesis, values: dict[str, float])
     return sorted((c for c in found if c.gain > _LEAST_GAIN), key=lambda c: -c.gain)
 
 
-def _elsewhere(stage: Stage, hypothesis: Hypothesis, values: dict[str, float]) -> list[Candidate]:
+def _elsewhere(
+    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
+) -> list[Candidate]:
     """Points exchanged, points taken for others, points off their place."""
     ordinary = hypothesis.ordinary
     ids = [point.id for point in ordinary.arm.points]
