@@ -18,26 +18,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.geometry import PostureGeometry
+from analyzer.gap.geometry import PostureGeometry, skew
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "Pieces", "System", "skew", "spatial_inertia"]
+__all__ = ["Assembly", "Pieces", "System", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
-
-# v @ _CROSS holds the nine entries of the matrix of v x.
-_CROSS = np.array(
-    [
-        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0],
-        [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ]
-)
-
-
-def skew(v: Array) -> Array:
-    """Return the matrices (..., 3, 3) of v x, v (..., 3)."""
-    return np.asarray((v @ _CROSS).reshape(*np.shape(v)[:-1], 3, 3))
 
 
 def spatial_inertia(mass_kg: float | Array, center_m: Array, inertia_kg_m2: Array) -> Array:

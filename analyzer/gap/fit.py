@@ -29,6 +29,7 @@ _TRIALS = 6  # of a step, each more damped
 _FIRST_DAMPING, _LEAST_DAMPING = 1e-3, 1e-5
 _FELT = 0.03  # damping after a step that failed: less hardly changes the next
 _POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
+_PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
 _TOGETHER = 48  # lines of postures solved together: more outgrow the processor's cache
 
@@ -163,7 +164,7 @@ def fit_hypothesis(
     postures
         Indices of the postures used; all when omitted.
     tolerance
-        Stop when a step gains less than this in cost.
+        Stop when a step gains less than this in cost, or than a very small part of it.
     closing
         Take misfit, slope and curvature at the end; else they are those where the last step began,
         enough for a fit that only tells by its cost whether to go on.
@@ -193,7 +194,7 @@ def fit_hypothesis(
         gained = 0.0
         for _ in range(_TRIALS):
             step, promised = _damped_step(space, u, slope, now.curvature, damping)
-            if promised < _NOTHING * tolerance:
+            if promised < _NOTHING * max(tolerance, _PART * cost):
                 break
             trial = np.clip(u + step, space.low, space.high)
             trial_cost = _cost(stage, hypothesis, space, trial, used)
@@ -203,7 +204,7 @@ def fit_hypothesis(
                 gained, moved = cost - trial_cost, True
                 u, cost = trial, trial_cost
                 break
-        if gained < tolerance:
+        if gained < max(tolerance, _PART * cost):
             converged = True
             break
     if moved and closing:

@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import PostureDynamics, Superset
 
-__all__ = ["GeometryNear", "GeometrySlopes", "PostureGeometry"]
+__all__ = ["GeometryNear", "GeometrySlopes", "PostureGeometry", "skew"]
 
 Array = npt.NDArray[np.float64]
 
-_STEP_RAD = 1e-4  # of differences: the second order is 1e-8
 _NEAR_RAD = 0.02  # within which the first order is kept: the second is 2e-4
+
+# v @ _CROSS holds the nine entries of the matrix of v x.
+_CROSS = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]
+)
+
+
+def skew(v: Array) -> Array:
+    """Return the matrices (..., 3, 3) of v x, v (..., 3)."""
+    return np.asarray((v @ _CROSS).reshape(*np.shape(v)[:-1], 3, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,39 +69,10 @@ class GeometryNear:
         """Geometry where the joints stand `offset_rad` (n_joints,) beyond what was read."""
         if np.max(np.abs(offset_rad - self._centre), initial=0.0) > _NEAR_RAD:
             self._centre_on(offset_rad)
-        shift = offset_rad - self._centre
-        return self._geometry(
-            *(
-                start + np.tensordot(shift, slope, axes=1)
-                for start, slope in zip(self._start, self._slope, strict=True)
-            )
+        now = self._start + (offset_rad - self._centre) @ self._slope
+        link, point, rotation = (
+            now[part].reshape(shape) for part, shape in zip(self._parts, self._shapes, strict=True)
         )
-
-    def slopes(self) -> GeometrySlopes:
-        """Return how the geometry of the last `at` changes with the angles."""
-        return self._slopes
-
-    def _centre_on(self, offset: Array) -> None:
-        self._centre = offset.copy()
-        q = self._read + offset
-        self._gravity_m_s2, *self._start = _arrays(self._superset.posture(q))
-        slopes = []
-        for joint in range(len(q)):
-            ends = []
-            for side in (1.0, -1.0):
-                moved = q.copy()
-                moved[joint] += side * _STEP_RAD
-                ends.append(_arrays(self._superset.posture(moved))[1:])
-            slopes.append(
-                [(a - b) / (2.0 * _STEP_RAD) for a, b in zip(ends[0], ends[1], strict=True)]
-            )
-        self._slope = [np.stack(kind) for kind in zip(*slopes, strict=True)]
-        link, point, rotation = self._slope
-        self._slopes = GeometrySlopes(
-            link_jacobian=link, point_jacobian=point, point_rotation=rotation
-        )
-
-    def _geometry(self, link: Array, point: Array, rotation: Array) -> PostureGeometry:
         return PostureGeometry(
             link_jacobian=link,
             point_jacobian=point,
@@ -96,11 +81,63 @@ class GeometryNear:
             gravity_m_s2=self._gravity_m_s2,
         )
 
+    def slopes(self) -> GeometrySlopes:
+        """Return how the geometry of the last `at` changes with the angles."""
+        return self._slopes
 
-def _arrays(dynamics: PostureDynamics) -> tuple[Array, Array, Array, Array]:
-    return (
-        dynamics.gravity_m_s2,
-        dynamics.link_jacobian,
-        dynamics.point_jacobian,
-        dynamics.point_rotation,
-    )
+    def _centre_on(self, offset: Array) -> None:
+        self._centre = offset.copy()
+        dynamics = self._superset.posture(self._read + offset)
+        self._gravity_m_s2 = dynamics.gravity_m_s2
+        self._slopes = _slopes(self._superset, dynamics)
+        start = (dynamics.link_jacobian, dynamics.point_jacobian, dynamics.point_rotation)
+        slope = (
+            self._slopes.link_jacobian,
+            self._slopes.point_jacobian,
+            self._slopes.point_rotation,
+        )
+        ends = np.cumsum([0, *(own.size for own in start)]).tolist()
+        self._parts = [slice(a, b) for a, b in pairwise(ends)]
+        self._shapes = [own.shape for own in start]
+        self._start = np.concatenate([own.ravel() for own in start])
+        self._slope = np.concatenate([own.reshape(len(own), -1) for own in slope], axis=1)
+
+
+def _slopes(superset: Superset, dynamics: PostureDynamics) -> GeometrySlopes:
+    """Derivatives by the joints' angles.
+
+    Turning joint j carries all that is beyond it with its twist S_j: dS_i / dq_j = S_j x S_i for
+    coordinates i beyond j. Seen from a link beyond j, what is before j moves the other way.
+
+    Featherstone, Rigid Body Dynamics Algorithms (2008), Eq. (2.45): the motion cross product.
+    """
+    n, n_joints = superset.n, superset.n_joints
+    R, p = dynamics.T_base_link[:, :3, :3], dynamics.T_base_link[:, :3, 3]
+    last = dynamics.link_jacobian[-1]
+    turn = R[-1] @ last[3:]
+    S = np.concatenate([R[-1] @ last[:3] + skew(p[-1]) @ turn, turn])  # (6, n) about the base
+    at = np.array([superset.joint_column(joint) for joint in range(n_joints)])
+    v, w = skew(S[:3, at].T), skew(S[3:, at].T)  # (n_joints, 3, 3)
+    bracket = np.concatenate([w @ S[:3] + v @ S[3:], w @ S[3:]], axis=1)  # (n_joints, 6, n)
+    beyond = np.arange(n) > at[:, None]  # (n_joints, n) coordinates beyond each joint
+    carried = bracket * beyond[:, None]
+
+    links = np.arange(n_joints)
+    before = np.where(beyond[:, None], 0.0, bracket)
+    linear, angular = before[:, None, :3], before[:, None, 3:]  # (n_joints, 1, 3, n)
+    back = R.swapaxes(1, 2)
+    local = np.concatenate([back @ (linear - skew(p) @ angular), back @ angular], axis=2)
+    moves = links >= links[:, None]  # (n_joints, n_links) whether a link is beyond each joint
+    by_link = -local * moves[:, :, None, None]
+
+    position, on = dynamics.point_position, np.array(superset.point_link)
+    moved = S[:3, at].T[:, None] + (w[:, None] @ position[..., None])[..., 0]  # (n_joints, k, 3)
+    own = np.array([np.arange(n) < 6 + 7 * (link + 1) for link in on])  # (k, n) before each point
+    arm = skew(position)
+    linear = carried[:, None, :3] - arm @ carried[:, None, 3:] - skew(moved) @ S[3:]
+    angular = np.broadcast_to(carried[:, None, 3:], linear.shape)
+    with_it = on >= links[:, None]  # (n_joints, k)
+    by_point = np.concatenate([linear, angular], axis=2)
+    by_point = by_point * (own[None] & with_it[:, :, None])[:, :, None]
+    turned = w[:, None] @ dynamics.point_rotation * with_it[:, :, None, None]
+    return GeometrySlopes(link_jacobian=by_link, point_jacobian=by_point, point_rotation=turned)

@@ -36,6 +36,8 @@ class Hypothesis:
 
     def add_to(self, ordinary: Assembly, values: Mapping[str, float]) -> Assembly:
         """Return a posture's equations with the effects; the ordinary ones stay as they are."""
+        if not self.instances:
+            return ordinary
         assembly = ordinary.copied()
         for instance in self.instances:
             instance.add(assembly, values)

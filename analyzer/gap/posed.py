@@ -107,7 +107,8 @@ class Postures:
         """
         posed = self._solved(hypothesis, values)
         y = posed.found.values
-        dy = np.zeros((len(space), *y.shape), dtype=np.complex128)
+        dy = np.empty((len(space), *y.shape), dtype=np.complex128)
+        idle = set(space.index.values())
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
@@ -117,8 +118,18 @@ class Postures:
             posed.by_terms(),
             posed.by_differences(space, self._s_rad_s),
         ):
+            if name not in space.index:
+                continue
+            i = space.index[name]
+            if i in idle:
+                np.multiply(derivative, space.std[i], out=dy[i])
+                idle.remove(i)
+            else:
+                dy[i] += derivative * space.std[i]
+        dy[list(idle)] = 0.0
+        for p, name, own in posed.by_aims():
             if name in space.index:
-                dy[space.index[name]] += derivative * space.std[space.index[name]]
+                dy[space.index[name], p] += own * space.std[space.index[name]]
         return y, dy
 
     def interface_columns(
@@ -267,7 +278,7 @@ class _Solved:
             yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
 
     def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Gains, delay and aim."""
+        """Gains and delay."""
         found = self.found
         y = found.values
         for axis, letter in enumerate("xyz"):
@@ -276,14 +287,16 @@ class _Solved:
             yield f"ln gain {letter}", column[..., None] * true[:, :, None]
         yield "ln hammer", -y
         yield "delay", -found.s_rad_s[:, None, None, :] * y
+
+    def by_aims(self) -> Iterator[tuple[int, str, ComplexArray]]:
+        """Aim of each posture's hits: derivatives (m, 3, L) there, elsewhere they do nothing."""
+        found = self.found
         if found.system.hit.shape[1] == 1:
             sides = np.stack([across(own.lines.hit_direction[0]) for own in self.assemblies])
             for side, letter in enumerate("ab"):
                 by_aim = found.by_force(0, sides[..., side])
                 for p, own in enumerate(self.assemblies):
-                    alone = np.zeros_like(by_aim)
-                    alone[p] = by_aim[p]
-                    yield f"aim {letter} {own.lines.name}", alone
+                    yield p, f"aim {letter} {own.lines.name}", by_aim[p]
 
     def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""

@@ -31,7 +31,9 @@ __all__ = [
 ]
 
 FIRST_STEPS = 2
-BEHIND = 2.2  # times the least cost on the widest lines: what costs more is not it
+BEHIND = 1.8  # times the least cost on the widest lines: what costs more is not it
+_SAME = 1.005  # likewise: two fits of the same effects this near are at the same place
+_FAR_BEHIND = 4.0  # likewise on any lines, also for the few best
 WORTH_BROAD = 4.0  # of cost by the linear look; less is not worth a fit
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
@@ -156,8 +158,21 @@ def _has_many(fit: Fit) -> bool:
 
 
 def not_hopeless(fits: Sequence[Fit], behind: float) -> list[Fit]:
-    """Some at least, and what does not cost far more than the best; of fits by rising cost."""
-    return [f for i, f in enumerate(fits) if i < _FEWEST or f.cost < behind * fits[0].cost]
+    """What does not cost far more than the best, of some at least a little more; by rising cost."""
+    fits = _apart(fits)
+    allowed = [_FAR_BEHIND if i < _FEWEST else behind for i in range(len(fits))]
+    return [f for f, most in zip(fits, allowed, strict=True) if f.cost <= most * fits[0].cost]
+
+
+def _apart(fits: Sequence[Fit]) -> list[Fit]:
+    """Without those that came to where a better one of the same effects and places already is."""
+    kept: list[Fit] = []
+    for fit in fits:
+        keys = [i.key for i in fit.hypothesis.instances]
+        same = (f for f in kept if [i.key for i in f.hypothesis.instances] == keys)
+        if not any(fit.cost < _SAME * f.cost for f in same):
+            kept.append(fit)
+    return kept
 
 
 def _quickly(

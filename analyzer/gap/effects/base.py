@@ -9,6 +9,7 @@ import numpy as np
 from analyzer.gap.assembly import Assembly, spatial_inertia
 from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.geometry import skew
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
@@ -38,12 +39,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     mass, height, pivot = "base mass", "base height", "base pivot"
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        pivot_m = np.array([0.0, 0.0, values[pivot]])
+        lever = skew(np.array([0.0, 0.0, values[pivot]]))
         for i, name in enumerate(names):
             column = np.zeros(ordinary.superset.n)
             column[i] = 1.0
             if i >= 3:  # rocking about a line through the pivot
-                column[:3] = np.cross(pivot_m, column[3:6])
+                column[:3] = lever[:, i - 3]
             assembly.add_compliance(column, values[name], values[loss], name, loss)
         center = np.array([0.0, 0.0, values[height]])
         own = values[mass] * np.diag([0.015, 0.015, 0.02])

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.geometry import skew
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.space import Parameter
 
@@ -63,7 +64,7 @@ def at_axis(
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
         column = np.zeros(ordinary.superset.n)
-        column[columns] = np.concatenate([np.cross(p, u), u])
+        column[columns] = np.concatenate([skew(p) @ u, u])
         at = assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
         if before:
             shares = np.array([values[part], 1.0 - values[part]])

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.geometry import skew
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
@@ -40,7 +41,7 @@ class LongLink:
     def twists(self, directions: Sequence[Array]) -> list[tuple[float, Array]]:
         """Return place and unit twist (6,), linear first, of every hinge."""
         return [
-            (s, np.concatenate([np.cross(s * self.along, u), u]))
+            (s, np.concatenate([skew(s * self.along) @ u, u]))
             for s in self.places_m
             for u in directions
         ]

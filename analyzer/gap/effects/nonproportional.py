@@ -14,7 +14,8 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly, skew
+from analyzer.gap.assembly import Assembly
+from analyzer.gap.geometry import skew
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.geometry import PostureGeometry
 from analyzer.gap.ordinary import Ordinary

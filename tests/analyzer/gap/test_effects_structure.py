@@ -7,12 +7,12 @@ import pytest
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import added_effects, instances_of_file
-from analyzer.gap.assembly import Pieces, skew, spatial_inertia
+from analyzer.gap.assembly import Pieces, spatial_inertia
 from analyzer.gap.effects.gravity_compensator import share
 from analyzer.gap.effects.load_damping import gravity_load
 from analyzer.gap.effects.long_link import LongLink, long_links
 from analyzer.gap.effects.nonproportional import FLOOR
-from analyzer.gap.geometry import GeometryNear
+from analyzer.gap.geometry import GeometryNear, skew
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
