@@ -15,9 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import Assembly
-from analyzer.gap.geometry import skew
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.geometry import PostureGeometry
+from analyzer.gap.geometry import PostureGeometry, skew
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 

@@ -1,0 +1,73 @@
+"""The fit's steps, on problems whose best point another method finds."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares, lsq_linear
+
+from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.space import Parameter, Space
+from analyzer.gap.weigh import Quadratic
+
+
+class Residuals:
+    """A stage of one posture whose residuals are a function of the parameters."""
+
+    def __init__(self, of, slopes):
+        self.of, self.slopes = of, slopes
+        self.lines = (None,)
+        self.n_tried = 0
+
+    def misfit(self, hypothesis, values, postures):
+        self.n_tried += 1
+        return [0.5 * float(np.sum(self.of(np.array(list(values.values()))) ** 2))]
+
+    def quadratics(self, hypothesis, space, values, postures):
+        x = np.array(list(values.values()))
+        r, J = self.of(x), self.slopes(x) * space.std
+        return [Quadratic(cost=0.5 * float(r @ r), gradient=J.T @ r, curvature=J.T @ J)]
+
+
+def hypothesis_of(*parameters):
+    return SimpleNamespace(space=lambda: Space(parameters), instances=())
+
+
+def test_a_linear_problem_within_bounds_takes_a_step():
+    rng = np.random.default_rng(4)
+    J, r = rng.standard_normal((50, 12)), 20.0 * rng.standard_normal(50)
+    parameters = [Parameter(name=f"p{i}", mean=0.0, std=1.0, low=-0.3, high=0.5) for i in range(12)]
+    stage = Residuals(lambda x: J @ x - r, lambda x: J)
+    fit = fit_hypothesis(stage, hypothesis_of(*parameters))
+    with_prior = np.vstack([J, np.eye(12)]), np.concatenate([r, np.zeros(12)])
+    best = lsq_linear(*with_prior, bounds=(-0.3, 0.5), tol=1e-14).x
+    assert np.sum((best < -0.299) | (best > 0.499)) > 3
+    # The first step is damped by a thousandth.
+    assert fit.u == pytest.approx(best, abs=2e-3)
+    assert fit.converged
+    assert stage.n_tried <= 2
+
+
+def test_far_from_a_curved_valley_it_finds_the_bottom():
+    """Rosenbrock, Computer J. 3 (1960) 175, within bounds that keep the bottom out."""
+
+    def of(x):
+        return 30.0 * np.array([10.0 * (x[1] - x[0] ** 2), 1.0 - x[0]])
+
+    def slopes(x):
+        return 30.0 * np.array([[-20.0 * x[0], 10.0], [-1.0, 0.0]])
+
+    parameters = (
+        Parameter(name="x", mean=0.0, std=3.0, low=-2.0, high=0.8, start=-1.9),
+        Parameter(name="y", mean=0.0, std=3.0, low=-2.0, high=2.0, start=-1.5),
+    )
+    fit = fit_hypothesis(Residuals(of, slopes), hypothesis_of(*parameters), max_iterations=60)
+    theirs = least_squares(
+        lambda x: np.concatenate([of(x), x / 3.0]),
+        [-1.9, -1.5],
+        bounds=([-2.0, -2.0], [0.8, 2.0]),
+        xtol=1e-12,
+    )
+    # A step that gains less than 0.05 ends the fit; the valley is 900 steep along x.
+    assert fit.cost == pytest.approx(theirs.cost, abs=0.05)
+    assert fit.values["x"] == pytest.approx(0.8, abs=0.02)
