@@ -36,10 +36,12 @@ __all__ = ["Rivals", "find_rivals"]
 _MOST_PROMISING = 4
 _MIDDLE, _FINALISTS = 4, 4
 # Fits on broad lines, some steps each in turn; about a fit with a name the cost tells more.
-_COARSE, _COARSE_AGAIN = (12, 6), (6, 3)
-_LOOKED_AT_SHARPLY = 8
+_COARSE, _COARSE_AGAIN = (9, 5), (6, 3)
+_LOOKED_AT_SHARPLY, _LOOKED_AT_BROADLY = 8, 14
 _BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
+_A_LITTLE = 0.15  # likewise
+_SEEN = 0.5  # of cost on the widest lines: a servo that brings less is not there
 _LARGE_PART = 0.4  # likewise, of evidence, to be fitted on sharper lines
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
 _BLIND = 0.99  # likewise: if nothing costs less, the widest lines tell nothing
@@ -104,10 +106,9 @@ def find_rivals(
         so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, _STEPS))
         best = _looked_for(sharp, so_far.sharp, start)
         least = so_far.widest.cost, so_far.broad.cost
-    behind = behind_joints(widest, so_far.widest)
-    behind = [_further(broad, f, 3) for f in behind if f.cost < BEHIND * least[0]]
-    behind = [f for f in _leading(behind, so_far.broad)[:1] if f.cost < BEHIND * least[1]]
-    best += [f for f in behind if _key(f) not in map(_key, best)]
+    if least is not None:
+        servos = _behind_joints(widest, broad, so_far, least)
+        best += [f for f in servos if _key(f) not in map(_key, best)]
     finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
@@ -123,6 +124,15 @@ def find_rivals(
     return Rivals(present=so_far.sharp, rivals=tuple(sorted(finals, key=lambda f: f.evidence)))
 
 
+def _behind_joints(
+    widest: Stage, broad: Stage, so_far: _Annealed, least: tuple[float, float]
+) -> list[Fit]:
+    """The best servo, if it is not far behind the least costs on the widest and broad lines."""
+    worth = min(BEHIND * least[0], so_far.widest.cost - _SEEN)
+    servos = [_further(broad, f, 3) for f in behind_joints(widest, so_far.widest) if f.cost < worth]
+    return [f for f in _leading(servos, so_far.broad)[:1] if f.cost < BEHIND * least[1]]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Annealed:
     """The present hypothesis on the lines of each stage."""
@@ -133,6 +143,7 @@ class _Annealed:
     sharp: Fit
     astray: bool
     again: bool  # something was named already
+    far_off: bool  # likewise, and much is left
 
 
 def _annealed(
@@ -158,6 +169,7 @@ def _annealed(
         sharp=at_sharp,
         astray=_is_astray(sharp, at_sharp),
         again=fitted is not None,
+        far_off=fitted is not None and misfit_per_line(sharp, at_sharp) > _WORTH_ALL_STEPS,
     )
 
 
@@ -191,8 +203,12 @@ def _searched(
     so_far: _Annealed,
     start: dict[str, float],
     tell: Progress,
-) -> tuple[list[Fit], tuple[float, float]]:
-    """By fits on ever sharper lines; and the least cost on the widest and on the broad ones."""
+) -> tuple[list[Fit], tuple[float, float] | None]:
+    """By fits on ever sharper lines; and the least cost on the widest and on the broad ones.
+
+    None where, after a name, nothing explains more than a little of what is left: the library does
+    not know it, and only the best is fitted further.
+    """
     widest, broad, middle, _ = stages
     present, base = so_far.sharp.hypothesis, so_far.broad
     lost = so_far.sharp.farthest > _BELIEVABLE
@@ -211,7 +227,7 @@ def _searched(
     is_blind = wide[0].cost > _BLIND * plain_cost
     if is_blind or not (lost or so_far.again or is_obvious):
         looked_at = look_at_all(broad, base, start, from_start=True)
-        chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
+        chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)[:_LOOKED_AT_BROADLY]
         coarse += first_steps(broad, base, chosen, start)
     coarse.sort(key=lambda f: f.cost)
     leading = not_hopeless(coarse, _BEHIND_BROADLY)[: _COARSE[0]]
@@ -224,6 +240,8 @@ def _searched(
         gained = base.cost - best[0].cost
         worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
         best = [f for f in not_hopeless(best, _BEHIND_LATER) if f.cost < worth]
+    if so_far.far_off and base.cost - best[0].cost < _A_LITTLE * base.cost:
+        return [_further(middle, best[0], 5)], None
     best += bearings_of_axes(broad, present, best[:2])
     best.sort(key=lambda f: f.cost)
     least = wide[0].cost, best[0].cost

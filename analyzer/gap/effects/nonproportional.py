@@ -30,6 +30,7 @@ WORDS = EffectWords(
     changes="damping between several joints at once, beside the diagonal of C",
     signature="damping ratios that change with posture; complex shapes near each other",
     confused_with=("load_damping", "coupling", "friction"),
+    covers=("nonproportional",),  # what one leaves looks like more, chains of them like anything
     told_by="postures that turn the line between both ends; the hose or pack taken off",
     remedy="look for a hose, a dress pack, a damper or a seal that reaches over several joints",
 )
