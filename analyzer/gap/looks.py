@@ -13,7 +13,7 @@ from analyzer.gap.scan_dampers import scan_dampers
 from analyzer.gap.scan_postures import scan_compensators
 from analyzer.gap.sensors import scan_sensors
 
-__all__ = ["goes_with", "look_at_all", "most_promising"]
+__all__ = ["goes_with", "look_at_all", "look_at_others", "most_promising"]
 
 _LOOKED_AT = 24
 # Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
@@ -29,10 +29,25 @@ _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 
 
+def look_at_others(stage: Stage, base: Fit) -> list[Candidate]:
+    """Every effect at every place that a hypothesis has not, as it stands, best first."""
+    taken = {instance.key for instance in base.hypothesis.instances}
+    every = all_instances(base.hypothesis.ordinary)
+    return scan_instances(stage, base, [i for i in every if i.key not in taken])
+
+
 def look_at_all(
-    stage: Stage, base: Fit, start: Mapping[str, float], *, from_start: bool
+    stage: Stage,
+    base: Fit,
+    start: Mapping[str, float],
+    *,
+    from_start: bool,
+    others: Sequence[Candidate] | None = None,
 ) -> list[Candidate]:
-    """Every effect at every place by its linear gain; sensors also beside the first guess."""
+    """Every effect at every place by its linear gain; sensors also beside the first guess.
+
+    `others` is what `look_at_others` saw, if that is at hand.
+    """
     hypothesis = base.hypothesis
     taken = {instance.key for instance in hypothesis.instances}
     instances = [
@@ -41,7 +56,11 @@ def look_at_all(
         if i.key not in taken and goes_with(i, hypothesis)
     ]
     plain = [i for i in instances if i.effect.name not in _SOUGHT]
-    found = scan_instances(stage, base, plain)
+    if others is None:
+        found = scan_instances(stage, base, plain)
+    else:
+        keys = {i.key for i in plain}
+        found = [c for c in others if c.instance.key in keys]
     found += scan_compensators(stage, base, instances)
     found += scan_dampers(stage, base, instances)
     axes_taken = [place for name, place in taken if name == "link_axis"]

@@ -15,7 +15,7 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
 from analyzer.gap.judge import Judged, Thresholds, misfit_per_line, one_mechanism, outside_misfit
-from analyzer.gap.library import all_instances
+from analyzer.gap.looks import look_at_others
 from analyzer.gap.records import (
     Disagreement,
     EffectFound,
@@ -29,7 +29,7 @@ from analyzer.gap.records import (
     Verdict,
 )
 from analyzer.gap.rivals import Rivals
-from analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from analyzer.gap.scan import Candidate, scan_axes
 from analyzer.modal.fit import fit_modes
 from analyzer.modal.modes import ModalModel
 from protocols.errors import EstimateError
@@ -116,7 +116,8 @@ def conclude(
         titles = " or ".join(_title(f) for f in standing)
         notes.append(f"something more is there that cannot be told: {titles}")
     alive = standing or (final,)
-    hiding = _could_hide(sharp, final)
+    others = found.others if found.others is not None else look_at_others(sharp, final)
+    hiding = [c for c in others if c.instance.size and np.isfinite(c.size_std)]
     advice = None
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
         advice = advise(
@@ -222,14 +223,6 @@ def _rival(fit: Fit, found: Rivals, standing: tuple[Fit, ...], phi: float) -> Ri
         parameters=_intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
     )
-
-
-def _could_hide(stage: Stage, final: Fit) -> list[Candidate]:
-    """Every effect that is not in the final model, linearly about it."""
-    taken = {i.key for i in final.hypothesis.instances}
-    instances = [i for i in all_instances(final.hypothesis.ordinary) if i.key not in taken]
-    found = scan_instances(stage, final, [i for i in instances if i.size])
-    return [c for c in found if np.isfinite(c.size_std)]
 
 
 def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:

@@ -16,7 +16,8 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import misfit_per_line
-from analyzer.gap.looks import look_at_all, most_promising
+from analyzer.gap.looks import look_at_all, look_at_others, most_promising
+from analyzer.gap.scan import Candidate
 from analyzer.gap.starts import (
     BEHIND,
     FIRST_STEPS,
@@ -77,6 +78,7 @@ class Rivals:
 
     present: Fit
     rivals: tuple[Fit, ...]
+    others: tuple[Candidate, ...] | None = None  # all effects by a linear look about the present
 
 
 def find_rivals(
@@ -100,11 +102,13 @@ def find_rivals(
     start = start or {}
     tell("the arm as believed" if not present.instances else present.name)
     so_far = _annealed(stages, present, start, fitted)
+    others: list[Candidate] | None = None
     if so_far.astray:
         best, least = _searched(stages, so_far, start, tell)
     else:
         so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, _STEPS))
-        best = _looked_for(sharp, so_far.sharp, start)
+        others = look_at_others(sharp, so_far.sharp)
+        best = _looked_for(sharp, so_far.sharp, start, others)
         least = so_far.widest.cost, so_far.broad.cost
     if least is not None:
         servos = _behind_joints(widest, broad, so_far, least)
@@ -121,7 +125,11 @@ def find_rivals(
     if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
         finals[0] = _while_hopeful(sharp, finals[0], (), _STEPS)
         finals[1:] = [_while_hopeful(sharp, f, finals, _STEPS) for f in finals[1:]]
-    return Rivals(present=so_far.sharp, rivals=tuple(sorted(finals, key=lambda f: f.evidence)))
+    return Rivals(
+        present=so_far.sharp,
+        rivals=tuple(sorted(finals, key=lambda f: f.evidence)),
+        others=None if others is None else tuple(others),
+    )
 
 
 def _behind_joints(
@@ -173,9 +181,11 @@ def _annealed(
     )
 
 
-def _looked_for(sharp: Stage, fit: Fit, start: dict[str, float]) -> list[Fit]:
+def _looked_for(
+    sharp: Stage, fit: Fit, start: dict[str, float], others: Sequence[Candidate]
+) -> list[Fit]:
     """By a linear look on the sharp lines."""
-    looked_at = look_at_all(sharp, fit, start, from_start=False)
+    looked_at = look_at_all(sharp, fit, start, from_start=False, others=others)
     worthy = [c for c in looked_at if c.gain > _WORTH_SHARP or not _is_a_term(c.instance)]
     chosen = most_promising(worthy, _WORTH_ERROR, each_kind=False)[:_LOOKED_AT_SHARPLY]
     first = first_steps(sharp, fit, chosen, start)
