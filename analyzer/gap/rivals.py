@@ -110,9 +110,8 @@ def find_rivals(
         others = look_at_others(sharp, so_far.sharp)
         best = _looked_for(sharp, so_far.sharp, start, others)
         least = so_far.widest.cost, so_far.broad.cost
-    if least is not None:
-        servos = _behind_joints(widest, broad, so_far, least)
-        best += [f for f in servos if _key(f) not in map(_key, best)]
+    servos = _behind_joints(widest, broad, so_far, least)
+    best += [f for f in servos if _key(f) not in map(_key, best)]
     finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
@@ -213,11 +212,11 @@ def _searched(
     so_far: _Annealed,
     start: dict[str, float],
     tell: Progress,
-) -> tuple[list[Fit], tuple[float, float] | None]:
+) -> tuple[list[Fit], tuple[float, float]]:
     """By fits on ever sharper lines; and the least cost on the widest and on the broad ones.
 
-    None where, after a name, nothing explains more than a little of what is left: the library does
-    not know it, and only the best is fitted further.
+    Where after a name nothing explains more than a little of much that is left, the library hardly
+    knows it, and only the best is fitted further.
     """
     widest, broad, middle, _ = stages
     present, base = so_far.sharp.hypothesis, so_far.broad
@@ -250,11 +249,11 @@ def _searched(
         gained = base.cost - best[0].cost
         worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
         best = [f for f in not_hopeless(best, _BEHIND_LATER) if f.cost < worth]
+    least = wide[0].cost, best[0].cost
     if so_far.far_off and base.cost - best[0].cost < _A_LITTLE * base.cost:
-        return [_further(middle, best[0], 5)], None
+        return [_further(middle, best[0], 5)], least
     best += bearings_of_axes(broad, present, best[:2])
     best.sort(key=lambda f: f.cost)
-    least = wide[0].cost, best[0].cost
     best += split_axes(broad, _leading(best, base)[:_SPLIT], 6)
     best = [_further(middle, f, 5) for f in _leading(best, base)[:_MIDDLE]]
     return _leading(best, so_far.middle), least

@@ -13,7 +13,7 @@ from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.looks import goes_with, look_at_all, most_promising
-from analyzer.gap.ordinary import across
+from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.scan import Candidate, beside
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "from_the_start",
     "not_hopeless",
     "split_axes",
+    "without",
 ]
 
 FIRST_STEPS = 2
@@ -249,26 +250,46 @@ def axes_of_bearings(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> 
 
 def bearings_of_axes(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> list[Fit]:
     """An axis in a link may stand for the bearing of the joint before it, or of that beyond."""
-    ordinary = present.ordinary
-    joints = ordinary.arm.joints
     free = _bearings(present)
     found = []
     for fit in fits:
         axis = fit.hypothesis.instances[-1]
-        if axis.effect.name != "link_axis" or axis.describe is None:
-            continue
-        link = next(i for i, joint in enumerate(joints) if joint.link.name == axis.place)
-        direction = np.asarray(axis.describe(fit.values)["direction"])
         values = {k: v for k, v in fit.values.items() if k not in axis.owned}
-        for joint in joints[link : link + 2]:
-            bearing = free.pop(joint.name, None)
-            if bearing is None:
-                continue
-            is_own = joint is joints[link]
-            own = direction if is_own else joint.T_parent_joint[:3, :3].T @ direction
-            parts = (own @ across(np.asarray(joint.axis))) ** 2
-            more = dict(zip(bearing.sizes, (fit.values[axis.size] * parts).tolist(), strict=True))
-            found.append(_with_bearing(stage, present, bearing, values, more))
+        for joint, sizes in _at_ends_of(axis, present.ordinary, fit.values).items():
+            bearing = free.pop(joint, None)
+            if bearing is not None:
+                more = dict(zip(bearing.sizes, sizes, strict=True))
+                found.append(_with_bearing(stage, present, bearing, values, more))
+    return found
+
+
+def without(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:
+    """Return where a fit without an effect begins; bearings beside an axis take what it was."""
+    rest = tuple(i for i in fit.hypothesis.instances if i is not gone)
+    values = {k: v for k, v in fit.values.items() if k not in {p.name for p in gone.parameters}}
+    ends = _at_ends_of(gone, fit.hypothesis.ordinary, fit.values)
+    for bearing in rest:
+        if bearing.effect.name == "bearing" and bearing.place in ends:
+            for name, more in zip(bearing.sizes, ends[bearing.place], strict=True):
+                values[name] += more
+    return values, replace(fit.hypothesis, instances=rest)
+
+
+def _at_ends_of(
+    axis: Instance, ordinary: Ordinary, values: Mapping[str, float]
+) -> dict[str, list[float]]:
+    """What the bearings at both ends of its link would have of an axis, by joint: two sizes."""
+    if axis.effect.name != "link_axis" or axis.describe is None:
+        return {}
+    joints = ordinary.arm.joints
+    link = next(i for i, joint in enumerate(joints) if joint.link.name == axis.place)
+    direction = np.asarray(axis.describe(values)["direction"])
+    found = {}
+    for joint in joints[link : link + 2]:
+        is_own = joint is joints[link]
+        own = direction if is_own else joint.T_parent_joint[:3, :3].T @ direction
+        parts = (own @ across(np.asarray(joint.axis))) ** 2
+        found[joint.name] = (values[axis.size] * parts).tolist()
     return found
 
 

@@ -36,6 +36,7 @@ from analyzer.gap.records import (
 )
 from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import FEWEST_POSTURES, stages_of, with_test
+from analyzer.gap.starts import without
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from protocols.errors import EstimateError
@@ -47,8 +48,7 @@ __all__ = ["GapOutcome", "find_gap"]
 
 _FEWEST_POINTS = 4
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
-# Times what is clear, after some steps and after one: an effect that is needed.
-_FEW_STEPS, _FAR, _VERY_FAR = 3, 20.0, 2000.0
+_FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
 _LEAST_EXPLAINED = 0.25  # of what ordinary errors do not leave; a name for less would be a guess
 
 Tell = Callable[[str], None]
@@ -267,12 +267,9 @@ def _still_earning(
     gone: list[Instance] = []
     while True:
         for instance in fit.hypothesis.instances[:-1]:
-            rest = tuple(i for i in fit.hypothesis.instances if i is not instance)
-            hypothesis = replace(fit.hypothesis, instances=rest)
+            start, hypothesis = without(fit, instance)
+            fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
             small = not instance.is_material(fit.values)
-            fewer = fit_hypothesis(stage, hypothesis, start=fit.values, max_iterations=1)
-            if small or fewer.evidence - fit.evidence < _VERY_FAR * limits.clear * phi:
-                fewer = fit_hypothesis(stage, hypothesis, resumed=fewer, max_iterations=_FEW_STEPS)
             if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:
                 fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
             if small or fewer.evidence - fit.evidence < limits.clear * phi:

@@ -27,7 +27,7 @@ WORDS = EffectWords(
 )
 _MATERIAL_KG, _MATERIAL = 0.2, 0.003  # or of the arm's mass, whichever is less
 _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of no mass
-_MOMENT_STD_KG_M = 0.1
+_STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
 _RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's own tolerance
 
@@ -67,8 +67,8 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         effect=WORDS,
         place=name,
         parameters=(
-            Parameter(name=mass, mean=0.0, std=0.05 * total, low=0.0, start=_START * total),
-            *(Parameter(name=m, mean=0.0, std=_MOMENT_STD_KG_M) for m in moments),
+            Parameter(name=mass, mean=0.0, std=_STD * total, low=0.0, start=_START * total),
+            *(Parameter(name=m, mean=0.0, std=_LEVER_STD_M * _STD * total) for m in moments),
         ),
         builder=build,
         describe=describe,
