@@ -140,7 +140,8 @@ def gap_study_command(
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
     outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
     tests: Annotated[
-        int, typer.Option(min=0, help="Further tests a case may ask for; judges again.")
+        int,
+        typer.Option(min=0, help="Further tests a case, or each fifth null, may ask for."),
     ] = 0,
     whole: Annotated[
         bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")

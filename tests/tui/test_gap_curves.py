@@ -1,6 +1,6 @@
 """Learning curves, further tests and the page of a study."""
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ import pytest
 import tui.gap_curves
 from hil_sim.study import CaseSpec, make_case
 from tui.gap_curves import VARIED, curve_rows, reduced, run_curves
-from tui.gap_study import run_case
+from tui.gap_study import run_case, run_study
 from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary
 
@@ -70,6 +70,30 @@ def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_on
     assert after["verdict"] in ("nothing_detectable", "ambiguous", "named")
     assert np.isfinite(line["brought"]["asked"])
     assert len(line["brought"]["random"]) == 3
+
+
+class Asked(Executor):
+    """Runs nothing, keeps how many further tests each case may have."""
+
+    def __init__(self):
+        self.tests = {}
+
+    def submit(self, fn, /, spec, tests):
+        self.tests[spec.number] = tests
+        done = Future()
+        done.set_result({"number": spec.number, "truth_sha256": "", "error": "not run"})
+        return done
+
+
+def test_every_hidden_effect_and_each_fifth_null_may_ask_for_tests(tmp_path):
+    specs = [
+        CaseSpec(number=n, arm="ur5", seed=n, kinds=kinds, magnitude="clear" if kinds else "none")
+        for n, kinds in enumerate([()] * 10 + [("delay",)] * 3, start=1)
+    ]
+    asked = Asked()
+    run_study(specs, {}, tmp_path / "study.jsonl", asked, tests=2)
+    assert {n for n, tests in asked.tests.items() if tests == 2} == {5, 10, 11, 12, 13}
+    assert {n for n, tests in asked.tests.items() if tests == 0} == {1, 2, 3, 4, 6, 7, 8, 9}
 
 
 def test_the_page_has_every_table(line):
