@@ -19,6 +19,7 @@ from analyzer.gap.fit import Fit, Stage
 __all__ = [
     "Judged",
     "Thresholds",
+    "at_an_end",
     "is_as_good",
     "is_certain",
     "judge",
@@ -31,6 +32,7 @@ __all__ = [
 
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
+_MUCH_ELSE = 3.0  # times the ordinary misfit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,7 +97,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     material = [r for r in better if _added(r).is_material(r.values) and is_certain(r)]
     if not material:
         return Judged(named=None, standing=(), phi=phi)
-    best = _plainest(material, present, thresholds.apart * phi)
+    best = _plainest(material, present, thresholds.apart, phi)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
@@ -103,6 +105,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         if r is not best
         and r.evidence - best.evidence < thresholds.apart * phi
         and not _same(best, r)
+        and not (phi > _MUCH_ELSE and at_an_end(r, best))
         and not _is_no_more_than(r, best)
     ]
     if beside and present.evidence - best.evidence < thresholds.clear * phi:
@@ -113,14 +116,19 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     return Judged(named=best, standing=(best,), phi=phi)
 
 
-def _plainest(material: Sequence[Fit], present: Fit, apart: float) -> Fit:
-    """The best; the released joint where the best is an axis that lies on one."""
+def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -> Fit:
+    """The best; where that is an axis, the released joint on which it lies.
+
+    Or the bearing at an end of its link while much else is missing: what the axis, with three
+    parameters more, is better by then, is of that.
+    """
     best = material[0]
     gain = present.evidence - best.evidence
     near = (
         r
         for r in material
-        if is_as_good(r.evidence - best.evidence, gain, apart) and _one_line(best, r)
+        if is_as_good(r.evidence - best.evidence, gain, apart * phi)
+        and (_one_line(best, r) or (phi > _MUCH_ELSE and at_an_end(best, r)))
     )
     return next(near, best)
 
@@ -183,6 +191,16 @@ def _is_no_more_than(rival: Fit, best: Fit) -> bool:
     a, b = _added(rival), _added(best)
     inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     return inside and not a.is_material(rival.values)
+
+
+def at_an_end(axis: Fit, bearing: Fit) -> bool:
+    """Whether a bearing is at one of the two ends of a link with an axis."""
+    a, b = _added(axis), _added(bearing)
+    if a.effect.name != "link_axis" or b.effect.name != "bearing":
+        return False
+    joints = axis.hypothesis.ordinary.arm.joints
+    link = next(i for i, joint in enumerate(joints) if joint.link.name == a.place)
+    return b.place in [joint.name for joint in joints[link : link + 2]]
 
 
 def _one_line(axis: Fit, joint: Fit) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import misfit_per_line
+from analyzer.gap.judge import at_an_end, misfit_per_line
 from analyzer.gap.looks import look_at_all, look_at_others, most_promising
 from analyzer.gap.scan import Candidate
 from analyzer.gap.starts import (
@@ -37,9 +37,11 @@ __all__ = ["Rivals", "find_rivals"]
 _MOST_PROMISING = 4
 _MIDDLE, _FINALISTS = 4, 4
 # Fits on broad lines, some steps each in turn; about a fit with a name the cost tells more.
-_COARSE, _COARSE_AGAIN = (9, 5), (6, 3)
+_COARSE, _COARSE_AGAIN, _FEWEST = (9, 5), (6, 3), (3, 1)  # the last where they explain little
+_FEW, _TOLD_BROADLY = 4, 0.9  # where the broad lines leave no more misfit a residual than this
 _LOOKED_AT_SHARPLY, _LOOKED_AT_BROADLY = 8, 14
-_BEHIND_BROADLY, _BEHIND_LATER = 1.5, 1.3  # times the least cost on broad lines
+# Times the least cost on broad lines, at first, later, and for the few that lead.
+_BEHIND_BROADLY, _BEHIND_LATER, _FEW_BEHIND = 1.5, 1.3, 2.0
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
 _A_LITTLE = 0.15  # likewise
 _SEEN = 0.5  # of cost on the widest lines: a servo that brings less is not there
@@ -67,6 +69,7 @@ _WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it
 _HOPELESS = 400.0
 _LITTLE, _LITTLE_OF_TERM = 8.0, 16.0  # of evidence after two steps: less becomes no name
 _PROMISE = 1.0  # of evidence over the present hypothesis, to be fitted on sharper lines
+_ROUGHLY = 4  # steps of the present hypothesis on the sharp lines; twice where it comes near
 _STEPS = 24  # a finalist converges within these
 
 Progress = Callable[[str], None]
@@ -120,7 +123,9 @@ def find_rivals(
     worth_splits = bool(finals) and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT
     if worth_splits and not so_far.astray:  # else they were tried on the broad lines
         finals += split_axes(sharp, finals[:1], 8)
+    at_ends = [f for f in finals[1:] if at_an_end(finals[0], f)]  # judged beside it
     finals = _leading(finals, None)
+    finals += [f for f in at_ends if all(f is not other for other in finals)]
     if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
         finals[0] = _while_hopeful(sharp, finals[0], (), _STEPS)
         finals[1:] = [_while_hopeful(sharp, f, finals, _STEPS) for f in finals[1:]]
@@ -137,7 +142,10 @@ def _behind_joints(
     """The best servo, if it is not far behind the least costs on the widest and broad lines."""
     worth = min(BEHIND * least[0], so_far.widest.cost - _SEEN)
     servos = [_further(broad, f, 3) for f in behind_joints(widest, so_far.widest) if f.cost < worth]
-    return [f for f in _leading(servos, so_far.broad)[:1] if f.cost < BEHIND * least[1]]
+    worth = BEHIND * least[1]
+    if so_far.far_off:
+        worth = min(worth, (1.0 - _A_LITTLE) * so_far.broad.cost)
+    return [f for f in _leading(servos, so_far.broad)[:1] if f.cost < worth]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,7 +172,9 @@ def _annealed(
         at_widest = fit_hypothesis(widest, present, start=start, max_iterations=7)
         at_broad = _further(broad, at_widest, 5)
         at_middle = _further(middle, at_broad, 5)
-        at_sharp = _further(sharp, at_middle, 8)
+        at_sharp = _further(sharp, at_middle, _ROUGHLY)
+        if misfit_per_line(sharp, at_sharp) < _WORTH_ALL_STEPS:
+            at_sharp = _further(sharp, at_sharp, _ROUGHLY)
     else:
         at_widest = fit_hypothesis(widest, present, resumed=fitted, max_iterations=4)
         at_broad = _further(broad, at_widest, 3)
@@ -220,6 +230,8 @@ def _searched(
     """
     widest, broad, middle, _ = stages
     present, base = so_far.sharp.hypothesis, so_far.broad
+    # What only the sharp lines show, such as a hose that swings, no broad ones tell apart.
+    tells = misfit_per_line(broad, base) > _TOLD_BROADLY
     lost = so_far.sharp.farthest > _BELIEVABLE
     plain_cost = so_far.widest.cost
     begin = so_far.widest.values if so_far.again else start
@@ -236,19 +248,23 @@ def _searched(
     is_blind = wide[0].cost > _BLIND * plain_cost
     if is_blind or not (lost or so_far.again or is_obvious):
         looked_at = look_at_all(broad, base, start, from_start=True)
-        chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)[:_LOOKED_AT_BROADLY]
+        chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
+        chosen = chosen[: _LOOKED_AT_BROADLY if tells else _FEW]
         coarse += first_steps(broad, base, chosen, start)
     coarse.sort(key=lambda f: f.cost)
-    leading = not_hopeless(coarse, _BEHIND_BROADLY)[: _COARSE[0]]
+    each = (_FEW, _FEW) if not tells else _COARSE_AGAIN if so_far.again else _COARSE
+    if so_far.far_off and base.cost - coarse[0].cost < _A_LITTLE * base.cost:
+        each = _FEWEST
+    leading = not_hopeless(coarse, _BEHIND_BROADLY, _FEW_BEHIND)[: each[0]]
     coarse += axes_of_bearings(broad, present, leading)
     coarse.sort(key=lambda f: f.cost)
-    best = not_hopeless(coarse, _BEHIND_BROADLY)
-    for most in _COARSE_AGAIN if so_far.again else _COARSE:
+    best = not_hopeless(coarse, _BEHIND_BROADLY, _FEW_BEHIND)
+    for most in each:
         tell(best[0].hypothesis.name)
         best = sorted((_further(broad, f, 3) for f in best[:most]), key=lambda f: f.cost)
         gained = base.cost - best[0].cost
         worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
-        best = [f for f in not_hopeless(best, _BEHIND_LATER) if f.cost < worth]
+        best = [f for f in not_hopeless(best, _BEHIND_LATER, _FEW_BEHIND) if f.cost < worth]
     least = wide[0].cost, best[0].cost
     if so_far.far_off and base.cost - best[0].cost < _A_LITTLE * base.cost:
         return [_further(middle, best[0], 5)], least

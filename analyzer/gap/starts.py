@@ -158,10 +158,10 @@ def _has_many(fit: Fit) -> bool:
     return len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
 
 
-def not_hopeless(fits: Sequence[Fit], behind: float) -> list[Fit]:
-    """What does not cost far more than the best, of some at least a little more; by rising cost."""
+def not_hopeless(fits: Sequence[Fit], behind: float, few_behind: float = _FAR_BEHIND) -> list[Fit]:
+    """What costs less than `behind` times the best, the first few `few_behind`; by rising cost."""
     fits = _apart(fits)
-    allowed = [_FAR_BEHIND if i < _FEWEST else behind for i in range(len(fits))]
+    allowed = [few_behind if i < _FEWEST else behind for i in range(len(fits))]
     return [f for f, most in zip(fits, allowed, strict=True) if f.cost <= most * fits[0].cost]
 
 
