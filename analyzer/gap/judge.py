@@ -33,6 +33,7 @@ __all__ = [
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
 _MUCH_ELSE = 3.0  # times the ordinary misfit
+_SLIGHT_PART = 0.02  # of a gain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,8 +128,12 @@ def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -
     near = (
         r
         for r in material
-        if is_as_good(r.evidence - best.evidence, gain, apart * phi)
-        and (_one_line(best, r) or (phi > _MUCH_ELSE and at_an_end(best, r)))
+        if (is_as_good(r.evidence - best.evidence, gain, apart * phi) and _one_line(best, r))
+        or (
+            phi > _MUCH_ELSE
+            and at_an_end(best, r)
+            and r.evidence - best.evidence < _SLIGHT_PART * gain
+        )
     )
     return next(near, best)
 
