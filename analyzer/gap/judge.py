@@ -19,9 +19,9 @@ from analyzer.gap.fit import Fit, Stage
 __all__ = [
     "Judged",
     "Thresholds",
-    "at_an_end",
     "is_as_good",
     "is_certain",
+    "is_plainer",
     "judge",
     "misfit_per_line",
     "one_mechanism",
@@ -51,7 +51,9 @@ class Thresholds:
     # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
     # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
     outside_left: float = 0.20
-    unplaced: float = 1000.0  # nats of what is too small to matter: then it is not that
+    # Nats of what is too small to matter: then it is not that. And of what is large, but of
+    # uncertain size: then it is no patch.
+    unplaced: float = 1000.0
     held_out: float = 3.0  # nats that held-out postures must gain together
 
 
@@ -95,7 +97,13 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     better = [r for r in rivals if present.evidence - r.evidence > _wanted(r, thresholds) * phi]
     if not better:
         return Judged(named=None, standing=(), phi=phi)
-    material = [r for r in better if _added(r).is_material(r.values) and is_certain(r)]
+    beyond_doubt = thresholds.unplaced * phi
+    material = [
+        r
+        for r in better
+        if _added(r).is_material(r.values)
+        and (is_certain(r) or present.evidence - r.evidence > beyond_doubt)
+    ]
     if not material:
         return Judged(named=None, standing=(), phi=phi)
     best = _plainest(material, present, thresholds.apart, phi)
@@ -106,7 +114,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         if r is not best
         and r.evidence - best.evidence < thresholds.apart * phi
         and not _same(best, r)
-        and not (phi > _MUCH_ELSE and at_an_end(r, best))
+        and not _at_an_end(r, best, phi)
         and not _is_no_more_than(r, best)
     ]
     if beside and present.evidence - best.evidence < thresholds.clear * phi:
@@ -128,12 +136,8 @@ def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -
     near = (
         r
         for r in material
-        if (is_as_good(r.evidence - best.evidence, gain, apart * phi) and _one_line(best, r))
-        or (
-            phi > _MUCH_ELSE
-            and at_an_end(best, r)
-            and r.evidence - best.evidence < _SLIGHT_PART * gain
-        )
+        if (_one_line(best, r) and is_as_good(r.evidence - best.evidence, gain, apart * phi))
+        or (_at_an_end(best, r, phi) and r.evidence - best.evidence < _SLIGHT_PART * gain)
     )
     return next(near, best)
 
@@ -198,10 +202,15 @@ def _is_no_more_than(rival: Fit, best: Fit) -> bool:
     return inside and not a.is_material(rival.values)
 
 
-def at_an_end(axis: Fit, bearing: Fit) -> bool:
-    """Whether a bearing is at one of the two ends of a link with an axis."""
+def is_plainer(axis: Fit, joint: Fit) -> bool:
+    """Whether a fit may be the name in the place of an axis, as `judge` takes it."""
+    return _one_line(axis, joint) or _at_an_end(axis, joint, np.inf)
+
+
+def _at_an_end(axis: Fit, bearing: Fit, phi: float) -> bool:
+    """Whether a bearing is at one of both ends of a link with an axis, and much else is missing."""
     a, b = _added(axis), _added(bearing)
-    if a.effect.name != "link_axis" or b.effect.name != "bearing":
+    if phi <= _MUCH_ELSE or a.effect.name != "link_axis" or b.effect.name != "bearing":
         return False
     joints = axis.hypothesis.ordinary.arm.joints
     link = next(i for i, joint in enumerate(joints) if joint.link.name == a.place)

@@ -15,7 +15,7 @@ import numpy as np
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import at_an_end, misfit_per_line
+from analyzer.gap.judge import is_plainer, misfit_per_line
 from analyzer.gap.looks import look_at_all, look_at_others, most_promising
 from analyzer.gap.scan import Candidate
 from analyzer.gap.starts import (
@@ -64,7 +64,7 @@ _FIRST_SHARPLY, _BLOCK = 9, 3  # steps of a finalist, how many at a time
 # A finalist goes on while it is no further behind than this, times misfit a residual, and than it
 # would gain in so many blocks like its last, and while a block gains some part of its cost.
 _BESIDE, _PATIENCE, _NOTHING = 60.0, 3.0, 1e-4
-_WORTH_ALL_STEPS = 2.0  # misfit a residual above which more must be missing: it is fitted again
+_WORTH_ALL_STEPS = 1.2  # misfit a residual above which more must be missing: it is fitted again
 # Evidence behind the best at which a rival is dropped: sharper lines weigh some five times more.
 _HOPELESS = 400.0
 _LITTLE, _LITTLE_OF_TERM = 8.0, 16.0  # of evidence after two steps: less becomes no name
@@ -101,7 +101,7 @@ def find_rivals(
     fitted
         A sharp fit of the present hypothesis to all postures, if there is one.
     """
-    widest, broad, _, sharp = stages
+    widest, broad, middle, sharp = stages
     start = start or {}
     tell("the arm as believed" if not present.instances else present.name)
     so_far = _annealed(stages, present, start, fitted)
@@ -114,7 +114,7 @@ def find_rivals(
         best = _looked_for(sharp, so_far.sharp, start, others)
         least = so_far.widest.cost, so_far.broad.cost
     servos = _behind_joints(widest, broad, so_far, least)
-    best += [f for f in servos if _key(f) not in map(_key, best)]
+    best = _with(best, [_further(middle, f, 5) for f in servos] if so_far.astray else servos)
     finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
@@ -123,9 +123,9 @@ def find_rivals(
     worth_splits = bool(finals) and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT
     if worth_splits and not so_far.astray:  # else they were tried on the broad lines
         finals += split_axes(sharp, finals[:1], 8)
-    at_ends = [f for f in finals[1:] if at_an_end(finals[0], f)]  # judged beside it
+    plainer = [f for f in finals[1:] if is_plainer(finals[0], f)]  # judged beside it
     finals = _leading(finals, None)
-    finals += [f for f in at_ends if all(f is not other for other in finals)]
+    finals += [f for f in plainer if all(f is not other for other in finals)]
     if finals and misfit_per_line(sharp, finals[0]) < _WORTH_ALL_STEPS:
         finals[0] = _while_hopeful(sharp, finals[0], (), _STEPS)
         finals[1:] = [_while_hopeful(sharp, f, finals, _STEPS) for f in finals[1:]]
@@ -146,6 +146,16 @@ def _behind_joints(
     if so_far.far_off:
         worth = min(worth, (1.0 - _A_LITTLE) * so_far.broad.cost)
     return [f for f in _leading(servos, so_far.broad)[:1] if f.cost < worth]
+
+
+def _with(fits: Sequence[Fit], more: Sequence[Fit]) -> list[Fit]:
+    """Fits with more of them, one for each effect and place: what costs less where both have it."""
+    kept = {_key(f): f for f in fits}
+    for f in more:
+        known = kept.get(_key(f))
+        if known is None or f.cost < known.cost:
+            kept[_key(f)] = f
+    return list(kept.values())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
