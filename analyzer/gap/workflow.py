@@ -11,6 +11,7 @@ import numpy as np
 from analyzer.arm.superset import Superset
 from analyzer.checks.session import check_session
 from analyzer.gap.add import instances_of_file
+from analyzer.gap.effects import sensor_axes
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
@@ -127,7 +128,8 @@ def find_gap(
             judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
         better, swapped = _joint_rather_than_axis(stages[-1], step, limits)
-        named = [_renamed(old, swapped) for old in (*named, step)]
+        better, turned = _turned_once(better)
+        named = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
         fitted, gone = _still_earning(stages[-1], better, limits, judged.phi)
         present, start = fitted.hypothesis, fitted.values
         named = [step for step in named if _last(step[1]) not in gone]
@@ -248,6 +250,18 @@ def _joint_rather_than_axis(
         if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
             fit, swapped[axis.key] = plain, joint
     return fit, swapped
+
+
+def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """Two turns of one sensor at one point are one: the fit with it, and for which it stands."""
+    *others, last = fit.hypothesis.instances
+    for other in others:
+        both = sensor_axes.together(fit.hypothesis.ordinary, other, last)
+        if both is not None:
+            instances = tuple(both if i is other else i for i in others)
+            hypothesis = replace(fit.hypothesis, instances=instances)
+            return replace(fit, hypothesis=hypothesis), {other.key: both}
+    return fit, {}
 
 
 def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:

@@ -11,7 +11,7 @@ from analyzer.gap.assembly import Assembly
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
 
-__all__ = ["FLIPPED", "SWAPPED", "instances", "turned_sensor"]
+__all__ = ["FLIPPED", "SWAPPED", "instances", "together", "turned_sensor"]
 
 FLIPPED = EffectWords(
     name="flipped_axis",
@@ -71,6 +71,21 @@ def turned_sensor(
         builder=build,
         describe=describe,
     )
+
+
+def together(ordinary: Ordinary, first: Instance, second: Instance) -> Instance | None:
+    """Return the one turn that two of the same sensor at the same point are; None for others."""
+    matrices, points = [], []
+    for instance in (first, second):
+        if instance.effect not in (FLIPPED, SWAPPED) or instance.describe is None:
+            return None
+        told = instance.describe({})
+        matrices.append(np.reshape(np.array(told["axes"]), (3, 3)))
+        points.append(str(told["sensor_point"]))
+    matrix = matrices[1] @ matrices[0]
+    if points[0] != points[1] or np.array_equal(matrix, np.eye(3)):
+        return None
+    return turned_sensor(ordinary, matrix, points[0] or None)
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
