@@ -47,7 +47,7 @@ def median_cpu_s(task) -> float:
 
 
 def sdypy_fit(frf: FrequencyResponse):
-    from sdypy import EMA  # noqa: PLC0415
+    from sdypy import EMA  # noqa: PLC0415 - slow to import, and not timed
 
     freq = np.concatenate([[0.0], frf.freq_hz, [2 * frf.freq_hz[-1] - frf.freq_hz[-2]]])
     values = np.pad(frf.values[:, 0], ((0, 0), (1, 1)))  # it drops the last line

@@ -28,7 +28,7 @@ BOUND_SHARE = 0.2  # of the tolerance: beyond it a mode does not count
 
 
 def sdypy_choice(frf: FrequencyResponse) -> np.ndarray:
-    from sdypy import EMA  # noqa: PLC0415
+    from sdypy import EMA  # noqa: PLC0415 - slow to import, and not timed
 
     step = frf.freq_hz[1] - frf.freq_hz[0]
     freq = np.concatenate([[0.0], frf.freq_hz, [frf.freq_hz[-1] + step]])

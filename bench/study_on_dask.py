@@ -32,7 +32,7 @@ def main() -> int:
     parser.add_argument("--tests", type=int, default=2)
     wanted = parser.parse_args()
     try:
-        from distributed import Client  # noqa: PLC0415
+        from distributed import Client  # noqa: PLC0415 - not among the pinned packages
     except ImportError:
         print("this needs Dask: pip install distributed", file=sys.stderr)
         return 2

@@ -38,7 +38,7 @@ __all__ = ["Line", "run_case", "run_study", "seal_hashes"]
 
 Line = dict[str, Any]
 
-_ALSO = 5  # of the cases that hide nothing each so manieth asks for further tests too
+_ALSO = 5  # of the cases that hide nothing each fifth asks for further tests too
 _STEPS = 20  # at each stage: from the true sizes a fit converges within these
 
 

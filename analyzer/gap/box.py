@@ -18,7 +18,7 @@ def least_in_box(A: Array, b: Array, low: Array, high: Array) -> Array:
 
     By principal pivoting: each element is free or at a bound. Free ones beyond a bound go to it,
     those at a bound whose slope points inward become free, all at once; one at a time where that
-    goes round in circles, which ends.
+    goes round in circles, which ends; after 200 exchanges with what there is, within the bounds.
 
     References
     ----------

@@ -114,7 +114,8 @@ def find_rivals(
         best = _looked_for(sharp, so_far.sharp, start, others)
         least = so_far.widest.cost, so_far.broad.cost
     servos = _behind_joints(widest, broad, so_far, least)
-    best = _with(best, [_further(middle, f, 5) for f in servos] if so_far.astray else servos)
+    lines, steps = (middle, 5) if so_far.astray else (sharp, FIRST_STEPS)  # as the others had
+    best = _with(best, [_further(lines, f, steps) for f in servos])
     finals: list[Fit] = []
     for f in best[: _FINALISTS + 2]:
         tell(f"sharply: {f.hypothesis.name}")
@@ -149,7 +150,7 @@ def _behind_joints(
 
 
 def _with(fits: Sequence[Fit], more: Sequence[Fit]) -> list[Fit]:
-    """Fits with more of them, one for each effect and place: what costs less where both have it."""
+    """Fits with more on the same lines: where both have an effect and place what costs less."""
     kept = {_key(f): f for f in fits}
     for f in more:
         known = kept.get(_key(f))

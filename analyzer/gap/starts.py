@@ -28,7 +28,7 @@ __all__ = [
     "from_the_start",
     "not_hopeless",
     "split_axes",
-    "without",
+    "taken_out",
 ]
 
 FIRST_STEPS = 2
@@ -263,7 +263,7 @@ def bearings_of_axes(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> 
     return found
 
 
-def without(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:
+def taken_out(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:
     """Return where a fit without an effect begins; bearings beside an axis take what it was."""
     rest = tuple(i for i in fit.hypothesis.instances if i is not gone)
     values = {k: v for k, v in fit.values.items() if k not in {p.name for p in gone.parameters}}

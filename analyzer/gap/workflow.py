@@ -37,7 +37,7 @@ from analyzer.gap.records import (
 )
 from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import FEWEST_POSTURES, stages_of, with_test
-from analyzer.gap.starts import without
+from analyzer.gap.starts import taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from protocols.errors import EstimateError
@@ -281,7 +281,7 @@ def _still_earning(
     gone: list[Instance] = []
     while True:
         for instance in fit.hypothesis.instances[:-1]:
-            start, hypothesis = without(fit, instance)
+            start, hypothesis = taken_out(fit, instance)
             fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
             small = not instance.is_material(fit.values)
             if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:

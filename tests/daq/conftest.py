@@ -168,7 +168,7 @@ class Line:
                 os.close(fd)
 
     def received(self, data: bytes) -> None:
-        raise NotImplementedError
+        """Called with what the other end wrote; a bare line drops it."""
 
     def tick(self) -> None:
         """Called a few hundred times a second."""

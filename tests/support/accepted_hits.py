@@ -38,7 +38,7 @@ def quick_folder() -> tempfile.TemporaryDirectory[str]:
 
 def quick_place() -> Path | None:
     """Return where files lie in memory; None where there is no such place."""
-    memory = Path("/dev/shm")  # noqa: S108
+    memory = Path("/dev/shm")  # noqa: S108 - only folders of random names are made there
     return memory if memory.is_dir() else None
 
 

@@ -10,7 +10,7 @@ from analyzer.gap.effects import link_axis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.starts import without
+from analyzer.gap.starts import taken_out
 from hil_sim.study import study_arm
 
 
@@ -34,7 +34,7 @@ def test_the_bearing_of_its_joint_takes_what_an_axis_across_it_was(ordinary):
     joint = ordinary.arm.joints[link]
     across = np.cross(joint.axis, [0.3, 0.5, 0.7])
     fit, axis, bearings = fit_with(ordinary, link, across / np.linalg.norm(across))
-    start, rest = without(fit, axis)
+    start, rest = taken_out(fit, axis)
     assert axis not in rest.instances
     assert set(start) == set(fit.values) - {p.name for p in axis.parameters}
     (own,) = (b for b in bearings if b.place == joint.name)
@@ -46,12 +46,12 @@ def test_the_bearing_of_its_joint_takes_what_an_axis_across_it_was(ordinary):
 
 def test_bearings_elsewhere_and_other_effects_keep_their_values(ordinary):
     fit, axis, bearings = fit_with(ordinary, 2, np.array([1.0, 0.0, 0.0]))
-    start, _ = without(fit, axis)
+    start, _ = taken_out(fit, axis)
     ends = {ordinary.arm.joints[2].name, ordinary.arm.joints[3].name}
     far = [name for b in bearings if b.place not in ends for name in b.sizes]
     assert all(start[name] == fit.values[name] for name in far)
     gone = bearings[0]
-    start, rest = without(fit, gone)
+    start, rest = taken_out(fit, gone)
     assert gone not in rest.instances
     kept = {name: v for name, v in fit.values.items() if name in start}
     assert kept == start

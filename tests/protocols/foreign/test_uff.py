@@ -191,7 +191,7 @@ def test_any_bytes_are_read_or_refused_in_one_sentence(data):
     try:
         uff_from_bytes(data, "a")
     except ForeignFileError as error:
-        assert str(error).count("\n") == 0  # noqa: PT017
+        assert str(error).count("\n") == 0  # noqa: PT017 - most bytes raise, some do not
 
 
 @given(st.data())
