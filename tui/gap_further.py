@@ -8,6 +8,7 @@ import numpy as np
 
 from analyzer.gap.advice import plan_text
 from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.hit_levels import middle_level
 from analyzer.gap.next_test import evidence_brought, possible_tests
 from analyzer.gap.records import GapResult, Verdict
 from analyzer.gap.score import mark
@@ -95,12 +96,18 @@ def _brought(
         text = plan_text(tests[i], plan, laboratory.arm, comment="random")
         drawn = plan_from_text(text, laboratory.arm, origin="random plan")
         measured = laboratory.measure(drawn, 100 + int(i))
-        random.append(_evidence(outcome.stages, measured, whole, other))
-    asked = _evidence(outcome.stages, sessions[-1], whole, other)
+        random.append(_evidence(outcome.stages, sessions[0], measured, whole, other))
+    asked = _evidence(outcome.stages, sessions[0], sessions[-1], whole, other)
     return {"asked": asked, "random": random}
 
 
-def _evidence(stages: tuple[Stage, ...], test: Session, whole: Fit, other: Fit) -> float:
-    superset = whole.hypothesis.ordinary.superset
-    with_it, _ = with_test(stages, superset, test, 2)
-    return evidence_brought(whole, other, with_it[-1].lines[-1])
+def _evidence(
+    stages: tuple[Stage, ...], session: Session, test: Session, whole: Fit, other: Fit
+) -> float:
+    """Of soft and hard hits apart where the session's were."""
+    ordinary = whole.hypothesis.ordinary
+    about = middle_level(session) if ordinary.level_span else None
+    tested = with_test(stages, ordinary.superset, test, 2, level_about=about)[-1]
+    return sum(
+        evidence_brought(whole, other, lines) for lines in tested.lines[len(stages[-1].lines) :]
+    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from protocols.session.records import Hit, Session
 
-__all__ = ["has_levels", "soft_and_hard", "weight_factors"]
+__all__ = ["has_levels", "middle_level", "soft_and_hard", "weight_factors"]
 
 _LEAST_RATIO = 1.5  # of peak forces, to be two levels
 
@@ -20,6 +20,12 @@ def has_levels(session: Session) -> bool:
         return False
     ratios = [h.verdict.peak_n / s.verdict.peak_n for s, h in zip(soft, hard, strict=True)]
     return min(ratios) > _LEAST_RATIO
+
+
+def middle_level(session: Session) -> float:
+    """Return ln of the peak force in N between soft and hard hits, where both are."""
+    both = soft_and_hard([hit for hit in session.hits if hit.verdict.accepted])
+    return float(np.mean([[np.log(hit.verdict.peak_n) for hit in hits] for hits in both]))
 
 
 def soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:

@@ -81,14 +81,15 @@ class PostureLines:
 
 
 def own_lines(
-    superset: Superset, session: Session, stage: Annealing, *, by_level: bool = False
+    superset: Superset, session: Session, stage: Annealing, *, level_about: float | None = None
 ) -> tuple[PostureLines, ...]:
     """Lines of every posture of a session with records of its own hits.
 
     Parameters
     ----------
-    by_level
-        Lines of every posture twice: of its soft and of its hard hits. Half of their difference
+    level_about
+        Lines of every posture twice: of its soft and of its hard hits, their levels about this
+        ln of a peak force (`hit_levels.middle_level`). Half of their difference
         counts as variance: single hits go astray, and a spring of one stiffness a level is only
         nearly what depends on the level at every moment.
 
@@ -98,19 +99,23 @@ def own_lines(
         If a posture has no joint angles, or a point lacks one of its three axes.
     """
     hits = [hit for hit in session.hits if hit.verdict.accepted]
-    if not by_level:
+    if level_about is None:
         all_hits = _lines_of(superset, session, hits, stage, level=0.0)
         return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
     soft, hard = soft_and_hard(hits)
-    level = [float(np.mean([np.log(hit.verdict.peak_n) for hit in own])) for own in (soft, hard)]
-    middle = sum(level) / 2.0
-    softly = _lines_of(superset, session, soft, stage, level=level[0] - middle)
-    strongly = _lines_of(superset, session, hard, stage, level=level[1] - middle)
+    softly, strongly = (
+        _lines_of(superset, session, own, stage, level=_mean_level(own) - level_about)
+        for own in (soft, hard)
+    )
     result: list[PostureLines] = []
     for one, other in zip(softly, strongly, strict=True):
         more = between(one.values - other.values)
         result += [replace(of, variance=of.variance + more) for of in (one, other)]
     return tuple(result)
+
+
+def _mean_level(hits: Sequence[Hit]) -> float:
+    return float(np.mean([np.log(hit.verdict.peak_n) for hit in hits]))
 
 
 def between(difference: ComplexArray) -> Array:

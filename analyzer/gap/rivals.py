@@ -255,13 +255,16 @@ def _searched(
         plain_cost=plain_cost,
     )
     coarse = [_further(broad, f, FIRST_STEPS) for f in not_hopeless(wide, BEHIND)]
-    is_obvious = wide[0].cost < _OBVIOUS * plain_cost
-    is_blind = wide[0].cost > _BLIND * plain_cost
+    least_wide = wide[0].cost if wide else plain_cost
+    is_obvious = least_wide < _OBVIOUS * plain_cost
+    is_blind = least_wide > _BLIND * plain_cost
     if is_blind or not (lost or so_far.again or is_obvious):
         looked_at = look_at_all(broad, base, start, from_start=True)
         chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
         chosen = chosen[: _LOOKED_AT_BROADLY if tells else _FEW]
         coarse += first_steps(broad, base, chosen, start)
+    if not coarse:
+        return [], (least_wide, base.cost)
     coarse.sort(key=lambda f: f.cost)
     each = (_FEW, _FEW) if not tells else _COARSE_AGAIN if so_far.again else _COARSE
     if so_far.far_off and base.cost - coarse[0].cost < _A_LITTLE * base.cost:
@@ -276,7 +279,7 @@ def _searched(
         gained = base.cost - best[0].cost
         worth = base.cost - _PART_OF_GAIN * gained if gained > _MUCH else np.inf
         best = [f for f in not_hopeless(best, _BEHIND_LATER, _FEW_BEHIND) if f.cost < worth]
-    least = wide[0].cost, best[0].cost
+    least = least_wide, best[0].cost
     if so_far.far_off and base.cost - best[0].cost < _A_LITTLE * base.cost:
         return [_further(middle, best[0], 5)], least
     best += bearings_of_axes(broad, present, best[:2])

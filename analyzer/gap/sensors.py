@@ -83,11 +83,13 @@ def _elsewhere(
     ordinary = hypothesis.ordinary
     ids = [point.id for point in ordinary.arm.points]
     n_points = len(ids)
-    gain = np.zeros((len(stage.lines), n_points, n_points))  # of a point's sensor at another
+    posture_of = {name: p for p, name in enumerate(ordinary.postures)}
+    gain = np.zeros((len(posture_of), n_points, n_points))  # of a point's sensor at another
     slope = np.zeros((n_points, 3))
     curve = np.zeros((n_points, 3, 3))
-    for p, (lines, weighing) in enumerate(zip(stage.lines, stage.weighings, strict=True)):
-        response = Postures([stage.models[p]], [lines]).response(hypothesis, values)
+    for model, lines, weighing in zip(stage.models, stage.lines, stage.weighings, strict=True):
+        p = posture_of[lines.name]  # soft and hard hits share one
+        response = Postures([model], [lines]).response(hypothesis, values)
         y = response.values[0]
         own = weighing.cost_by_mounting(y).sum(axis=1)
         row_of = {

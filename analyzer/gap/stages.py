@@ -14,12 +14,11 @@ from analyzer.gap.fit import Stage
 from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
-from analyzer.identification.identify import estimate_frfs
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.session.records import Session
 
-__all__ = ["FEWEST_POSTURES", "stages_of", "with_test"]
+__all__ = ["FEWEST_POSTURES", "of_test", "stages_of", "with_test"]
 
 FEWEST_POSTURES = 2
 # Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
@@ -48,7 +47,7 @@ def stages_of(
     frfs: Sequence[FrequencyResponse],
     *,
     models: Sequence[PosedModel] = (),
-    by_level: bool = False,
+    level_about: float | None = None,
 ) -> tuple[Stage, ...]:
     """Return the widest, broad, middle and sharp lines of every posture with known angles.
 
@@ -58,8 +57,8 @@ def stages_of(
         Of its postures: they give the band and, where there are no hits, the lines.
     models
         Postures already solved, in order.
-    by_level
-        Soft and hard hits apart.
+    level_about
+        Soft and hard hits apart, their levels about this (`hit_levels.middle_level`).
 
     Raises
     ------
@@ -75,16 +74,16 @@ def stages_of(
     band = _band_hz(superset, known)
     made: list[Stage] = []
     for sigma_hz, step_hz, step_by_level_hz in _STAGES:
-        step = step_by_level_hz if by_level else step_hz
+        step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         lines: tuple[PostureLines, ...]
         if session.hits:
-            lines = own_lines(superset, session, stage, by_level=by_level)
+            lines = own_lines(superset, session, stage, level_about=level_about)
         else:
             mass = session.header.plan.sensor.mass_kg
             lines = shifted_lines(superset, known, stage, sensor_mass_kg=mass)
         # Soft and hard hits are of the same posture: they share its geometry.
-        shared = [model for model in models for _ in range(2)] if by_level else None
+        shared = [model for model in models for _ in range(2)] if models else None
         models_of = made[-1].models if made else shared
         lines = _in_state(lines, session)
         made.append(Stage(superset, lines, Discrepancy(), models=models_of))
@@ -117,19 +116,25 @@ def with_test(
             f"'{session.header.arm.name}'; give sessions of one arm"
         )
     made: list[Stage] = []
-    for (sigma_hz, step_hz, _), old in zip(_STAGES, stages, strict=True):
+    for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
         band = (_frequency(old, 0), _frequency(old, -1))
-        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=band)
+        step = step_hz if level_about is None else step_by_level_hz
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
+        tested = own_lines(superset, session, stage, level_about=level_about)
         lines = [
-            replace(own, name=f"{own.name} (test {number})")
-            for own in _in_state(own_lines(superset, session, stage), session)
+            replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)
         ]
         models = [*old.models, *made[-1].models[len(old.models) :]] if made else None
         if models is None:
-            models = [*old.models, *(PosedModel(superset, own.joints_rad) for own in lines)]
+            posed = {own.name: PosedModel(superset, own.joints_rad) for own in lines}
+            models = [*old.models, *(posed[own.name] for own in lines)]
         made.append(Stage(superset, [*old.lines, *lines], Discrepancy(), models=models))
-    frfs = estimate_frfs(session, superset)
-    return tuple(made), [replace(f, posture=f"{f.posture} (test {number})") for f in frfs]
+    return tuple(made)
+
+
+def of_test(posture: str, number: int) -> str:
+    """Return the name of a further test's posture among those of other sessions."""
+    return f"{posture} (test {number})"
 
 
 def _frequency(stage: Stage, at: int) -> float:

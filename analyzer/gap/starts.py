@@ -42,6 +42,7 @@ _SERVO_STEPS, _SERVOS = 4, 3
 _FROM_START, _ALONE, _AGAIN, _FEWEST = 10, 18, 14, 3
 _WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER, _BETTER_AGAIN = 3, 9, 6, 9, 6
 _CERTAIN = 0.1  # of the plain fit's cost: what leaves less is found
+_LONG, _LONG_START = ("link_bending", "link_torsion"), 0.03  # of the size's deviation
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -147,7 +148,13 @@ def _wide_fits(
         resumed = begun.get(instance.key)
         present = first.hypothesis
         richer = replace(present, instances=(*present.instances, instance))
-        if resumed is not None and resumed.hypothesis == richer:
+        if instance.effect.name in _LONG:
+            # A first step from none at all goes astray where much is missing.
+            size = next(p for p in instance.parameters if p.name == instance.size)
+            some = {**start, size.name: _LONG_START * size.std}
+            begin = better_start(stage, richer, [start, some])
+            fits.append(_quickly(stage, richer, begin, _WIDE_STEPS))
+        elif resumed is not None and resumed.hypothesis == richer:
             fits.append(_quickly(stage, richer, {}, _WIDE_STEPS, resumed=resumed))
         else:
             fits.append(_quickly(stage, richer, start, _WIDE_STEPS))

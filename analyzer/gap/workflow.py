@@ -15,7 +15,7 @@ from analyzer.gap.effects import sensor_axes
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
-from analyzer.gap.hit_levels import has_levels
+from analyzer.gap.hit_levels import has_levels, middle_level
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import (
     Judged,
@@ -36,7 +36,7 @@ from analyzer.gap.records import (
     Gate,
 )
 from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.stages import FEWEST_POSTURES, stages_of, with_test
+from analyzer.gap.stages import FEWEST_POSTURES, of_test, stages_of, with_test
 from analyzer.gap.starts import taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
@@ -97,16 +97,19 @@ def find_gap(
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     tell("checks without a model")
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
-    stages = stages_of(superset, session, frfs)
-    stages, frfs = _with_tests(stages, superset, frfs, more)
+    own_frfs, stages = frfs, stages_of(superset, session, frfs)
+    for number, other in enumerate(more, start=2):
+        stages = with_test(stages, superset, other, number)
+        tested = estimate_frfs(other, superset)
+        frfs = [*frfs, *(replace(f, posture=of_test(f.posture, number)) for f in tested)]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
     notes = _notes(session, single_hits)
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
-    if single_hits and not more and has_levels(session):
+    if single_hits and all(has_levels(s) for s in (session, *more)):
         tell("soft hits beside hard ones")
-        by_level = _by_level(session, superset, frfs, stages, present, start)
+        by_level = _by_level(session, more, superset, own_frfs, stages, present, start)
         if by_level is not None:
             stages, present = by_level
             notes.append("the response depends on the hits' level: soft and hard were kept apart")
@@ -160,20 +163,9 @@ def find_gap(
     )
 
 
-def _with_tests(
-    stages: tuple[Stage, ...],
-    superset: Superset,
-    frfs: Sequence[FrequencyResponse],
-    more: Sequence[Session],
-) -> tuple[tuple[Stage, ...], Sequence[FrequencyResponse]]:
-    for number, other in enumerate(more, start=2):
-        stages, own = with_test(stages, superset, other, number)
-        frfs = [*frfs, *own]
-    return stages, frfs
-
-
 def _by_level(
     session: Session,
+    more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
     stages: Sequence[Stage],
@@ -181,7 +173,10 @@ def _by_level(
     start: dict[str, float],
 ) -> tuple[tuple[Stage, ...], Hypothesis] | None:
     """Stages with soft and hard hits apart, if the level tells something."""
-    apart = stages_of(superset, session, frfs, models=stages[-1].models, by_level=True)
+    about, models = middle_level(session), stages[-1].models[: len(frfs)]
+    apart = stages_of(superset, session, frfs, models=models, level_about=about)
+    for number, other in enumerate(more, start=2):
+        apart = with_test(apart, superset, other, number, level_about=about)
     span = max(lines.level for lines in apart[-1].lines)
     levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())

@@ -26,7 +26,7 @@ __all__ = ["COVERED", "LEAST_BY_C", "LEAST_BY_K", "Slope", "any_change", "level_
 
 # A hit of one level moves the joint more in one posture than in another: what changes with its
 # motion changes with the posture, and effects that do so would be told of that.
-COVERED = ("gravity_compensator", "load_damping")
+COVERED = ("gravity_compensator", "load_damping", "nonproportional")
 
 LEAST_BY_K = 0.01  # per unit of ln level: 3 % of k from a hit to one twenty times as hard
 LEAST_BY_C = 0.05

@@ -9,7 +9,7 @@ from analyzer.arm.superset import Superset
 from analyzer.gap.add import file_key, instances_of_file
 from analyzer.gap.effects import backlash, friction, microslip, softening
 from analyzer.gap.fit import Stage
-from analyzer.gap.hit_levels import has_levels, weight_factors
+from analyzer.gap.hit_levels import has_levels, middle_level, weight_factors
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
@@ -213,7 +213,7 @@ def told(session):
     stages = []
     for sigma_hz, step_hz in ((16.0, 12.0), (6.0, 8.0)):
         stage = Annealing(sigma_rad_s=2 * np.pi * sigma_hz, step_hz=step_hz, band_hz=(8.0, 120.0))
-        lines = own_lines(superset, session, stage, by_level=True)
+        lines = own_lines(superset, session, stage, level_about=middle_level(session))
         stages.append(Stage(superset, lines, Discrepancy()))
     names = tuple(dict.fromkeys(lines.name for lines in stages[0].lines))
     levelled = Ordinary(superset=superset, postures=names, level_span=stages[0].lines[1].level)
@@ -233,7 +233,7 @@ def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level()
         Superset(session.header.arm),
         session,
         Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 120.0)),
-        by_level=True,
+        level_about=middle_level(session),
     )
     for before, after in zip(at_first, stages[-2].lines, strict=True):
         assert np.median(after.variance / before.variance) < 1.0
@@ -260,7 +260,7 @@ def test_soft_and_hard_hits_make_lines_of_their_own(linear):
     superset = Superset(session.header.arm)
     stage = Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 100.0))
     assert has_levels(session)
-    both = own_lines(superset, session, stage, by_level=True)
+    both = own_lines(superset, session, stage, level_about=middle_level(session))
     once = own_lines(superset, session, stage)
     assert [lines.name for lines in both] == [lines.name for lines in once for _ in range(2)]
     softly, strongly = both[:2]
