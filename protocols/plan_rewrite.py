@@ -18,13 +18,22 @@ _LONGEST_NAME = 64
 _TOLERANCE_DEG = 0.5
 
 
-def text_with_posture(plan: Plan, arm: Arm, posture: PlannedPosture, *, comment: str) -> str:
+def text_with_posture(
+    plan: Plan,
+    arm: Arm,
+    posture: PlannedPosture,
+    *,
+    comment: str,
+    fixed_point: str | None = None,
+) -> str:
     """Return a plan's text with one posture alone, everything else as it was.
 
     Parameters
     ----------
     comment
         One line of what the test is for.
+    fixed_point
+        Another than the plan's.
 
     Raises
     ------
@@ -54,6 +63,8 @@ def text_with_posture(plan: Plan, arm: Arm, posture: PlannedPosture, *, comment:
     postures.append(table)
     document.pop("postures", None)
     document["name"] = f"{plan.name}-next"[-_LONGEST_NAME:].lstrip("-_")
+    if fixed_point is not None:
+        document["fixed_point"] = fixed_point
     document["postures"] = postures
     text = f"# {comment}\n{tomlkit.dumps(document)}"
     plan_from_text(text, arm, origin="proposed plan")

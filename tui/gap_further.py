@@ -108,6 +108,4 @@ def _evidence(
     ordinary = whole.hypothesis.ordinary
     about = middle_level(session) if ordinary.level_span else None
     tested = with_test(stages, ordinary.superset, test, 2, level_about=about)[-1]
-    return sum(
-        evidence_brought(whole, other, lines) for lines in tested.lines[len(stages[-1].lines) :]
-    )
+    return evidence_brought(whole, other, tested)

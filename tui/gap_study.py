@@ -113,7 +113,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
             [before.frf_error, after.frf_error, after.floor, after.held_out]
             for before, after in zip(result.gap_before, result.gap_after, strict=True)
         ],
-        "best_gain": max((r.gain for r in result.rivals), default=0.0),
+        "rivals": [[r.name, r.place, r.gain] for r in result.rivals],
         **_beside_true_model(outcome, hypothesis, whole),
         **after,
     }

@@ -19,6 +19,8 @@ __all__ = ["advise", "plan_text"]
 _SEED = 2718  # proposals are repeatable
 _MOST_RIVALS = 3
 _WIDE = 0.05  # of ln k: a hidden effect that moves a stiffness so far is worth a test
+_MUCH = 1000  # nats: how much more does not matter
+_WEAK = 20.0  # of evidence: the best rival may be there, and is worth a test
 _WORTH = 3.0  # nats: less is not worth an hour in the lab
 
 
@@ -26,15 +28,18 @@ def advise(
     stage: Stage,
     final: Fit,
     standing: Sequence[Fit],
+    rivals: Sequence[Fit],
     hiding: Sequence[Candidate],
     changes: Callable[[Candidate], tuple[float, ...]],
     plan: Plan,
     tell: Callable[[str], None],
 ) -> NextTest | None:
-    """Propose what tells standing rivals apart, or what narrows a joint's stiffness.
+    """Propose what tells rivals apart, whether a weak one is there, or what narrows a stiffness.
 
     Parameters
     ----------
+    standing, rivals
+        Those that stand, and all of the last step, best first.
     changes
         By how much a hidden effect's size could differ from what the final model has of it.
 
@@ -43,28 +48,47 @@ def advise(
     None where no test of the laboratory would tell enough.
     """
     rng = np.random.default_rng(_SEED)
+    weak = _weak(final, rivals)
     if len(standing) > 1:
-        rivals = list(standing[:_MOST_RIVALS])
-        why = f"tells apart: {', or '.join(_title(fit) for fit in rivals)}"
+        compared = list(standing[:_MOST_RIVALS])
+        why = f"tells apart: {', or '.join(_title(fit) for fit in compared)}"
+    elif weak is not None:
+        compared = [final, weak]
+        why = f"shows whether {_title(weak)} is there: little speaks for it so far"
     else:
         found = _widest(final, hiding, changes)
         if found is None:
             return None
         candidate, change, joint = found
-        rivals = [final, hidden_rival(stage, final, candidate, change)]
+        compared = [final, hidden_rival(stage, final, candidate, change)]
         why = f"shows whether {candidate.instance.title} hides, which widens k of {joint}"
-    best = proposed(stage, rivals, rng=rng, tell=tell)
+    best = proposed(stage, compared, rng=rng, tell=tell)
     if best is None or (best[1] < _WORTH and len(standing) < 2):
         return None
     test, gain = best
-    words = f"{test.words}; expected evidence {gain:.0f} nats"
+    much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
+    words = f"{test.words}; expected evidence {much} nats"
     text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
     return NextTest(words=words, why=why, gain=gain, plan_toml=text)
 
 
 def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:
     """Return a test as a plan's text, everything else as in the session's plan."""
-    return text_with_posture(plan, arm, _posture(plan, test), comment=comment)
+    posture = _posture(plan, test)
+    return text_with_posture(plan, arm, posture, comment=comment, fixed_point=test.hit_point)
+
+
+def _weak(final: Fit, rivals: Sequence[Fit]) -> Fit | None:
+    """The best rival that would matter, if some evidence speaks for it."""
+    return next(
+        (
+            fit
+            for fit in rivals
+            if final.evidence - fit.evidence > _WEAK
+            and fit.hypothesis.instances[-1].is_material(fit.values)
+        ),
+        None,
+    )
 
 
 def _widest(

@@ -141,6 +141,7 @@ class Assembly:
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
     mix: Array | None = None
     force: Array | None = None
+    hit_turn: Array = field(default_factory=lambda: np.eye(3))  # of every force, base axes
     sensor_mass_kg: float = 0.0  # beside what the file gives
     log_scale: float = 0.0
     delay_s: float = 0.0

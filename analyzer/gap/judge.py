@@ -117,7 +117,9 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         and not _at_an_end(r, best, phi)
         and not _is_no_more_than(r, best)
     ]
-    if beside and present.evidence - best.evidence < thresholds.clear * phi:
+    own = _added(best).effect.wanted
+    clear = thresholds.clear if own is None else own
+    if beside and present.evidence - best.evidence < clear * phi:
         # So little, and for several alike: what ordinary errors leave, not an error beyond them.
         return Judged(named=None, standing=(), phi=phi)
     if beside:
@@ -180,7 +182,8 @@ def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:
     added = _added(fit)
     if added.parameters:
-        return thresholds.clear
+        own = added.effect.wanted
+        return thresholds.clear if own is None else own
     return thresholds.relaxed if added.relaxes else thresholds.misread
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from analyzer.arm.superset import Superset
 from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
@@ -43,7 +44,7 @@ _PART_OF_RANGE = 0.8
 _MASS = 0.03  # of the arm's, bolted to its last link
 _STATES = 3  # postures in which brakes and masses are tried
 _PINNED = 0.02  # of a hidden size: how firmly it is held
-_STEPS = 6
+_STEPS, _STEPS_AGAIN = 6, 12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +55,7 @@ class Test:
 
     joints_rad: Array  # (n_joints,)
     hit_direction: Array  # (3,) unit, base frame
+    hit_point: str | None = None  # None: where the session was hit
     brakes: bool = False
     known_mass: KnownMass | None = None
 
@@ -62,7 +64,8 @@ class Test:
         """Return what to do."""
         angles = ", ".join(f"{a:.0f}" for a in np.rad2deg(self.joints_rad))
         hit = ", ".join(f"{x:+.2f}" for x in self.hit_direction)
-        words = f"measure all points with the joints at {angles} deg, hits along ({hit}) in base"
+        where = "hits" if self.hit_point is None else f"hits on point {self.hit_point}"
+        words = f"measure all points with the joints at {angles} deg, {where} along ({hit}) in base"
         if self.brakes:
             words += ", the brakes on"
         if self.known_mass is not None:
@@ -72,9 +75,14 @@ class Test:
 
 
 def possible_tests(stage: Stage, fit: Fit, *, rng: np.random.Generator) -> list[Test]:
-    """What a laboratory can do: other postures, other hits, brakes, a known mass."""
-    arm = fit.hypothesis.ordinary.arm
-    measured = list(stage.lines)
+    """What a laboratory can do: other postures, other hits, brakes, a known mass.
+
+    Other points are hit square to the surface their sensors stand on.
+    """
+    superset = fit.hypothesis.ordinary.superset
+    arm = superset.arm
+    # Soft and hard hits are of one posture.
+    measured = list({own.name: own for own in stage.lines}.values())
     directions = [measured[0].hit_direction[0], *np.eye(3)]
     low, high = np.array([joint.range_rad for joint in arm.joints]).T
     middle, half = (low + high) / 2.0, _PART_OF_RANGE * (high - low) / 2.0
@@ -86,6 +94,10 @@ def possible_tests(stage: Stage, fit: Fit, *, rng: np.random.Generator) -> list[
         posture = low + (high - low) * rng.random(len(low))
         direction = directions[i % len(directions)]
         tests.append(Test(joints_rad=posture, hit_direction=np.asarray(direction)))
+    for own, point in zip(measured, _other_points(measured, fit), strict=False):
+        inward = -superset.posture(own.joints_rad).point_rotation[point][:, 2]
+        name = arm.points[point].id
+        tests.append(Test(joints_rad=own.joints_rad, hit_direction=inward, hit_point=name))
     last = arm.joints[-1].link
     body = KnownMass(
         link=last.name,
@@ -98,6 +110,18 @@ def possible_tests(stage: Stage, fit: Fit, *, rng: np.random.Generator) -> list[
         if body.mass_kg > 0.0:
             tests.append(replace(plain, known_mass=body))
     return tests
+
+
+def _other_points(measured: Sequence[PostureLines], fit: Fit) -> list[int]:
+    """One on every moving link that was not hit, beyond the others' first."""
+    was_hit = set(measured[0].hit_point.tolist())
+    links = fit.hypothesis.ordinary.superset.point_link
+    hit_links = {links[point] for point in was_hit}
+    first: dict[int, int] = {}
+    for point in np.unique(measured[0].sensor_point).tolist():
+        if links[point] >= 0 and links[point] not in hit_links:
+            first.setdefault(int(links[point]), point)
+    return [first[link] for link in sorted(first, reverse=True)]
 
 
 def proposed(
@@ -128,7 +152,7 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     """
     superset = rivals[0].hypothesis.ordinary.superset
     model = PosedModel(superset, test.joints_rad)
-    blank = _lines(stage.lines[0], test)
+    blank = _lines(superset, stage.lines[0], test)
     ready = [_Ready.of(rival) for rival in rivals]
     slopes = [model.derivatives(r.hypothesis, blank, r.space, r.values) for r in ready]
     least = np.inf
@@ -142,24 +166,22 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     return float(least)
 
 
-def evidence_brought(one: Fit, other: Fit, lines: PostureLines) -> float:
-    """Evidence for one hypothesis against another that a test brought which neither has seen.
+def evidence_brought(one: Fit, other: Fit, stage: Stage) -> float:
+    """Evidence for one hypothesis against another that further lines brought, both fitted again.
 
     Parameters
     ----------
-    lines
-        Of the test's posture, measured.
+    stage
+        The lines both were fitted to, and those of a further test.
     """
-    superset = one.hypothesis.ordinary.superset
-    model = PosedModel(superset, lines.joints_rad)
-    own = replace(lines, name=NAME)
-    weighing = Weighing(own, superset.arm.tolerances, Discrepancy())
-    surprise = []
+    brought = []
     for fit in (one, other):
-        ready = _Ready.of(fit)
-        y, dy = model.derivatives(ready.hypothesis, own, ready.space, ready.values)
-        surprise.append(_surprise(weighing, ready, y, dy))
-    return surprise[1] - surprise[0]
+        postures = tuple(dict.fromkeys(lines.name for lines in stage.lines))
+        ordinary = replace(fit.hypothesis.ordinary, postures=postures)
+        more = replace(fit.hypothesis, ordinary=ordinary)
+        again = fit_hypothesis(stage, more, start=fit.values, max_iterations=_STEPS_AGAIN)
+        brought.append(again.evidence - fit.evidence)
+    return brought[1] - brought[0]
 
 
 def hidden_rival(stage: Stage, final: Fit, candidate: Candidate, change: float) -> Fit:
@@ -216,13 +238,16 @@ class _Ready:
         return cls(hypothesis, space, values, A, free)
 
 
-def _lines(like: PostureLines, test: Test) -> PostureLines:
+def _lines(superset: Superset, like: PostureLines, test: Test) -> PostureLines:
+    hit_point = like.hit_point[:1]
+    if test.hit_point is not None:
+        hit_point = np.array([superset.point_index[test.hit_point]])
     return replace(
         like,
         name=NAME,
         joints_rad=test.joints_rad,
         hit_direction=test.hit_direction[None],
-        hit_point=like.hit_point[:1],
+        hit_point=hit_point,
         hit=np.zeros_like(like.hit),
         brakes=test.brakes,
         known_mass=test.known_mass,

@@ -121,7 +121,14 @@ def conclude(
     advice = None
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
         advice = advise(
-            sharp, final, standing, hiding, partial(_extremes, final=final, phi=phi), plan, tell
+            sharp,
+            final,
+            standing,
+            found.rivals,
+            hiding,
+            partial(_extremes, final=final, phi=phi),
+            plan,
+            tell,
         )
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]

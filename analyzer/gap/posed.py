@@ -292,7 +292,9 @@ class _Solved:
         """Aim of each posture's hits: derivatives (m, 3, L) there, elsewhere they do nothing."""
         found = self.found
         if found.system.hit.shape[1] == 1:
-            sides = np.stack([across(own.lines.hit_direction[0]) for own in self.assemblies])
+            sides = np.stack(
+                [own.hit_turn @ across(own.lines.hit_direction[0]) for own in self.assemblies]
+            )
             for side, letter in enumerate("ab"):
                 by_aim = found.by_force(0, sides[..., side])
                 for p, own in enumerate(self.assemblies):

@@ -102,9 +102,14 @@ def _in_state(lines: Sequence[PostureLines], session: Session) -> tuple[PostureL
 
 
 def with_test(
-    stages: Sequence[Stage], superset: Superset, session: Session, number: int
-) -> tuple[tuple[Stage, ...], list[FrequencyResponse]]:
-    """The stages with a further test's postures, and that test's FRFs."""
+    stages: tuple[Stage, ...],
+    superset: Superset,
+    session: Session,
+    number: int,
+    *,
+    level_about: float | None = None,
+) -> tuple[Stage, ...]:
+    """The stages with a further test's postures; `level_about` as theirs."""
     if not session.hits:
         raise EstimateError(
             "wanted a further test with records of its hits, got one without; give a session "
@@ -121,9 +126,7 @@ def with_test(
         step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         tested = own_lines(superset, session, stage, level_about=level_about)
-        lines = [
-            replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)
-        ]
+        lines = [replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)]
         models = [*old.models, *made[-1].models[len(old.models) :]] if made else None
         if models is None:
             posed = {own.name: PosedModel(superset, own.joints_rad) for own in lines}

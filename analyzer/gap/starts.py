@@ -43,6 +43,7 @@ _FROM_START, _ALONE, _AGAIN, _FEWEST = 10, 18, 14, 3
 _WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER, _BETTER_AGAIN = 3, 9, 6, 9, 6
 _CERTAIN = 0.1  # of the plain fit's cost: what leaves less is found
 _LONG, _LONG_START = ("link_bending", "link_torsion"), 0.03  # of the size's deviation
+_SHAPED = "gravity_compensator"
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -116,7 +117,8 @@ def from_the_start(
     chosen = most_promising(looked_at, WORTH_BROAD, each_kind=True)
     chosen = chosen[: _AGAIN if again else _ALONE if alone else _FROM_START]
     instances = [candidate.instance for candidate in chosen]
-    fits = _wide_fits(stage, first, instances, start)
+    fits = _wide_fits(stage, first, [i for i in instances if i.effect.name != _SHAPED], start)
+    fits += [_wide_shaped(stage, first, c) for c in chosen if c.instance.effect.name == _SHAPED]
     found = min((f.cost for f in fits), default=np.inf) < _CERTAIN * plain_cost
     if not (again or found):
         known = {instance.key for instance in (*present.instances, *instances)}
@@ -159,6 +161,14 @@ def _wide_fits(
         else:
             fits.append(_quickly(stage, richer, start, _WIDE_STEPS))
     return fits
+
+
+def _wide_shaped(stage: Stage, first: Fit, candidate: Candidate) -> Fit:
+    """From where the linear look put it: of no size it has no shape that a step could change."""
+    present = first.hypothesis
+    richer = replace(present, instances=(*present.instances, candidate.instance))
+    starts = [_part_of_the_way(first.values, candidate, part) for part in _PARTS]
+    return _quickly(stage, richer, better_start(stage, richer, starts), _WIDE_STEPS)
 
 
 def _has_many(fit: Fit) -> bool:

@@ -88,7 +88,10 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         mix=np.array([unmixed if own.mix is None else own.mix for own in assemblies]),
         hit=_at(motion, hits)[..., :3, :],
         force=np.array(
-            [own.lines.hit_direction if own.force is None else own.force for own in assemblies]
+            [
+                (own.lines.hit_direction if own.force is None else own.force) @ own.hit_turn.T
+                for own in assemblies
+            ]
         ),
         log_scale=np.array([own.log_scale for own in assemblies]),
         delay_s=np.array([own.delay_s for own in assemblies]),

@@ -97,11 +97,7 @@ def find_gap(
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     tell("checks without a model")
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
-    own_frfs, stages = frfs, stages_of(superset, session, frfs)
-    for number, other in enumerate(more, start=2):
-        stages = with_test(stages, superset, other, number)
-        tested = estimate_frfs(other, superset)
-        frfs = [*frfs, *(replace(f, posture=of_test(f.posture, number)) for f in tested)]
+    stages = _with_tests(stages_of(superset, session, frfs), superset, more)
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
     notes = _notes(session, single_hits)
 
@@ -109,10 +105,11 @@ def find_gap(
     present = Hypothesis(ordinary=ordinary, instances=from_file)
     if single_hits and all(has_levels(s) for s in (session, *more)):
         tell("soft hits beside hard ones")
-        by_level = _by_level(session, more, superset, own_frfs, stages, present, start)
+        by_level = _by_level(session, more, superset, frfs, stages, present, start)
         if by_level is not None:
             stages, present = by_level
             notes.append("the response depends on the hits' level: soft and hard were kept apart")
+    frfs = [*frfs, *_frfs_of_tests(superset, more)]
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
@@ -163,6 +160,25 @@ def find_gap(
     )
 
 
+def _with_tests(
+    stages: tuple[Stage, ...],
+    superset: Superset,
+    more: Sequence[Session],
+    level_about: float | None = None,
+) -> tuple[Stage, ...]:
+    for number, other in enumerate(more, start=2):
+        stages = with_test(stages, superset, other, number, level_about=level_about)
+    return stages
+
+
+def _frfs_of_tests(superset: Superset, more: Sequence[Session]) -> list[FrequencyResponse]:
+    return [
+        replace(frf, posture=of_test(frf.posture, number))
+        for number, other in enumerate(more, start=2)
+        for frf in estimate_frfs(other, superset)
+    ]
+
+
 def _by_level(
     session: Session,
     more: Sequence[Session],
@@ -175,8 +191,7 @@ def _by_level(
     """Stages with soft and hard hits apart, if the level tells something."""
     about, models = middle_level(session), stages[-1].models[: len(frfs)]
     apart = stages_of(superset, session, frfs, models=models, level_about=about)
-    for number, other in enumerate(more, start=2):
-        apart = with_test(apart, superset, other, number, level_about=about)
+    apart = _with_tests(apart, superset, more, about)
     span = max(lines.level for lines in apart[-1].lines)
     levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())

@@ -28,6 +28,7 @@ class EffectWords:
     # With one of these at one of the same joints it is a single mechanism that nobody listed.
     one_with: tuple[str, ...] = ()
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
+    wanted: float | None = None  # nats to be named, where fewer than of other terms do
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
 

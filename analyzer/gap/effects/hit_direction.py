@@ -19,6 +19,7 @@ WORDS = EffectWords(
     changes="the direction of the force: one turn common to all postures, or that of one posture",
     signature="modes are excited in other shares than the direction written down would",
     confused_with=("encoder_offset", "hammer_gain", "wrong_point"),
+    wanted=30.0,  # all aims off alike: ordinary errors beyond their tolerance rather than a term
     told_by="hits along a surface normal, or with a guide that holds the hammer",
     remedy="measure the direction of the hits again and correct it in the plan",
 )
@@ -30,9 +31,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     turns = [f"hit turn {axis}" for axis in "xyz"]
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        force = assembly.lines.hit_direction if assembly.force is None else assembly.force
-        turn = Rotation.from_rotvec([values[name] for name in turns]).as_matrix()
-        assembly.force = force @ turn.T
+        assembly.hit_turn = Rotation.from_rotvec([values[name] for name in turns]).as_matrix()
 
     common = Instance(
         effect=WORDS,

@@ -8,6 +8,7 @@ import pytest
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import added_effects, instances_of_file
 from analyzer.gap.assembly import Pieces, spatial_inertia
+from analyzer.gap.effects import sensor_axes, wrong_point
 from analyzer.gap.effects.gravity_compensator import share
 from analyzer.gap.effects.load_damping import gravity_load
 from analyzer.gap.effects.long_link import LongLink, long_links
@@ -323,3 +324,41 @@ def test_shapes_do_nothing_while_there_is_nothing(ordinary, lines, posed):
         }
         one, two = (posed.values(hypothesis, lines, v) for v in (values, other))
         np.testing.assert_allclose(one, two, rtol=1e-9, err_msg=instance.title)
+
+
+def off_zero(hypothesis, rng):
+    """Values about the start, inside their bounds; no size is zero."""
+    space = hypothesis.space()
+    values = space.values(space.start())
+    for name, i in space.index.items():
+        step = 0.15 * rng.standard_normal() * space.std[i]
+        values[name] += abs(step) if space.low[i] == space.start()[i] else step
+    return values
+
+
+# Of the whole column. What effects add turns with the joints' angles, which derivatives by those
+# leave out; steps are one-sided.
+ALLOWED = 0.04
+
+
+def test_derivatives_by_everything_are_those_of_differences_with_any_effect(ordinary, lines, posed):
+    """Aims beside turned hits, gains beside exchanged axes, joints beside what they carry."""
+    levelled = replace(ordinary, level_span=0.4)
+    ids = [point.id for point in ordinary.arm.points]
+    turned = sensor_axes.turned_sensor(
+        levelled, np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]), None
+    )
+    others = [turned, wrong_point.exchanged(levelled, *ids[:2])]
+    rng = np.random.default_rng(5)
+    own = replace(lines, level=0.4)
+    for instance in [*all_instances(levelled), *others]:
+        hypothesis = Hypothesis(ordinary=levelled, instances=(instance,))
+        space, values = hypothesis.space(), off_zero(hypothesis, rng)
+        y, dy = posed.derivatives(hypothesis, own, space, values)
+        for name, i in space.index.items():
+            h = 1e-4 * space.std[i]
+            more = posed.values(hypothesis, own, values | {name: values[name] + h})
+            less = posed.values(hypothesis, own, values | {name: values[name] - h})
+            want = (more - less) / 2e-4
+            allowed = ALLOWED * np.linalg.norm(want) + 1e-6 * np.linalg.norm(y)
+            assert np.linalg.norm(dy[i] - want) < allowed, (instance.title, name)

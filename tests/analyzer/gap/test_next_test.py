@@ -64,6 +64,35 @@ def test_the_proposed_one_is_the_best_of_those_possible_and_the_same_each_time(k
     assert proposed(stage, [null], rng=np.random.default_rng(1)) is None
 
 
+def test_other_points_are_hit_square_to_the_surface_their_sensors_stand_on(known):
+    stage, null = known
+    tests = possible_tests(stage, null, rng=np.random.default_rng(2))
+    elsewhere = [test for test in tests if test.hit_point is not None]
+    superset = null.hypothesis.ordinary.superset
+    links = {superset.point_link[superset.point_index[test.hit_point]] for test in elsewhere}
+    assert len(links) == len(elsewhere) > 1
+    assert superset.point_link[stage.lines[0].hit_point[0]] not in links
+    for test in elsewhere:
+        point = superset.point_index[test.hit_point]
+        outward = superset.posture(test.joints_rad).point_rotation[point][:, 2]
+        np.testing.assert_allclose(test.hit_direction, -outward, atol=1e-12)
+        assert f"hits on point {test.hit_point}" in test.words
+
+
+def test_hits_elsewhere_foretell_what_the_session_s_own_point_would_not(known, servo):
+    stage, null = known
+    own = Test(joints_rad=stage.lines[0].joints_rad, hit_direction=stage.lines[0].hit_direction[0])
+    where = null.hypothesis.ordinary.arm.points[stage.lines[0].hit_point[0]].id
+    again = replace(own, hit_point=where)
+    assert expected_evidence(stage, [null, servo], again) == pytest.approx(
+        expected_evidence(stage, [null, servo], own)
+    )
+    elsewhere = replace(own, hit_point=null.hypothesis.ordinary.arm.points[-1].id)
+    assert expected_evidence(stage, [null, servo], elsewhere) != pytest.approx(
+        expected_evidence(stage, [null, servo], own), rel=1e-3
+    )
+
+
 def test_every_possible_test_is_within_the_joints_ranges(known):
     stage, null = known
     for test in possible_tests(stage, null, rng=np.random.default_rng(2)):
