@@ -157,6 +157,7 @@ def _posture(table: PostureTable, path: str, arm: Arm, origin: str) -> PlannedPo
         validation=table.validation,
         brakes=table.brakes,
         known_mass=mass,
+        peaks_n=tuple(table.peaks_n or ()),
     )
 
 

@@ -103,6 +103,9 @@ class KnownMassTable(FileModel):
     center_m: Vector3
 
 
+Peak = Annotated[float, Field(gt=0.0, le=1e5)]
+
+
 class PostureTable(FileModel):
     """One posture and the points to measure there, in order."""
 
@@ -114,6 +117,7 @@ class PostureTable(FileModel):
     validation: bool = False
     brakes: bool = False
     known_mass: KnownMassTable | None = None
+    peaks_n: Annotated[list[Peak], Field(min_length=1, max_length=100)] | None = None
 
     @field_validator("hit_direction")
     @classmethod

@@ -101,6 +101,11 @@ class PlannedPosture:
     validation: bool  # predicted from the others, never fitted
     brakes: bool = False  # on: no servo gives way, transmissions do
     known_mass: KnownMass | None = None
+    peaks_n: tuple[float, ...] = ()  # wanted of a point's hits, in turn; empty: as they come
+
+    def peak_wanted_n(self, accepted: int) -> float | None:
+        """Return the peak force wanted of the next hit; None where any will do."""
+        return self.peaks_n[accepted % len(self.peaks_n)] if self.peaks_n else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -59,6 +59,9 @@ def text_with_posture(
         body["mass_kg"] = posture.known_mass.mass_kg
         body["center_m"] = [round(float(x), 4) for x in posture.known_mass.center_m]
         table["known_mass"] = body
+    if posture.peaks_n:
+        table["peaks_n"] = [round(float(x), 1) for x in posture.peaks_n]
+        document["hits_per_point"] = max(plan.hits_per_point, len(posture.peaks_n))
     postures = tomlkit.aot()
     postures.append(table)
     document.pop("postures", None)

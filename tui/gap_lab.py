@@ -58,7 +58,13 @@ class SimulatedLaboratory:
             mass = KnownMass(
                 link=body.link, mass_kg=body.mass_kg, center_m=(center[0], center[1], center[2])
             )
-        return self.case.session(plan, brakes=posture.brakes, known_mass=mass, run=number - 1)
+        return self.case.session(
+            plan,
+            levels_n=posture.peaks_n or None,
+            brakes=posture.brakes,
+            known_mass=mass,
+            run=number - 1,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

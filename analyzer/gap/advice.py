@@ -118,9 +118,10 @@ def _posture(plan: Plan, test: Test) -> PlannedPosture:
         name="next test",
         joints_rad=test.joints_rad,
         tolerance_rad=plan.postures[0].tolerance_rad,
-        points=plan.postures[0].points,
+        points=(*plan.postures[0].points, *test.more_points),
         hit_direction=test.hit_direction,
         validation=False,
         brakes=test.brakes,
         known_mass=test.known_mass,
+        peaks_n=test.peaks_n or plan.postures[0].peaks_n,
     )

@@ -62,6 +62,7 @@ class PostureLines:
     values: ComplexArray  # (n_mountings, 3, n_lines) m/(N s^2)
     variance: Array  # (n_mountings, 3, n_lines): E|error of values|^2
     sensor_mass_kg: float
+    peak_n: float = 0.0  # geometric mean of these hits' peak forces; 0: unknown
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
@@ -161,7 +162,8 @@ def _lines_of(
             return np.asarray(rotation[superset.point_index[point]])
 
         frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
-        result.append(replace(_thinned(superset, frf, stage, plan.sensor.mass_kg), level=level))
+        lines = _thinned(superset, frf, stage, plan.sensor.mass_kg)
+        result.append(replace(lines, level=level, peak_n=float(np.exp(_mean_level(chosen)))))
     return tuple(result)
 
 

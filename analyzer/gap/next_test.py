@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
 from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
@@ -24,6 +23,7 @@ from analyzer.gap.posed import PosedModel
 from analyzer.gap.scan import Candidate
 from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Discrepancy, Weighing
+from protocols.arm.records import Tolerances
 from protocols.plan_records import KnownMass
 
 __all__ = [
@@ -42,7 +42,8 @@ NAME = "next"
 _N_POSTURES = 14
 _PART_OF_RANGE = 0.8
 _MASS = 0.03  # of the arm's, bolted to its last link
-_STATES = 3  # postures in which brakes and masses are tried
+_STATES = 3  # postures in which brakes, masses, levels and the base are tried
+_WIDER = 1.5  # times as hard, and as soft: harder may overdrive the sensor
 _PINNED = 0.02  # of a hidden size: how firmly it is held
 _STEPS, _STEPS_AGAIN = 6, 12
 
@@ -56,6 +57,8 @@ class Test:
     joints_rad: Array  # (n_joints,)
     hit_direction: Array  # (3,) unit, base frame
     hit_point: str | None = None  # None: where the session was hit
+    more_points: tuple[str, ...] = ()  # for the sensor, beside the session's
+    peaks_n: tuple[float, ...] = ()  # wanted, one a hit; empty: as in the session
     brakes: bool = False
     known_mass: KnownMass | None = None
 
@@ -66,6 +69,10 @@ class Test:
         hit = ", ".join(f"{x:+.2f}" for x in self.hit_direction)
         where = "hits" if self.hit_point is None else f"hits on point {self.hit_point}"
         words = f"measure all points with the joints at {angles} deg, {where} along ({hit}) in base"
+        if self.more_points:
+            words += f", and points {', '.join(self.more_points)}"
+        if self.peaks_n:
+            words += f", hits of about {', '.join(f'{peak:.0f}' for peak in self.peaks_n)} N"
         if self.brakes:
             words += ", the brakes on"
         if self.known_mass is not None:
@@ -75,7 +82,10 @@ class Test:
 
 
 def possible_tests(stage: Stage, fit: Fit, *, rng: np.random.Generator) -> list[Test]:
-    """What a laboratory can do: other postures, other hits, brakes, a known mass.
+    """What a laboratory can do: other postures, hits and levels, brakes, a known mass.
+
+    Points of the base that the session left out are measured too, in some of its postures; where
+    soft and hard hits are apart, others are softer and harder.
 
     Other points are hit square to the surface their sensors stand on.
     """
@@ -98,6 +108,13 @@ def possible_tests(stage: Stage, fit: Fit, *, rng: np.random.Generator) -> list[
         inward = -superset.posture(own.joints_rad).point_rotation[point][:, 2]
         name = arm.points[point].id
         tests.append(Test(joints_rad=own.joints_rad, hit_direction=inward, hit_point=name))
+    base = _base_points(measured, fit)
+    for own in measured[:_STATES]:
+        plain = Test(joints_rad=own.joints_rad, hit_direction=own.hit_direction[0])
+        if base:
+            tests.append(replace(plain, more_points=base))
+        if own.level:
+            tests.append(replace(plain, peaks_n=_wider(stage, own)))
     last = arm.joints[-1].link
     body = KnownMass(
         link=last.name,
@@ -122,6 +139,20 @@ def _other_points(measured: Sequence[PostureLines], fit: Fit) -> list[int]:
         if links[point] >= 0 and links[point] not in hit_links:
             first.setdefault(int(links[point]), point)
     return [first[link] for link in sorted(first, reverse=True)]
+
+
+def _base_points(measured: Sequence[PostureLines], fit: Fit) -> tuple[str, ...]:
+    superset = fit.hypothesis.ordinary.superset
+    seen = set(measured[0].sensor_point.tolist())
+    at_base = np.flatnonzero(np.asarray(superset.point_link) < 0).tolist()
+    return tuple(superset.arm.points[point].id for point in at_base if point not in seen)
+
+
+def _wider(stage: Stage, like: PostureLines) -> tuple[float, ...]:
+    """Peaks of a posture's softest and hardest hits, further apart, and the one between."""
+    peaks = [own.peak_n for own in stage.lines if own.name == like.name]
+    soft, hard = min(peaks) / _WIDER, max(peaks) * _WIDER
+    return soft, float(np.sqrt(soft * hard)), hard
 
 
 def proposed(
@@ -152,18 +183,27 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     """
     superset = rivals[0].hypothesis.ordinary.superset
     model = PosedModel(superset, test.joints_rad)
-    blank = _lines(superset, stage.lines[0], test)
+    blanks = _lines(stage, superset.point_index, test)
     ready = [_Ready.of(rival) for rival in rivals]
-    slopes = [model.derivatives(r.hypothesis, blank, r.space, r.values) for r in ready]
+    slopes = [
+        [model.derivatives(r.hypothesis, b, r.space, r.values) for b in blanks] for r in ready
+    ]
     least = np.inf
     for true, other in permutations(range(len(ready)), 2):
-        would = slopes[true][0]
-        size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
-        lines = replace(blank, values=would, variance=blank.variance * size)
-        weighing = Weighing(lines, superset.arm.tolerances, Discrepancy())
-        surprise = [_surprise(weighing, ready[i], *slopes[i]) for i in (true, other)]
+        weighings = [
+            _weighing(blank, would, superset.arm.tolerances)
+            for blank, (would, _) in zip(blanks, slopes[true], strict=True)
+        ]
+        surprise = [_surprise(weighings, ready[i], slopes[i]) for i in (true, other)]
         least = min(least, surprise[1] - surprise[0])
     return float(least)
+
+
+def _weighing(blank: PostureLines, would: ComplexArray, tolerances: Tolerances) -> Weighing:
+    """Of what a rival would give, with scatter in proportion."""
+    size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
+    lines = replace(blank, values=would, variance=blank.variance * size)
+    return Weighing(lines, tolerances, Discrepancy())
 
 
 def evidence_brought(one: Fit, other: Fit, stage: Stage) -> float:
@@ -238,28 +278,51 @@ class _Ready:
         return cls(hypothesis, space, values, A, free)
 
 
-def _lines(superset: Superset, like: PostureLines, test: Test) -> PostureLines:
-    hit_point = like.hit_point[:1]
-    if test.hit_point is not None:
-        hit_point = np.array([superset.point_index[test.hit_point]])
-    return replace(
-        like,
-        name=NAME,
-        joints_rad=test.joints_rad,
-        hit_direction=test.hit_direction[None],
-        hit_point=hit_point,
-        hit=np.zeros_like(like.hit),
-        brakes=test.brakes,
-        known_mass=test.known_mass,
-    )
+def _lines(stage: Stage, index: Mapping[str, int], test: Test) -> list[PostureLines]:
+    """Lines as the test's would be; of soft and hard hits where the session's are apart."""
+    first = stage.lines[0].name
+    found = []
+    for number, like in enumerate(own for own in stage.lines if own.name == first):
+        hit_point = like.hit_point[:1]
+        if test.hit_point is not None:
+            hit_point = np.array([index[test.hit_point]])
+        # A point that the session left out scatters as its first does.
+        rows = [*range(len(like.sensor_point)), *(0 for _ in test.more_points)]
+        more = [index[name] for name in test.more_points]
+        level = like.level
+        if test.peaks_n:
+            peak_n = (test.peaks_n[0], test.peaks_n[-1])[number]
+            level += float(np.log(peak_n / like.peak_n))
+        found.append(
+            replace(
+                like,
+                name=NAME,
+                joints_rad=test.joints_rad,
+                hit_direction=test.hit_direction[None],
+                hit_point=hit_point,
+                sensor_point=np.array([*like.sensor_point, *more]),
+                hit=np.zeros(len(rows), dtype=np.int64),
+                values=like.values[rows],
+                variance=like.variance[rows],
+                brakes=test.brakes,
+                known_mass=test.known_mass,
+                level=level,
+            )
+        )
+    return found
 
 
-def _surprise(weighing: Weighing, ready: _Ready, y: ComplexArray, dy: ComplexArray) -> float:
+def _surprise(
+    weighings: Sequence[Weighing],
+    ready: _Ready,
+    slopes: Sequence[tuple[ComplexArray, ComplexArray]],
+) -> float:
     """-ln p of the lines, integrated over what the rival leaves open; up to a constant."""
-    part = weighing.quadratic(y, dy)
+    parts = [w.quadratic(y, dy) for w, (y, dy) in zip(weighings, slopes, strict=True)]
     f = ready.free
     A = ready.curvature[np.ix_(f, f)]
-    both = A + part.curvature[np.ix_(f, f)]
-    g = part.gradient[f]
+    both = A + sum(part.curvature[np.ix_(f, f)] for part in parts)
+    g = np.sum([part.gradient[f] for part in parts], axis=0)
     log_dets = np.linalg.slogdet(both)[1] - np.linalg.slogdet(A)[1]
-    return float(part.cost - 0.5 * g @ np.linalg.solve(both, g) + 0.5 * log_dets)
+    cost = sum(part.cost for part in parts)
+    return float(cost - 0.5 * g @ np.linalg.solve(both, g) + 0.5 * log_dets)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.ratio_calibration import RatioCalibration
-from daq.session_machine import PromptKind
+from daq.session_machine import Prompt, PromptKind
 from protocols.plan_records import Mode, PlannedPosture
 from tui.run.state import FEWEST_MASS_HITS, RunState
 
@@ -113,6 +113,11 @@ def safety_line(state: RunState) -> tuple[bool, str]:
     return True, "arm is held"
 
 
+def _how_hard(prompt: Prompt) -> str:
+    wanted = None if prompt.posture is None else prompt.posture.peak_wanted_n(prompt.accepted)
+    return "" if wanted is None else f", about {wanted:.0f} N"
+
+
 def what_to_do(state: RunState) -> str:
     """Return the one sentence that tells the operator what is wanted now."""
     prompt = state.prompt
@@ -126,7 +131,7 @@ def what_to_do(state: RunState) -> str:
         PromptKind.POINT: f"Sensor stays at {prompt.sensor_point}. Go to point {prompt.hit_point}"
         if roving_hammer
         else f"Mount the sensor at point {prompt.sensor_point}",
-        PromptKind.HIT: f"Hit point {prompt.hit_point}",
+        PromptKind.HIT: f"Hit point {prompt.hit_point}{_how_hard(prompt)}",
     }
     hand = " (h: the simulated hand does it)" if state.simulated else ""
     return words[prompt.kind] + hand

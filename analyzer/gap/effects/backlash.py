@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import COVERED, LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST_BY_K, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -15,6 +15,7 @@ WORDS = EffectWords(
     signature="softer hits see a softer joint, most in postures whose weight does not close it",
     confused_with=("softening",),
     covers=COVERED,
+    covers_here=COVERED_HERE,
     told_by="a posture whose weight loads the joint: there it is gone",
     remedy="set the play of gear or belt, or test in postures that load the joint",
 )

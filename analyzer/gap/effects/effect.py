@@ -28,6 +28,7 @@ class EffectWords:
     # With one of these at one of the same joints it is a single mechanism that nobody listed.
     one_with: tuple[str, ...] = ()
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
+    covers_here: tuple[str, ...] = ()  # likewise, at the same place
     wanted: float | None = None  # nats to be named, where fewer than of other terms do
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
@@ -98,10 +99,14 @@ class Instance:
 
     def excludes(self, other: Instance) -> bool:
         """Return whether one covers the other, or both cut one link's mass, but otherwise."""
-        if other.effect.name in self.effect.covers or self.effect.name in other.effect.covers:
+        if self._covers(other) or other._covers(self):
             return True
         own, theirs = self.pieces.split(maxsplit=1), other.pieces.split(maxsplit=1)
         return own[1:] == theirs[1:] != [] and own[0] != theirs[0]
+
+    def _covers(self, other: Instance) -> bool:
+        here = other.place == self.place and other.effect.name in self.effect.covers_here
+        return here or other.effect.name in self.effect.covers
 
     def add(self, assembly: Assembly, values: Mapping[str, float]) -> None:
         """Add its terms."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import COVERED, LEAST_BY_C, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST_BY_C, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -15,6 +15,7 @@ WORDS = EffectWords(
     signature="softer hits see a stiffer joint with more damping; it sticks as it dies away",
     confused_with=("microslip", "softening"),
     covers=COVERED,
+    covers_here=COVERED_HERE,
     told_by="more levels, and the decay of one hard hit in windows",
     remedy="look at seals, brakes and the preload of the gear; test at the level of use",
 )

@@ -22,11 +22,21 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
-__all__ = ["COVERED", "LEAST_BY_C", "LEAST_BY_K", "Slope", "any_change", "level_instances"]
+__all__ = [
+    "COVERED",
+    "COVERED_HERE",
+    "LEAST_BY_C",
+    "LEAST_BY_K",
+    "Slope",
+    "any_change",
+    "level_instances",
+]
 
 # A hit of one level moves the joint more in one posture than in another: what changes with its
 # motion changes with the posture, and effects that do so would be told of that.
 COVERED = ("gravity_compensator", "load_damping", "nonproportional")
+# While a swing dies away the joint's stiffness changes, which looks like a drive's freedom there.
+COVERED_HERE = ("servo",)
 
 LEAST_BY_K = 0.01  # per unit of ln level: 3 % of k from a hit to one twenty times as hard
 LEAST_BY_C = 0.05

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import COVERED, LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST_BY_K, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -15,6 +15,7 @@ WORDS = EffectWords(
     signature="harder hits see a softer joint with more damping",
     confused_with=("softening", "friction"),
     covers=COVERED,
+    covers_here=COVERED_HERE,
     told_by="more levels: damping has its maximum where stiffness falls most",
     remedy="retorque bolted seats and clamps of the joint's drive",
 )

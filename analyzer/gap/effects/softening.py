@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import COVERED, LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST_BY_K, Slope, level_instances
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -15,6 +15,7 @@ WORDS = EffectWords(
     signature="frequencies fall with harder hits, damping does not change",
     confused_with=("microslip", "friction"),
     covers=COVERED,
+    covers_here=COVERED_HERE,
     told_by="more levels: stiffness goes on falling, damping stays",
     remedy="give the joint's stiffness at the level of use; look at preloads that open",
 )

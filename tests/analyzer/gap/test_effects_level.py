@@ -251,7 +251,9 @@ def test_what_changes_with_the_motion_covers_what_changes_with_the_posture(ordin
     for kind in KINDS:
         present = Hypothesis(ordinary=ordinary, instances=(kind.instances(ordinary)[0],))
         beside = {i.effect.name for i in every if goes_with(i, present)}
-        assert not beside & {"gravity_compensator", "load_damping"}
+        assert not beside & {"gravity_compensator", "load_damping", "nonproportional"}
+        joints = {i.place for i in every if i.effect.name == "servo" and goes_with(i, present)}
+        assert present.instances[0].place not in joints
         assert beside >= {"coupling", "hysteretic", "servo"}
 
 
