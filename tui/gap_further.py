@@ -48,21 +48,32 @@ def further(
     Returns
     -------
     `after`: verdict, mark and names after each test; `brought`: evidence in nats for the true model
-    against ours that the first test brought, and that random ones did.
+    against ours that the first test brought, and that random ones did; `widths`: of the ranges of
+    joint stiffness before it, after it, and after the first random one instead.
     """
     laboratory = SimulatedLaboratory(case=case)
     arm, sessions = case.arm, [session]
     rows: list[Line] = []
     brought: Line = {}
+    widths: Line = {}
     while len(rows) < most and _asks(outcome.result):
         advice = outcome.result.next_test
         if advice is None:
             break
         plan = plan_from_text(advice.plan_toml, arm, origin="proposed plan")
         sessions.append(laboratory.measure(plan, len(sessions) + 1))
-        if whole is not None and not rows:
-            brought = _brought(laboratory, sessions, outcome, whole)
+        before = outcome
         outcome = find_gap(sessions[0], more=sessions[1:], gates=False, modes=False)
+        if not rows:
+            random = _random_tests(laboratory, sessions[0], before)
+            other = find_gap(sessions[0], more=random[:1], gates=False, modes=False, advice=False)
+            if whole is not None:
+                brought = _brought(sessions, random, before, whole)
+            widths = {
+                "before": _width(before.result),
+                "asked": _width(outcome.result),
+                "random": _width(other.result),
+            }
         marked = mark(truth, outcome.result)
         rows.append(
             {
@@ -74,31 +85,43 @@ def further(
                 "named": list(marked.named),
             }
         )
-    return {"after": rows, "brought": brought}
+    return {"after": rows, "brought": brought, "widths": widths}
 
 
 def _asks(result: GapResult) -> bool:
     return result.verdict in (Verdict.AMBIGUOUS, Verdict.NOTHING_DETECTABLE)
 
 
+def _width(result: GapResult) -> float:
+    """Mean half width of ln k of the joints' ranges."""
+    ranges = result.joint_stiffness_ranges
+    return float(np.mean([np.log(r.high / r.low) / 2.0 for r in ranges]))
+
+
+def _random_tests(
+    laboratory: SimulatedLaboratory, session: Session, outcome: GapOutcome
+) -> list[Session]:
+    """Measured tests out of those that the proposed one was chosen from."""
+    rng = np.random.default_rng(_SEED)
+    tests = possible_tests(outcome.stages[-1], outcome.final, rng=rng)
+    measured = []
+    for i in rng.choice(len(tests), min(_RANDOM, len(tests)), replace=False):
+        text = plan_text(tests[i], session.header.plan, laboratory.arm, comment="random")
+        plan = plan_from_text(text, laboratory.arm, origin="random plan")
+        measured.append(laboratory.measure(plan, 100 + int(i)))
+    return measured
+
+
 def _brought(
-    laboratory: SimulatedLaboratory, sessions: list[Session], outcome: GapOutcome, whole: Fit
+    sessions: list[Session], random: list[Session], outcome: GapOutcome, whole: Fit
 ) -> Line:
     """Evidence for the true model against ours of the asked test and of random ones."""
-    stage, plan = outcome.stages[-1], sessions[0].header.plan
     true_keys = {i.key for i in whole.hypothesis.instances}
     others = [f for f in outcome.standing if {i.key for i in f.hypothesis.instances} != true_keys]
     other = others[0] if others else outcome.final
-    rng = np.random.default_rng(_SEED)
-    tests = possible_tests(stage, outcome.final, rng=rng)
-    random = []
-    for i in rng.choice(len(tests), min(_RANDOM, len(tests)), replace=False):
-        text = plan_text(tests[i], plan, laboratory.arm, comment="random")
-        drawn = plan_from_text(text, laboratory.arm, origin="random plan")
-        measured = laboratory.measure(drawn, 100 + int(i))
-        random.append(_evidence(outcome.stages, sessions[0], measured, whole, other))
-    asked = _evidence(outcome.stages, sessions[0], sessions[-1], whole, other)
-    return {"asked": asked, "random": random}
+    first, asked = sessions[0], sessions[-1]
+    brought = [_evidence(outcome.stages, first, test, whole, other) for test in (asked, *random)]
+    return {"asked": brought[0], "random": brought[1:]}
 
 
 def _evidence(

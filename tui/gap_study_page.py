@@ -23,10 +23,11 @@ def study_page(summary: Line, curves: Sequence[Line], command: str) -> str:
     parts = ["# Tables of the gap study", f"Made by\n\n    {command}", "## Verdicts"]
     parts.append(
         _table(
-            ["cases", "n", "right", "95 %", *OUTCOMES[1:]],
+            ["cases", "n", "right", "95 %", *OUTCOMES[1:], "at most, 95 %", "s, median, most"],
             [
                 [name, g["n"], g["right"]["k"], _between(g["right"])]
                 + [g[outcome] for outcome in OUTCOMES[1:]]
+                + [f"{100 * g['wrong']['high']:.0f} %", "{:.0f}, {:.0f}".format(*g["cpu_s"])]
                 for name, g in summary["groups"].items()
                 if g["n"]
             ],
@@ -109,6 +110,18 @@ def _tests(tests: Line) -> list[list[object]]:
             [
                 f"evidence for the truth in nats, {tests['compared']} cases, median: asked, random",
                 f"{asked}, {random}",
+            ]
+        )
+    widths = tests["widths"]
+    if widths["n"]:
+        reached = ", ".join(f"{100 * widths[k]:.1f} %" for k in ("before", "asked", "random"))
+        rows.append(
+            [
+                (
+                    f"half width of a joint's range of k, {widths['n']} cases, median: before, "
+                    "after the asked test, after a random one instead"
+                ),
+                reached,
             ]
         )
     return rows

@@ -39,6 +39,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
             "n": len(group),
             "right": asdict(rate(_count(group, "right"), len(group))) if group else None,
             "wrong": asdict(rate(_count(group, "wrong name"), len(group))) if group else None,
+            "cpu_s": [_median(own := [x["cpu_s"] for x in group]), max(own, default=0.0)],
         }
         for name, group in groups.items()
     }
@@ -78,6 +79,7 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
     def last(x: Line) -> str:
         return str(x["after"][-1]["outcome"] if x["after"] else x["outcome"])
 
+    widths = [x["widths"] for x in tried if x.get("widths")]
     found: dict[str, Any] = {
         "n": len(tried),
         "asked": asdict(rate(sum(bool(x["after"]) for x in tried), len(tried))) if tried else {},
@@ -85,6 +87,10 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
         "compared": len(compared),
         "brought_asked": _median([b["asked"] for b in compared]),
         "brought_random": _median([float(np.mean(b["random"])) for b in compared]),
+        "widths": {
+            "n": len(widths),
+            **{when: _median([w[when] for w in widths]) for when in ("before", "asked", "random")},
+        },
     }
     for size in ("clear", "medium"):
         group = [x for x in groups[size] if "after" in x]

@@ -6,7 +6,7 @@ parameter whose slope points outward rests.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,6 +100,7 @@ class Stage:
         self.weighings = tuple(
             Weighing(p, superset.arm.tolerances, discrepancy) for p in self.lines
         )
+        self._first_of = _firsts(self.lines, self.models)
         self._groups: dict[tuple[int, ...], list[tuple[list[int], Postures]]] = {}
 
     def together(self, postures: Sequence[int] | None = None) -> list[tuple[list[int], Postures]]:
@@ -124,9 +125,9 @@ class Stage:
     ) -> list[float]:
         """chi^2 / 2 of each posture; infinite where a response outgrows the arithmetic."""
         cost_of: dict[int, float] = {}
-        for own, together in self.together(postures):
+        for rows, together in self._once(hypothesis, postures):
             y = together.response(hypothesis, values).values
-            cost_of |= {p: self.weighings[p].cost(y[i]) for i, p in enumerate(own)}
+            cost_of |= {p: self.weighings[p].cost(y[i]) for p, i in rows}
         return [cost_of[p] if cost_of[p] >= 0.0 else float("inf") for p in postures]
 
     def quadratics(
@@ -138,10 +139,32 @@ class Stage:
     ) -> list[Quadratic]:
         """Misfit, gradient and curvature of each posture."""
         found: dict[int, Quadratic] = {}
-        for own, together in self.together(postures):
+        for rows, together in self._once(hypothesis, postures):
             y, dy = together.derivatives(hypothesis, space, values)
-            found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for i, p in enumerate(own)}
+            found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for p, i in rows}
         return [found[p] for p in postures]
+
+    def _once(
+        self, hypothesis: Hypothesis, postures: Sequence[int]
+    ) -> Iterator[tuple[list[tuple[int, int]], Postures]]:
+        """What is solved together, and which row of it each posture has.
+
+        Soft and hard hits of a posture share one while nothing follows the level.
+        """
+        first_of = range(len(self.lines)) if hypothesis.by_level else self._first_of
+        for own, together in self.together(tuple(dict.fromkeys(first_of[p] for p in postures))):
+            yield [(p, own.index(first_of[p])) for p in postures if first_of[p] in own], together
+
+
+def _firsts(lines: Sequence[PostureLines], models: Sequence[PosedModel]) -> list[int]:
+    """For each the first that every model without the level answers alike."""
+    firsts: list[int] = []
+    for p, own in enumerate(lines):
+        alike = (
+            q for q in dict.fromkeys(firsts) if models[q] is models[p] and lines[q].is_hit_as(own)
+        )
+        firsts.append(next(alike, p))
+    return firsts
 
 
 def fit_hypothesis(

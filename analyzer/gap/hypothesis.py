@@ -25,6 +25,11 @@ class Hypothesis:
         """Return what is said to be there, in words."""
         return " + ".join(instance.title for instance in self.instances) or "nothing missing"
 
+    @property
+    def by_level(self) -> bool:
+        """Return whether soft and hard hits of a posture are answered otherwise."""
+        return any(instance.by_level for instance in self.instances)
+
     def space(self) -> Space:
         """Return all parameters."""
         space = Space(self.ordinary.parameters())

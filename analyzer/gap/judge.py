@@ -117,9 +117,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         and not _at_an_end(r, best, phi)
         and not _is_no_more_than(r, best)
     ]
-    own = _added(best).effect.wanted
-    clear = thresholds.clear if own is None else own
-    if beside and present.evidence - best.evidence < clear * phi:
+    if beside and present.evidence - best.evidence < _clear(best, thresholds) * phi:
         # So little, and for several alike: what ordinary errors leave, not an error beyond them.
         return Judged(named=None, standing=(), phi=phi)
     if beside:
@@ -182,9 +180,15 @@ def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:
     added = _added(fit)
     if added.parameters:
-        own = added.effect.wanted
-        return thresholds.clear if own is None else own
+        return _clear(fit, thresholds)
     return thresholds.relaxed if added.relaxes else thresholds.misread
+
+
+def _clear(fit: Fit, thresholds: Thresholds) -> float:
+    """Nats of a term; where soft and hard hits are apart what follows the level looks like any."""
+    own = _added(fit).effect.wanted
+    apart = bool(fit.hypothesis.ordinary.level_span)
+    return thresholds.clear if own is None or apart else own
 
 
 def _added(fit: Fit) -> Instance:

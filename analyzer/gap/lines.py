@@ -68,6 +68,16 @@ class PostureLines:
     known_mass: KnownMass | None = None  # bolted on
     widened: float = 1.0  # by how much the variance allows for averaged hits of unequal levels
 
+    def is_hit_as(self, other: PostureLines) -> bool:
+        """Return whether only values, their variance and the hits' level may differ."""
+        plain = ("name", "brakes", "sensor_mass_kg")
+        arrays = ("joints_rad", "s_rad_s", "sensor_point", "hit", "hit_point", "hit_direction")
+        return (
+            self.known_mass is other.known_mass
+            and all(getattr(self, name) == getattr(other, name) for name in plain)
+            and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in arrays)
+        )
+
     @property
     def title(self) -> str:
         """Return the posture, what was done to the arm, and which hits where that matters."""

@@ -220,7 +220,8 @@ def behind_joints(stage: Stage, fit: Fit) -> list[Fit]:
     taken = {instance.key for instance in fit.hypothesis.instances}
     found = []
     for servo in all_instances(fit.hypothesis.ordinary):
-        if servo.effect.name != "servo" or servo.key in taken:
+        known = servo.key in taken or not goes_with(servo, fit.hypothesis)
+        if servo.effect.name != "servo" or known:
             continue
         soft, _, rotor = servo.parameters
         name = f"ln k {servo.place}"

@@ -67,6 +67,7 @@ class Instance:
     # By ordinary parameter: what else it may be, either way, per unit of an own one.
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
+    by_level: bool = False  # soft and hard hits of a posture are answered otherwise
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
     @property

@@ -103,6 +103,7 @@ def level_instances(
                 builder=build,
                 size=names[size],
                 material=material,
+                by_level=True,
                 reaches={f"ln k {joint}": (names["k"], _REACH * ordinary.level_span)},
             )
         )
