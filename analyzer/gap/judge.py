@@ -187,8 +187,9 @@ def _wanted(fit: Fit, thresholds: Thresholds) -> float:
 def _clear(fit: Fit, thresholds: Thresholds) -> float:
     """Nats of a term; where soft and hard hits are apart what follows the level looks like any."""
     own = _added(fit).effect.wanted
-    apart = bool(fit.hypothesis.ordinary.level_span)
-    return thresholds.clear if own is None or apart else own
+    if own is None or fit.hypothesis.ordinary.level_span:
+        return thresholds.clear
+    return own
 
 
 def _added(fit: Fit) -> Instance:

@@ -138,7 +138,7 @@ def fitted(value, std):
 def rival(words, place, cost):
     """A fit with a material effect at a place of an arm of two joints; its evidence is its cost."""
     size = Parameter(name="size", mean=0.0, std=1.0)
-    ordinary = SimpleNamespace(arm=SimpleNamespace(joints=JOINTS))
+    ordinary = SimpleNamespace(arm=SimpleNamespace(joints=JOINTS), level_span=0.0)
     instance = Instance(effect=words, place=place, parameters=(size,), size="size", material=0.1)
     return Fit(
         hypothesis=Hypothesis(ordinary=ordinary, instances=(instance,)),
