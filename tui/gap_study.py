@@ -84,7 +84,12 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
         i.key for i in final.instances
     }:
         whole = _fitted_from_truth(truth, hypothesis, outcome.stages, believed)
-    after = further(case, session, outcome, truth, whole, most=tests) if tests else {}
+    after: Line = {}
+    if tests:
+        try:
+            after = further(case, session, outcome, truth, whole, most=tests)
+        except ArmodalError as problem:
+            after = {"refused_test": str(problem)}
     return {
         "number": spec.number,
         "arm": spec.arm,
@@ -212,12 +217,16 @@ def run_study(
             executor.submit(run_case, spec, tests if spec.kinds or not spec.number % _ALSO else 0)
             for spec in waiting
         ]
-        for future in as_completed(futures):
-            text = json.dumps(future.result())
-            file.write(text + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-            line = json.loads(text)
-            done[line["number"]] = line
-            tell(line)
+        try:
+            for future in as_completed(futures):
+                text = json.dumps(future.result())
+                file.write(text + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+                line = json.loads(text)
+                done[line["number"]] = line
+                tell(line)
+        finally:
+            for future in futures:  # of a study that ends early nobody wants the rest
+                future.cancel()
     return [done[spec.number] for spec in specs if spec.number in done]

@@ -63,7 +63,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "ambiguous_holds_truth": _ambiguous_sets(judged),
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
         "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
-        "failed": [x["number"] for x in lines if "error" in x],
+        "failed": [x["number"] for x in lines if "error" in x or "refused_test" in x],
         "tests": _tests(judged, groups),
     }
 

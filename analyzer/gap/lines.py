@@ -30,6 +30,7 @@ __all__ = ["Annealing", "PostureLines", "between", "own_lines", "shifted_lines"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
+_FEWEST = 4  # lines of a posture
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
 _NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
 _SMOOTHED = 2  # lines to each side
@@ -270,8 +271,9 @@ def _thinned(
         )
     step = float(np.median(np.diff(frf.freq_hz)))
     inside = np.flatnonzero((frf.freq_hz >= stage.band_hz[0]) & (frf.freq_hz <= stage.band_hz[1]))
-    lines = inside[:: max(round(stage.step_hz / step), 1)]
-    if lines.size < 4:
+    # A narrow band has the fewest lines nearer to each other.
+    lines = inside[:: max(min(round(stage.step_hz / step), (inside.size - 1) // _FEWEST), 1)]
+    if lines.size < _FEWEST:
         raise EstimateError(
             f"posture '{frf.posture}': wanted lines between {stage.band_hz[0]:.0f} and "
             f"{stage.band_hz[1]:.0f} Hz, got {lines.size}; measure that band"

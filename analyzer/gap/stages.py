@@ -24,6 +24,7 @@ FEWEST_POSTURES = 2
 # Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
 # lines, of which every second frequency or so costs about the same.
 _STAGES = ((40.0, 28.0, 42.0), (16.0, 12.0, 18.0), (6.0, 6.0, 9.0), (2.0, 3.0, 5.1))
+_ROUNDING = 1e-9  # of a frequency
 
 
 def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[float, float]:
@@ -122,7 +123,7 @@ def with_test(
         )
     made: list[Stage] = []
     for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
-        band = (_frequency(old, 0), _frequency(old, -1))
+        band = (_frequency(old, 0) * (1.0 - _ROUNDING), _frequency(old, -1) * (1.0 + _ROUNDING))
         step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         tested = own_lines(superset, session, stage, level_about=level_about)

@@ -145,6 +145,9 @@ ALL = '["1", "2", "3", "4", "5", "6", "7",'
          "postures[0].hit_direction: wanted at least 3 items, got [0.0, 1.0]"),
         ('name = "test 2"', 'name = "test 1"',
          "postures[1].name: wanted a name of its own, got 'test 1'"),
+        ("validation = true", "peaks_n = [20.0, 0.0]",
+         "postures[3].peaks_n[1]: wanted greater than 0, got 0.0"),
+        ("validation = true", "peaks_n = []", "postures[3].peaks_n: wanted at least 1 item"),
         ("validation = true", 'validation = "yes"', "postures[3].validation: wanted a boolean"),
     ],
 )  # fmt: skip
