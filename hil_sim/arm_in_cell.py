@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.hand import Blow, blow
+from hil_sim.hand import Blow, blow, hand_at
 from hil_sim.lab_process import ArmInCell
 from hil_sim.plant import Plant
 from hil_sim.small_motion import Mounting
@@ -37,9 +37,10 @@ class _Hands:
         return self._mounting
 
     def swing(
-        self, point_id: str, direction: npt.NDArray[np.float64]
+        self, point_id: str, direction: npt.NDArray[np.float64], peak_n: float | None
     ) -> tuple[Blow, dict[str, object]]:
-        return self._told(blow(self._plant.truth.hand, self._swings, point_id, direction))
+        hand = hand_at(self._plant.truth.hand, peak_n)
+        return self._told(blow(hand, self._swings, point_id, direction))
 
     def swing_at_mass(self, mass_kg: float) -> tuple[Blow, dict[str, object]]:
         any_point = next(iter(self._plant.points))

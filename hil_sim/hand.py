@@ -10,7 +10,7 @@ import numpy.typing as npt
 from hil_sim.plant_file import HandTruth
 from protocols.arrays import frozen_array
 
-__all__ = ["Blow", "Pulse", "blow"]
+__all__ = ["Blow", "Pulse", "blow", "hand_at"]
 
 Array = npt.NDArray[np.float64]
 
@@ -34,6 +34,17 @@ class Blow:
     kind: str  # "good", "double", "soft" or "overload"
     pulses: tuple[Pulse, ...]
     free_mass_kg: float | None = None  # a mass with the sensor on it is hit, not the arm
+
+
+_HIT_OR_MISS = 1.1  # a person who wants a level reaches it to about this factor
+
+
+def hand_at(hand: HandTruth, peak_n: float | None) -> HandTruth:
+    """Return a hand whose good hits are about as hard as wanted, None: as it does by itself."""
+    if peak_n is None:
+        return hand
+    around = (peak_n / _HIT_OR_MISS, peak_n * _HIT_OR_MISS)
+    return hand.model_copy(update={"peak_n": around})
 
 
 def blow(

@@ -28,11 +28,22 @@ Array = npt.NDArray[np.float64]
 BlowT_co = TypeVar("BlowT_co", covariant=True)
 
 
+HARDNESS_N = (0.1, 1e4)  # a hand can hit
+
+
 class Swing(Protocol[BlowT_co]):
     """A hand that swings the hammer."""
 
-    def __call__(self, point_id: str, direction: Array) -> tuple[BlowT_co, Mapping[str, object]]:
-        """Return a blow at a point along a unit direction (3,), base frame, and what it is."""
+    def __call__(
+        self, point_id: str, direction: Array, peak_n: float | None
+    ) -> tuple[BlowT_co, Mapping[str, object]]:
+        """Return a blow at a point along a unit direction (3,), base frame, and what it is.
+
+        Parameters
+        ----------
+        peak_n
+            About how hard; None as the hand does by itself.
+        """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,7 +103,8 @@ class Operator(Generic[BlowT]):
             case "mount":
                 return self._mount(self._point_of(request))
             case "hit":
-                return self._hit(self._point_of(request), _direction_of(request.get("direction")))
+                direction = _direction_of(request.get("direction"))
+                return self._hit(self._point_of(request), direction, _peak_of(request))
             case "hit-mass":
                 return self._hit_mass(request.get("mass_kg"))
             case "fault":
@@ -115,9 +127,9 @@ class Operator(Generic[BlowT]):
         self._at.ledger.note("mount", self._clock.now_s(), point=point, **self._at.mounted())
         return {"done": True, "do": "mount", "point": point}
 
-    def _hit(self, point: str, direction: Array) -> Action:
+    def _hit(self, point: str, direction: Array, peak_n: float | None) -> Action:
         yield self._clock.now_s() + self._rng.uniform(*self._options.swing_s)
-        blow, facts = self._at.swing(point, direction)
+        blow, facts = self._at.swing(point, direction, peak_n)
         at_sample = self._at.cell.strike(self._rng.uniform(1.0, 2.0), blow)
         self._at.ledger.note(
             "hit",
@@ -169,6 +181,16 @@ class Operator(Generic[BlowT]):
                     f"degrees, got {joints[i]:g}"
                 )
         return joints_rad
+
+
+def _peak_of(request: dict[str, Any]) -> float | None:
+    peak_n = request.get("peak_n")
+    if peak_n is None:
+        return None
+    if not isinstance(peak_n, int | float) or not HARDNESS_N[0] <= peak_n <= HARDNESS_N[1]:
+        low, high = HARDNESS_N
+        raise PlantError(f"peak_n: wanted {low:g} to {high:g}, got {peak_n!r}")
+    return float(peak_n)
 
 
 def _direction_of(value: object) -> Array:

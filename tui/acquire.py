@@ -94,9 +94,15 @@ class ScriptedOperator:
             return Ready()
         if prompt.kind is PromptKind.HIT:
             direction = hit_direction(self._arm, prompt.posture, prompt.hit_point)
-            self.ask(
-                {"do": "hit", "point": prompt.hit_point, "direction": [float(x) for x in direction]}
-            )
+            request: dict[str, object] = {
+                "do": "hit",
+                "point": prompt.hit_point,
+                "direction": [float(x) for x in direction],
+            }
+            peak_n = prompt.posture.peak_wanted_n(prompt.accepted)
+            if peak_n is not None:
+                request["peak_n"] = peak_n
+            self.ask(request)
         return None
 
     def close(self) -> None:

@@ -11,7 +11,7 @@ from scipy import signal
 
 from hil_sim.board_dictionary import board_dictionary
 from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
-from hil_sim.hand import Blow, blow
+from hil_sim.hand import Blow, blow, hand_at
 from hil_sim.plant import Plant
 from hil_sim.ringing import Strike, ring
 from hil_sim.small_motion import Mounting, linearise
@@ -146,10 +146,7 @@ def _strikes(
 def _swing(
     plant: Plant, point: str, aim: Array, level_n: float | None, rng: np.random.Generator
 ) -> Blow:
-    hand = plant.truth.hand
-    if level_n is not None:
-        hand = hand.model_copy(update={"peak_n": (level_n / 1.1, level_n * 1.1)})
-    return blow(hand, rng, point, aim)
+    return blow(hand_at(plant.truth.hand, level_n), rng, point, aim)
 
 
 def _missed(direction: Array, std_rad: float, rng: np.random.Generator) -> Array:

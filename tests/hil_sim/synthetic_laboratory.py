@@ -141,7 +141,7 @@ def known_arm():
     return ArmInCell(
         plant=build_plant(truth()),
         make_source=lambda rate_hz: KnownSource(),
-        swing=lambda point, direction: (float(PEAK_COUNTS), {"peak_counts": PEAK_COUNTS}),
+        swing=lambda point, direction, peak_n: (float(PEAK_COUNTS), {"peak_counts": PEAK_COUNTS}),
         mounted=lambda: {"tilt_rad": [0.0, 0.0, 0.0]},
     )
 

@@ -147,6 +147,10 @@ def test_the_answers_keep_the_truth_to_themselves(place):
         (b'{"do": "posture", "joints_deg": [0, 0, 0, 0, 181, 0]}', "joint 5: wanted -180"),
         (b'{"do": "hit", "point": "1", "direction": [0, 0, 0]}', "not all zero"),
         (b'{"do": "hit", "point": "1"}', "list of 3 numbers"),
+        (
+            b'{"do": "hit", "point": "1", "direction": [0, 0, 1], "peak_n": 0}',
+            "peak_n: wanted 0.1 to 10000, got 0",
+        ),
         (b'{"do": "fault", "name": "flood"}', "wanted a fault"),
     ],
 )

@@ -55,7 +55,7 @@ def main():
     arm = ArmInCell(
         plant=build_plant(known_truth()),
         make_source=make_source,
-        swing=lambda point, direction: (
+        swing=lambda point, direction, peak_n: (
             KnownBlow(peak_counts=PEAK_COUNTS),
             {"peak_counts": PEAK_COUNTS},
         ),

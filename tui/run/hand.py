@@ -37,10 +37,11 @@ def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
             f"mounts the sensor at {prompt.sensor_point}",
         )
     direction = [float(x) for x in hit_direction(arm, posture, prompt.hit_point)]
-    return (
-        {"do": "hit", "point": prompt.hit_point, "direction": direction},
-        f"hits point {prompt.hit_point}",
-    )
+    request: Request = {"do": "hit", "point": prompt.hit_point, "direction": direction}
+    peak_n = posture.peak_wanted_n(prompt.accepted)
+    if peak_n is not None:
+        request["peak_n"] = peak_n
+    return request, f"hits point {prompt.hit_point}"
 
 
 def trial_request(arm: Arm, plan: Plan, mass_kg: float | None) -> tuple[Request, str]:

@@ -28,6 +28,7 @@ from daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from protocols.plan_records import KnownMass
 from protocols.session.records import Loss
 from tui.key_line import KeyLine
+from tui.run.hand import request_for
 from tui.run.happenings import (
     HandAtWork,
     HandIdle,
@@ -327,6 +328,25 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
         assert stage.app.state.safe is told_meanwhile
 
     play(stage, body)
+
+
+def test_how_hard_the_plan_wants_the_next_hit_is_said_and_told_the_simulated_hand(tmp_path):
+    first = replace(PLAN.postures[0], peaks_n=(10.0, 40.0, 160.0))
+    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
+    stage = Stage(tmp_path, plan=plan)
+    at_point = point_ready(posture_reached(begin(plan)))
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, prompted(at_point))
+        assert "hits at point 1, next about 10 N" in stage.text()
+
+    play(stage, body)
+    request, _ = request_for(ARM, at_point.prompt)
+    assert request["peak_n"] == 10.0
+    again, _ = request_for(ARM, replace(at_point.prompt, accepted=2))
+    assert again["peak_n"] == 160.0
+    any_peak, _ = request_for(ARM, replace(at_point.prompt, posture=PLAN.postures[0]))
+    assert "peak_n" not in any_peak
 
 
 def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(tmp_path):
