@@ -19,6 +19,7 @@ from analyzer.gap.fit import Fit, Stage
 __all__ = [
     "Judged",
     "Thresholds",
+    "ends_alike",
     "is_as_good",
     "is_certain",
     "is_plainer",
@@ -33,6 +34,8 @@ __all__ = [
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
 _MUCH_ELSE = 3.0  # times the ordinary misfit
+# What one joint's stiffness and damping at each level do not tell looks like another such joint.
+_LEVEL_AGAIN = 3.0
 _SLIGHT_PART = 0.02  # of a gain
 
 
@@ -186,10 +189,12 @@ def _wanted(fit: Fit, thresholds: Thresholds) -> float:
 
 def _clear(fit: Fit, thresholds: Thresholds) -> float:
     """Nats of a term; where soft and hard hits are apart what follows the level looks like any."""
-    own = _added(fit).effect.wanted
-    if own is None or fit.hypothesis.ordinary.level_span:
+    *others, added = fit.hypothesis.instances
+    if added.by_level and any(other.by_level for other in others):
+        return _LEVEL_AGAIN * thresholds.clear
+    if added.effect.wanted is None or fit.hypothesis.ordinary.level_span:
         return thresholds.clear
-    return own
+    return added.effect.wanted
 
 
 def _added(fit: Fit) -> Instance:
@@ -200,7 +205,16 @@ def _same(one: Fit, other: Fit) -> bool:
     a, b = _added(one), _added(other)
     if a.key == b.key or _one_line(one, other) or _one_line(other, one):
         return True
+    if ends_alike(a, b):
+        return True
     return b.effect.name in a.effect.equivalent or a.effect.name in b.effect.equivalent
+
+
+def ends_alike(one: Instance, other: Instance) -> bool:
+    """Whether two instances of one effect differ in where they begin, which tells too little."""
+    if one.effect is not other.effect or not one.effect.ends_alike:
+        return False
+    return one.place.split(" and ")[-1] == other.place.split(" and ")[-1]
 
 
 def _is_no_more_than(rival: Fit, best: Fit) -> bool:

@@ -23,7 +23,7 @@ __all__ = ["FEWEST_POSTURES", "of_test", "stages_of", "with_test"]
 FEWEST_POSTURES = 2
 # Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
 # lines, of which every second frequency or so costs about the same.
-_STAGES = ((40.0, 28.0, 42.0), (16.0, 12.0, 18.0), (6.0, 6.0, 9.0), (2.0, 3.0, 5.1))
+_STAGES = ((40.0, 28.0, 42.0), (16.0, 12.0, 18.0), (6.0, 6.0, 9.0), (2.0, 3.0, 6.0))
 _ROUNDING = 1e-9  # of a frequency
 
 

@@ -20,6 +20,7 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import (
     Judged,
     Thresholds,
+    ends_alike,
     is_as_good,
     judge,
     misfit_per_line,
@@ -109,7 +110,6 @@ def find_gap(
         if by_level is not None:
             stages, present = by_level
             notes.append("the response depends on the hits' level: soft and hard were kept apart")
-    frfs = [*frfs, *_frfs_of_tests(superset, more)]
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
@@ -127,6 +127,7 @@ def find_gap(
             standing = (better, found.present)
             judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
+        notes += _begins_elsewhere(better, found.rivals, limits.apart * judged.phi)
         better, swapped = _joint_rather_than_axis(stages[-1], step, limits)
         better, turned = _turned_once(better)
         named = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
@@ -142,7 +143,7 @@ def find_gap(
     final = found.present
     phi = scale(stages[-1], [final, *found.rivals], limits)
     return conclude(
-        frfs=frfs,
+        frfs=[*frfs, *_frfs_of_tests(superset, more)],
         stages=stages,
         before=before or final,
         final=final,
@@ -195,7 +196,10 @@ def _by_level(
     span = max(lines.level for lines in apart[-1].lines)
     levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())
-    return None if found is None else (found, levelled)
+    if found is None:
+        return None
+    # The widest lines only begin a search: there all hits together tell as much in half the time.
+    return (stages[0], *found[1:]), levelled
 
 
 def _foretold(
@@ -230,6 +234,16 @@ def _explains_too_little(stage: Stage, present: Fit, better: Fit, limits: Thresh
 
 def _only_relaxes(fit: Fit) -> bool:
     return bool(_last(fit).relaxes) and not _last(fit).parameters
+
+
+def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:
+    return [
+        f"{_last(named).title}: between {_last(other).place} it would tell as much"
+        for other in rivals
+        if other is not named
+        and ends_alike(_last(other), _last(named))
+        and other.evidence - named.evidence < apart
+    ]
 
 
 def _last(fit: Fit) -> Instance:

@@ -31,6 +31,7 @@ WORDS = EffectWords(
     signature="damping ratios that change with posture; complex shapes near each other",
     confused_with=("load_damping", "coupling", "friction"),
     covers=("nonproportional",),  # what one leaves looks like more, chains of them like anything
+    ends_alike=True,  # floor and first link differ by a turn about the vertical
     told_by="postures that turn the line between both ends; the hose or pack taken off",
     remedy="look for a hose, a dress pack, a damper or a seal that reaches over several joints",
 )
