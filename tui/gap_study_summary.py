@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from analyzer.gap.advice import NARROWS
 from analyzer.gap.score import OUTCOMES, rate
 from hil_sim.study.catalogue import MAGNITUDES
 
@@ -71,15 +72,18 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
 def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, Any]:
     """What further tests that the workflow asked for came to, and random ones beside them.
 
-    A case's outcome is that of its last judgement.
+    A case's outcome is that of its last judgement. What the first test gained is counted in what
+    it was asked for: evidence for the truth, or a narrower range of a joint's stiffness.
     """
     tried = [x for x in lines if "after" in x]
-    compared = [x["brought"] for x in tried if x["brought"]]
+    narrowing = [x for x in tried if x["after"] and NARROWS in x["after"][0]["why"]]
+    telling = [x for x in tried if x["after"] and x not in narrowing]
+    compared = [x["brought"] for x in telling if x["brought"]]
 
     def last(x: Line) -> str:
         return str(x["after"][-1]["outcome"] if x["after"] else x["outcome"])
 
-    widths = [x["widths"] for x in tried if x.get("widths")]
+    widths = [x["widths"] for x in narrowing]
     found: dict[str, Any] = {
         "n": len(tried),
         "asked": asdict(rate(sum(bool(x["after"]) for x in tried), len(tried))) if tried else {},

@@ -14,7 +14,9 @@ from protocols.arm.records import Arm
 from protocols.plan_records import Plan, PlannedPosture
 from protocols.plan_rewrite import text_with_posture
 
-__all__ = ["advise", "plan_text"]
+__all__ = ["NARROWS", "advise", "plan_text"]
+
+NARROWS = "which widens k of"  # in the reason of a test that narrows a range
 
 _SEED = 2718  # proposals are repeatable
 _MOST_RIVALS = 3
@@ -61,7 +63,7 @@ def advise(
             return None
         candidate, change, joint = found
         compared = [final, hidden_rival(stage, final, candidate, change)]
-        why = f"shows whether {candidate.instance.title} hides, which widens k of {joint}"
+        why = f"shows whether {candidate.instance.title} hides, {NARROWS} {joint}"
     best = proposed(stage, compared, rng=rng, tell=tell)
     if best is None or (best[1] < _WORTH and len(standing) < 2):
         return None
