@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import Executor, Future, as_completed
 from dataclasses import asdict
 from pathlib import Path
 from time import process_time
@@ -217,16 +217,27 @@ def run_study(
             executor.submit(run_case, spec, tests if spec.kinds or not spec.number % _ALSO else 0)
             for spec in waiting
         ]
+        kept = set()
+
+        def keep(future: Future[Line]) -> None:
+            kept.add(future)
+            text = json.dumps(future.result())
+            file.write(text + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+            line = json.loads(text)
+            done[line["number"]] = line
+            tell(line)
+
         try:
             for future in as_completed(futures):
-                text = json.dumps(future.result())
-                file.write(text + "\n")
-                file.flush()
-                os.fsync(file.fileno())
-                line = json.loads(text)
-                done[line["number"]] = line
-                tell(line)
-        finally:
+                keep(future)
+        except BaseException:
             for future in futures:  # of a study that ends early nobody wants the rest
                 future.cancel()
+            for future in futures:
+                is_done = future.done() and not future.cancelled()
+                if is_done and future not in kept and future.exception() is None:
+                    keep(future)
+            raise
     return [done[spec.number] for spec in specs if spec.number in done]

@@ -1,11 +1,13 @@
 """Learning curves, further tests and the page of a study."""
 
+import json
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import tui.gap_curves
+from analyzer.gap.advice import NARROWS
 from hil_sim.study import CaseSpec, make_case
 from tui.gap_curves import VARIED, curve_rows, reduced, run_curves
 from tui.gap_study import run_case, run_study
@@ -70,6 +72,44 @@ def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_on
     assert after["verdict"] in ("nothing_detectable", "ambiguous", "named")
     assert np.isfinite(line["brought"]["asked"])
     assert len(line["brought"]["random"]) == 3
+
+
+def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):
+    widths = {"before": 0.4, "asked": 0.1, "random": 0.3}
+    brought = {"asked": 12.0, "random": [1.0, 3.0]}
+    (row,) = line["after"]
+    narrows = line | {
+        "number": 2,
+        "after": [row | {"why": f"shows whether a servo hides, {NARROWS} j1"}],
+        "brought": {"asked": 0.0, "random": [5.0, 5.0]},
+        "widths": widths,
+    }
+    tells = line | {"number": 3, "after": [row | {"why": "tells apart: a, or b"}]}
+    tests = study_summary([narrows, tells | {"brought": brought, "widths": widths}])["tests"]
+    assert tests["compared"] == 1
+    assert (tests["brought_asked"], tests["brought_random"]) == (12.0, 2.0)
+    assert tests["widths"] == {"n": 1, **widths}
+
+
+def test_a_study_whose_worker_fails_ends_and_keeps_what_was_done(tmp_path):
+    specs = [CaseSpec(number=n, arm="ur5", seed=n, kinds=(), magnitude="none") for n in (1, 2, 3)]
+
+    class Failing(Asked):
+        def submit(self, fn, /, spec, tests):
+            if spec.number == 1:
+                return super().submit(fn, spec, tests)
+            waits = Future()
+            if spec.number == 2:
+                waits.set_exception(MemoryError("no room"))
+            self.waiting = waits
+            return waits
+
+    executor = Failing()
+    with pytest.raises(MemoryError, match="no room"):
+        run_study(specs, {}, tmp_path / "study.jsonl", executor)
+    assert executor.waiting.cancelled()
+    (kept,) = (tmp_path / "study.jsonl").read_text().splitlines()
+    assert json.loads(kept)["number"] == 1
 
 
 class Asked(Executor):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.advice import advise
 from analyzer.gap.fit import fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -17,6 +18,7 @@ from analyzer.gap.scan import scan_instances
 from analyzer.gap.stages import stages_of
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
+from protocols.plan import load_plan, plan_from_text
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +94,22 @@ def test_hits_elsewhere_foretell_what_the_session_s_own_point_would_not(known, s
     assert expected_evidence(stage, [null, servo], elsewhere) != pytest.approx(
         expected_evidence(stage, [null, servo], own), rel=1e-3
     )
+
+
+def test_a_rival_with_little_evidence_is_worth_a_test_before_what_only_hides(known, servo):
+    stage, null = known
+    plan = load_plan("ur5-five-postures", null.hypothesis.ordinary.arm)
+
+    def advised(evidence):
+        weak = replace(servo, cost=servo.cost + null.evidence - evidence - servo.evidence)
+        return advise(stage, null, (), [weak], [], lambda _: (), plan, lambda _: None)
+
+    assert advised(5.0) is None  # nothing hides either
+    found = advised(30.0)
+    assert found is not None
+    assert "Servo and rotor behind the transmission" in found.why
+    (posture,) = plan_from_text(found.plan_toml, null.hypothesis.ordinary.arm).postures
+    assert posture.name == "next test"
 
 
 def test_every_possible_test_is_within_the_joints_ranges(known):
