@@ -18,10 +18,11 @@ import numpy as np
 from analyzer.gap.score import mark
 from analyzer.gap.workflow import find_gap
 from hil_sim.study import CaseSpec, sealed
+from hil_sim.study.arms import study_arm
 from protocols.errors import ArmodalError
 from protocols.plan_records import Plan
 
-__all__ = ["VARIED", "curve_rows", "reduced", "run_curves"]
+__all__ = ["VARIED", "curve_rows", "levels_of", "reduced", "run_curves"]
 
 Line = dict[str, Any]
 
@@ -55,6 +56,14 @@ def reduced(plan: Plan, varied: str, n: int) -> Plan:
     )
 
 
+def levels_of(spec: CaseSpec, varied: str, n: int) -> tuple[float, ...] | None:
+    """Return the peaks of n hits of a ladder's levels, from its middle outward; None: as planned."""
+    if varied != "hits" or not spec.ladder:
+        return None
+    ladder = study_arm(spec.arm).ladder_n
+    return {1: ladder[1:2], 2: (ladder[0], ladder[-1])}.get(n, ladder)
+
+
 def run_curves(
     specs: Sequence[CaseSpec],
     path: Path,
@@ -85,7 +94,7 @@ def _judged(spec: CaseSpec, varied: str, n: int) -> Line:
     case = sealed(spec)
     line: Line = {"number": spec.number, "seed": spec.seed, "varied": varied, "n": n}
     try:
-        session = case.session(reduced(case.plan, varied, n))
+        session = case.session(reduced(case.plan, varied, n), levels_n=levels_of(spec, varied, n))
         result = find_gap(session, gates=False, modes=False, advice=False).result
     except ArmodalError as problem:
         return line | {"outcome": "refused", "why": str(problem)}

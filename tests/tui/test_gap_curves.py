@@ -2,6 +2,7 @@
 
 import json
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import tui.gap_curves
 from analyzer.gap.advice import NARROWS
 from hil_sim.study import CaseSpec, make_case
-from tui.gap_curves import VARIED, curve_rows, reduced, run_curves
+from tui.gap_curves import VARIED, curve_rows, levels_of, reduced, run_curves
 from tui.gap_study import run_case, run_study
 from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary
@@ -41,6 +42,16 @@ def test_fewer_hits_are_measured(plan):
     case = make_case(1, "ur5")
     one = reduced(reduced(plan, "hits", 1), "points", 4)
     assert len(case.session(one).hits) == 4 * len(plan.postures)
+
+
+def test_fewer_hits_of_a_ladder_are_its_middle_then_its_ends():
+    spec = CaseSpec(number=1, arm="ur5", seed=3, kinds=(), magnitude="none", ladder=True)
+    soft, middle, hard = levels_of(spec, "hits", 3)
+    assert soft < middle < hard
+    assert levels_of(spec, "hits", 1) == (middle,)
+    assert levels_of(spec, "hits", 2) == (soft, hard)
+    assert levels_of(spec, "points", 4) is None
+    assert levels_of(replace(spec, ladder=False), "hits", 1) is None
 
 
 def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
