@@ -57,7 +57,7 @@ def reduced(plan: Plan, varied: str, n: int) -> Plan:
 
 
 def levels_of(spec: CaseSpec, varied: str, n: int) -> tuple[float, ...] | None:
-    """Return the peaks of n hits of a ladder's levels, from its middle outward; None: as planned."""
+    """Return the peaks of n hits of a ladder, from its middle outward; None: as planned."""
     if varied != "hits" or not spec.ladder:
         return None
     ladder = study_arm(spec.arm).ladder_n
