@@ -122,16 +122,17 @@ def with_test(
             f"'{session.header.arm.name}'; give sessions of one arm"
         )
     made: list[Stage] = []
+    posed: dict[str, PosedModel] = {}
     for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
         band = (_frequency(old, 0) * (1.0 - _ROUNDING), _frequency(old, -1) * (1.0 + _ROUNDING))
         step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         tested = own_lines(superset, session, stage, level_about=level_about)
         lines = [replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)]
-        models = [*old.models, *made[-1].models[len(old.models) :]] if made else None
-        if models is None:
-            posed = {own.name: PosedModel(superset, own.joints_rad) for own in lines}
-            models = [*old.models, *(posed[own.name] for own in lines)]
+        for own in lines:
+            if own.name not in posed:
+                posed[own.name] = PosedModel(superset, own.joints_rad)
+        models = [*old.models, *(posed[own.name] for own in lines)]
         made.append(Stage(superset, [*old.lines, *lines], Discrepancy(), models=models))
     return tuple(made)
 
