@@ -15,11 +15,13 @@ import numpy as np
 
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.hypothesis import Hypothesis
 
 __all__ = [
     "Judged",
     "Thresholds",
     "ends_alike",
+    "follows_no_level",
     "is_as_good",
     "is_certain",
     "is_plainer",
@@ -178,6 +180,11 @@ def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | 
             if other.effect.name in one.effect.one_with and shared:
                 return one, other
     return None
+
+
+def follows_no_level(hypothesis: Hypothesis) -> bool:
+    """Whether soft and hard hits are apart, as they are where the level tells, and no effect is."""
+    return bool(hypothesis.ordinary.level_span) and not hypothesis.by_level
 
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:

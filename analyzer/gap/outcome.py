@@ -14,7 +14,14 @@ from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
-from analyzer.gap.judge import Judged, Thresholds, misfit_per_line, one_mechanism, outside_misfit
+from analyzer.gap.judge import (
+    Judged,
+    Thresholds,
+    follows_no_level,
+    misfit_per_line,
+    one_mechanism,
+    outside_misfit,
+)
 from analyzer.gap.looks import look_at_others
 from analyzer.gap.records import (
     Disagreement,
@@ -104,7 +111,11 @@ def conclude(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    if left > outside_misfit(sharp, limits) or unplaced or unexplained or both is not None:
+    unfollowed = bool(effects) and follows_no_level(final.hypothesis)
+    if unfollowed:
+        notes.append("the response depends on the hits' level, and nothing that was named does")
+    outside = (left > outside_misfit(sharp, limits), unplaced, unexplained, unfollowed, both)
+    if any(outside):
         verdict = Verdict.OUTSIDE_LIBRARY
     elif effects:
         verdict = Verdict.NAMED

@@ -11,6 +11,7 @@ from analyzer.gap.effects import backlash, friction, microslip, softening
 from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hit_levels import has_levels, middle_level, weight_factors
 from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.judge import follows_no_level
 from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import Annealing, PostureLines, own_lines
@@ -333,6 +334,14 @@ def test_soft_and_hard_hits_solved_once_weigh_as_if_solved_each(apart, kinds):
         np.testing.assert_allclose(
             other.curvature, one.curvature, rtol=1e-7, atol=1e-7 * np.abs(one.curvature).max()
         )
+
+
+def test_names_that_follow_no_level_leave_out_what_soft_and_hard_hits_showed(apart):
+    assert follows_no_level(of_session(apart))
+    assert not follows_no_level(of_session(apart, lambda o: friction.instances(o)[0]))
+    levelled = of_session(apart)
+    together = replace(levelled, ordinary=replace(levelled.ordinary, level_span=0.0))
+    assert not follows_no_level(together)
 
 
 def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):
