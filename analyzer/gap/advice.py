@@ -120,7 +120,8 @@ def _posture(plan: Plan, test: Test) -> PlannedPosture:
         name="next test",
         joints_rad=test.joints_rad,
         tolerance_rad=plan.postures[0].tolerance_rad,
-        points=(*plan.postures[0].points, *test.more_points),
+        # A point that was planned, but skipped, is asked for once.
+        points=tuple(dict.fromkeys((*plan.postures[0].points, *test.more_points))),
         hit_direction=test.hit_direction,
         validation=False,
         brakes=test.brakes,

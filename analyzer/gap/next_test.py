@@ -142,6 +142,9 @@ def _other_points(measured: Sequence[PostureLines], fit: Fit) -> list[int]:
 
 
 def _base_points(measured: Sequence[PostureLines], fit: Fit) -> tuple[str, ...]:
+    """Those the sensor was not at; none where the hammer moves and the sensor stays."""
+    if len(measured[0].hit_point) > 1:
+        return ()
     superset = fit.hypothesis.ordinary.superset
     seen = set(measured[0].sensor_point.tolist())
     at_base = np.flatnonzero(np.asarray(superset.point_link) < 0).tolist()

@@ -8,21 +8,16 @@ import pytest
 from analyzer.arm.superset import Superset
 from analyzer.gap.add import file_key, instances_of_file
 from analyzer.gap.effects import backlash, friction, microslip, softening
-from analyzer.gap.fit import Stage, fit_hypothesis
+from analyzer.gap.fit import Stage
 from analyzer.gap.hit_levels import has_levels, middle_level, weight_factors
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import follows_no_level
 from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import Annealing, PostureLines, own_lines
 from analyzer.gap.looks import goes_with
-from analyzer.gap.next_test import expected_evidence, possible_tests
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.posed import PosedModel
-from analyzer.gap.sensors import scan_sensors
-from analyzer.gap.stages import stages_of, with_test
 from analyzer.gap.weigh import Discrepancy
-from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
 from protocols.arm.files import load_arm
 from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
@@ -287,100 +282,6 @@ def test_levels_are_counted_from_the_peak_that_is_given(linear):
     for one, other in zip(own, lower, strict=True):
         assert other.level == pytest.approx(one.level - 0.3)
         assert one.peak_n == other.peak_n == pytest.approx(np.exp(about + one.level))
-
-
-@pytest.fixture(scope="module")
-def apart(linear):
-    """Stages of soft and hard hits, with the same session as a further test."""
-    superset = Superset(linear.header.arm)
-    frfs = estimate_frfs(linear, superset)
-    about = middle_level(linear)
-    stages = stages_of(superset, linear, frfs, level_about=about)
-    return with_test(stages, superset, linear, 2, level_about=about)
-
-
-def of_session(apart, *instances):
-    lines = apart[0].lines
-    names = tuple(dict.fromkeys(own.name for own in lines))
-    superset = Superset(load_arm("rv4frl"))
-    ordinary = Ordinary(superset=superset, postures=names, level_span=lines[1].level)
-    return Hypothesis(ordinary=ordinary, instances=tuple(make(ordinary) for make in instances))
-
-
-def test_a_further_test_s_soft_and_hard_hits_stay_apart(apart):
-    for stage in apart:
-        names = [lines.name for lines in stage.lines]
-        first = names[: len(names) // 2]
-        assert names == [*first, *(f"{name} (test 2)" for name in first)]
-        levels = [lines.level for lines in stage.lines]
-        assert levels[: len(first)] == levels[len(first) :]
-        assert all(a < 0.0 < b for a, b in zip(levels[::2], levels[1::2], strict=True))
-
-
-@pytest.mark.parametrize("kinds", [(), (lambda o: friction.instances(o)[0],)])
-def test_soft_and_hard_hits_solved_once_weigh_as_if_solved_each(apart, kinds):
-    hypothesis = of_session(apart, *kinds)
-    stage, space = apart[0], hypothesis.space()
-    values = space.values(space.start() + 0.02)
-    alone = [
-        Stage(hypothesis.ordinary.superset, [lines], Discrepancy(), models=[model]).quadratics(
-            hypothesis, space, values, [0]
-        )[0]
-        for lines, model in zip(stage.lines, stage.models, strict=True)
-    ]
-    together = stage.quadratics(hypothesis, space, values, range(len(stage.lines)))
-    for one, other in zip(alone, together, strict=True):
-        assert other.cost == pytest.approx(one.cost, rel=1e-9)
-        np.testing.assert_allclose(
-            other.curvature, one.curvature, rtol=1e-7, atol=1e-7 * np.abs(one.curvature).max()
-        )
-
-
-def test_names_that_follow_no_level_leave_out_what_soft_and_hard_hits_showed(apart):
-    assert follows_no_level(of_session(apart))
-    assert not follows_no_level(of_session(apart, lambda o: friction.instances(o)[0]))
-    levelled = of_session(apart)
-    together = replace(levelled, ordinary=replace(levelled.ordinary, level_span=0.0))
-    assert not follows_no_level(together)
-
-
-def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):
-    hypothesis = of_session(apart)
-    space = hypothesis.space()
-    found = scan_sensors(apart[0], hypothesis, space.values(space.start()))
-    places = [c.instance.place for c in found if c.instance.effect.name == "wrong_point"]
-    known = hypothesis.ordinary.postures
-    assert places
-    assert all(p.split(" in posture ")[1] in known for p in places if " in posture " in p)
-
-
-def test_the_next_test_may_hit_softer_and_harder_where_both_are_apart(apart):
-    null = fit_hypothesis(apart[0], of_session(apart), max_iterations=2)
-    tests = possible_tests(apart[0], null, rng=np.random.default_rng(1))
-    soft, hard = (lines.peak_n for lines in apart[0].lines[:2])
-    wider = [test for test in tests if test.peaks_n]
-    assert wider
-    for test in wider:
-        assert test.peaks_n[0] < soft < test.peaks_n[1] < hard < test.peaks_n[2]
-        assert "hits of about" in test.words
-    # Softer and harder tell a joint that follows the level from one that does not: more than the
-    # session's own levels would in the same posture.
-    rival = fit_hypothesis(
-        apart[0], of_session(apart, lambda o: friction.instances(o)[0]), max_iterations=2
-    )
-    size = rival.hypothesis.instances[0].size
-    falls = replace(rival, u=_at(rival, size, 0.3))
-    plain = replace(wider[0], peaks_n=())
-    assert expected_evidence(apart[0], [null, falls], wider[0]) > expected_evidence(
-        apart[0], [null, falls], plain
-    )
-
-
-def _at(fit, name, value):
-    u = fit.u.copy()
-    i = fit.space.index[name]
-    u[i] = value / fit.space.std[i]
-    return u
 
 
 def test_hits_of_one_level_have_no_levels(linear):

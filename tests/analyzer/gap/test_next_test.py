@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from analyzer.arm.superset import Superset
-from analyzer.gap.advice import advise
-from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.advice import advise, plan_text
+from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.next_test import Test, expected_evidence, hidden_rival, possible_tests, proposed
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.scan import scan_instances
 from analyzer.gap.stages import stages_of
+from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
 from protocols.plan import load_plan, plan_from_text
@@ -94,6 +95,33 @@ def test_hits_elsewhere_foretell_what_the_session_s_own_point_would_not(known, s
     assert expected_evidence(stage, [null, servo], elsewhere) != pytest.approx(
         expected_evidence(stage, [null, servo], own), rel=1e-3
     )
+
+
+def test_base_points_that_were_left_out_are_asked_for_once_and_where_the_sensor_moves(known):
+    stage, null = known
+    arm = null.hypothesis.ordinary.arm
+    lines = stage.lines[0]
+    at_base = [i for i, link in enumerate(null.hypothesis.ordinary.superset.point_link) if link < 0]
+    ids = {arm.points[i].id for i in at_base}
+    kept = np.flatnonzero(~np.isin(lines.sensor_point, at_base))
+    parts = ("sensor_point", "hit", "values", "variance")
+    without = [replace(own, **{n: getattr(own, n)[kept] for n in parts}) for own in stage.lines]
+
+    def asked(lines):
+        shown = Stage(null.hypothesis.ordinary.superset, lines, Discrepancy(), models=stage.models)
+        tests = possible_tests(shown, null, rng=np.random.default_rng(1))
+        return [test for test in tests if test.more_points]
+
+    assert ids
+    assert asked(stage.lines) == []
+    found = asked(without)
+    assert all(set(test.more_points) == ids for test in found)
+    plan = load_plan("ur5-five-postures", arm)  # it has them: they were skipped
+    text = plan_text(found[0], plan, arm, comment="why")
+    (posture,) = plan_from_text(text, arm).postures
+    assert posture.points == plan.postures[0].points
+    two_hits = [replace(own, hit_point=np.array([0, 1])) for own in without]
+    assert asked(two_hits) == []
 
 
 def test_a_rival_with_little_evidence_is_worth_a_test_before_what_only_hides(known, servo):
