@@ -114,10 +114,10 @@ def safety_line(state: RunState) -> tuple[bool, str]:
     return True, "arm is held"
 
 
-def how_hard(prompt: Prompt) -> str:
-    """Return the peak that the plan wants of the next hit, if it wants one."""
+def how_hard(prompt: Prompt, word: str) -> str:
+    """Return the peak that the plan wants of the next hit, after a word; empty if it wants none."""
     wanted = None if prompt.posture is None else prompt.posture.peak_wanted_n(prompt.accepted)
-    return "" if wanted is None else f", next about {wanted:.0f} N"
+    return "" if wanted is None else f", {word} {wanted:.0f} N"
 
 
 def what_to_do(state: RunState) -> str:
@@ -133,7 +133,7 @@ def what_to_do(state: RunState) -> str:
         PromptKind.POINT: f"Sensor stays at {prompt.sensor_point}. Go to point {prompt.hit_point}"
         if roving_hammer
         else f"Mount the sensor at point {prompt.sensor_point}",
-        PromptKind.HIT: f"Hit point {prompt.hit_point}{how_hard(prompt)}",
+        PromptKind.HIT: f"Hit point {prompt.hit_point}{how_hard(prompt, 'about')}",
     }
     hand = " (h: the simulated hand does it)" if state.simulated else ""
     return words[prompt.kind] + hand

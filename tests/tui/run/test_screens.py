@@ -338,7 +338,8 @@ def test_how_hard_the_plan_wants_the_next_hit_is_said_and_told_the_simulated_han
 
     async def body(pilot):
         await stage.tell(pilot, *HIT_EVENTS, prompted(at_point))
-        assert "hits at point 1, next about 10 N" in stage.text()
+        assert "hits at point 1, next 10 N" in stage.text()
+        assert "Hit point 1, about 10 N" in stage.text()
 
     play(stage, body)
     request, _ = request_for(ARM, at_point.prompt)
