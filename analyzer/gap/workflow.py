@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
@@ -49,6 +50,7 @@ from protocols.session.records import Session
 __all__ = ["GapOutcome", "find_gap"]
 
 _FEWEST_POINTS = 4
+_MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 _FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
 _LEAST_EXPLAINED = 0.25  # of what ordinary errors do not leave; a name for less would be a guess
@@ -347,6 +349,13 @@ def _check_enough(session: Session) -> None:
         raise EstimateError(
             f"wanted at least {_FEWEST_POINTS} points, three on every link that matters, got "
             f"{len(points)}; measure more points"
+        )
+    hits_at = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in accepted)
+    once = sum(n == 1 for n in hits_at.values())
+    if once > _MOST_ONCE * len(hits_at):
+        raise EstimateError(
+            "wanted two good hits or more at each point, to see how far hits scatter, got one at "
+            f"{once} of {len(hits_at)}; without that no misfit tells anything: hit them again"
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -38,31 +39,36 @@ def draw_study(
 ) -> tuple[CaseSpec, ...]:
     """Draw the cases of a study.
 
-    Effects go round the library, arms and magnitudes; pairs and outside cases are clear. With
-    `ladder` every case is hit at several levels, so that the plan tells nothing.
+    Effects go round the library; each has the next magnitude and arm every round, whatever the
+    library's length, so that as many rounds as both have together show it in all of them. Pairs and
+    outside cases are clear. With `ladder` every case is hit at several levels, so that the plan
+    tells nothing.
     """
     rng = np.random.default_rng([seed, 0x6A9])
-    wanted: list[tuple[tuple[str, ...], str]] = [((), "none")] * nulls
+    each = itertools.cycle(arms)
+    wanted = [((), "none", arm) for _, arm in zip(range(nulls), each, strict=False)]
     names, sizes = list(library), list(MAGNITUDES)
     start = int(rng.integers(len(names)))
     for i in range(effects):
-        size = sizes[(i // len(names) + i) % len(sizes)]
-        wanted.append(((names[(start + i) % len(names)],), size))
-    wanted += [(_pair(rng, names), "clear") for _ in range(pairs)]
+        turn = i % len(names) + i // len(names)
+        name = names[(start + i) % len(names)]
+        wanted.append(((name,), sizes[turn % len(sizes)], arms[turn % len(arms)]))
+    wanted += [(_pair(rng, names), "clear", next(each)) for _ in range(pairs)]
     beyond = list(OUTSIDE)
-    wanted += [((beyond[i % len(beyond)],), "clear") for i in range(outside)]
+    for i in range(outside):
+        turn = i % len(beyond) + i // len(beyond)
+        wanted.append(((beyond[i % len(beyond)],), "clear", arms[turn % len(arms)]))
     order = rng.permutation(len(wanted))
     specs = [
         CaseSpec(
             number=0,
-            # Shifted once a round, so that no kind keeps to one arm.
-            arm=arms[(i + i // len(names)) % len(arms)],
+            arm=arm,
             seed=int(rng.integers(1 << 62)),
             kinds=kinds,
             magnitude=size,
             ladder=ladder,
         )
-        for i, (kinds, size) in enumerate(wanted)
+        for kinds, size, arm in wanted
     ]
     return tuple(replace(specs[j], number=i + 1) for i, j in enumerate(order))
 

@@ -19,6 +19,7 @@ from hil_sim.study import (
     write_case,
 )
 from hil_sim.study.cases import braked
+from hil_sim.study.catalogue import FIRST
 from hil_sim.study.measure import measured
 from hil_sim.study.model_error import erring_plant_tables, plant_of_tables
 from hil_sim.study.places import ArmPlaces
@@ -155,6 +156,13 @@ def test_a_study_mixes_and_repeats():
     assert sum(not spec.kinds for spec in specs) == 4
     assert {spec.arm for spec in specs} == {"bench57", "ur5"}
     assert sum(len(spec.kinds) == 2 for spec in specs) == 2
+
+
+def test_every_kind_is_drawn_in_every_size_on_every_arm():
+    for library in (FIRST, tuple(LIBRARY)):
+        specs = draw_study(8, nulls=0, effects=6 * len(library), outside=6, library=library)
+        single = {(s.kinds, s.magnitude, s.arm) for s in specs if len(s.kinds) == 1}
+        assert len(single) == 6 * len(library) + 2 * len(OUTSIDE)
 
 
 def test_files_of_a_case_hold_session_arm_and_hashed_truth(tmp_path):

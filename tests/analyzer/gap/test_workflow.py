@@ -51,3 +51,11 @@ def test_one_posture_is_not_enough_and_says_what_to_measure(hidden):
     alone = replace(session, hits=tuple(h for h in session.hits if h.posture == first))
     with pytest.raises(EstimateError, match=r"at least 2 postures .* got 1; measure two more"):
         find_gap(alone)
+
+
+def test_points_hit_once_tell_nothing_of_scatter_and_are_to_be_hit_again(hidden):
+    _, session, _ = hidden
+    once = {(hit.posture, hit.sensor_point): hit for hit in session.hits}
+    alone = replace(session, hits=tuple(once.values()))
+    with pytest.raises(EstimateError, match=r"two good hits .* one at \d+ of \d+.*hit them again"):
+        find_gap(alone)
