@@ -46,6 +46,7 @@ def draw_study(
     """
     rng = np.random.default_rng([seed, 0x6A9])
     each = itertools.cycle(arms)
+    wanted: list[tuple[tuple[str, ...], str, str]]
     wanted = [((), "none", arm) for _, arm in zip(range(nulls), each, strict=False)]
     names, sizes = list(library), list(MAGNITUDES)
     start = int(rng.integers(len(names)))
