@@ -59,6 +59,8 @@ class Thresholds:
     # Nats of what is too small to matter: then it is not that. And of what is large, but of
     # uncertain size: then it is no patch.
     unplaced: float = 1000.0
+    # Likewise where soft and hard hits are apart: right names leave 116 at most.
+    unplaced_by_level: float = 200.0
     held_out: float = 3.0  # nats that held-out postures must gain together
 
 

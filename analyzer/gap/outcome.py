@@ -101,8 +101,10 @@ def conclude(
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
     explaining = () if judged.doubted else standing
     left = min([misfit, *(misfit_per_line(sharp, f) for f in explaining)])
+    apart = bool(final.hypothesis.ordinary.level_span)
+    beyond_doubt = judged.phi * (limits.unplaced_by_level if apart else limits.unplaced)
     unplaced = not standing and any(
-        found.present.evidence - f.evidence > limits.unplaced * judged.phi for f in found.rivals
+        found.present.evidence - f.evidence > beyond_doubt for f in found.rivals
     )
     both = one_mechanism(final.hypothesis.instances)
     if both is not None:

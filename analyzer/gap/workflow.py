@@ -22,6 +22,7 @@ from analyzer.gap.judge import (
     Judged,
     Thresholds,
     ends_alike,
+    follows_no_level,
     is_as_good,
     judge,
     misfit_per_line,
@@ -52,6 +53,7 @@ __all__ = ["GapOutcome", "find_gap"]
 _FEWEST_POINTS = 4
 _MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
+_MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
 _FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
 _LEAST_EXPLAINED = 0.25  # of what ordinary errors do not leave; a name for less would be a guess
 
@@ -137,7 +139,8 @@ def find_gap(
         present, start = fitted.hypothesis, fitted.values
         named = [step for step in named if _last(step[1]) not in gone]
         notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
-        if one_mechanism(present.instances) is not None:
+        lost = len(named) == _MOST_UNFOLLOWED and follows_no_level(present)
+        if lost or one_mechanism(present.instances) is not None:
             # Outside the library: what else there is would be told of a wrong model.
             found = Rivals(present=fitted, rivals=())
             judged = Judged(named=None, standing=(), phi=judged.phi)
