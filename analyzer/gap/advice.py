@@ -35,7 +35,7 @@ def advise(
     changes: Callable[[Candidate], tuple[float, ...]],
     plan: Plan,
     tell: Callable[[str], None],
-) -> NextTest | None:
+) -> tuple[NextTest | None, str]:
     """Propose what tells rivals apart, whether a weak one is there, or what narrows a stiffness.
 
     Parameters
@@ -47,7 +47,8 @@ def advise(
 
     Returns
     -------
-    None where no test of the laboratory would tell enough.
+    None where no test of the laboratory would tell enough, and words that say so where several
+    stand.
     """
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)
@@ -60,18 +61,21 @@ def advise(
     else:
         found = _widest(final, hiding, changes)
         if found is None:
-            return None
+            return None, ""
         candidate, change, joint = found
         compared = [final, hidden_rival(stage, final, candidate, change)]
         why = f"shows whether {candidate.instance.title} hides, {NARROWS} {joint}"
     best = proposed(stage, compared, rng=rng, tell=tell)
-    if best is None or (best[1] < _WORTH and len(standing) < 2):
-        return None
+    if best is None:
+        return None, ""
     test, gain = best
+    if gain < _WORTH:
+        alike = " and ".join(_title(fit) for fit in standing[:_MOST_RIVALS])
+        return None, f"no test that was tried would tell {alike} apart" if alike else ""
     much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
     words = f"{test.words}; expected evidence {much} nats"
     text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
-    return NextTest(words=words, why=why, gain=gain, plan_toml=text)
+    return NextTest(words=words, why=why, gain=gain, plan_toml=text), ""
 
 
 def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:

@@ -59,8 +59,9 @@ class Thresholds:
     # Nats of what is too small to matter: then it is not that. And of what is large, but of
     # uncertain size: then it is no patch.
     unplaced: float = 1000.0
-    # Likewise where soft and hard hits are apart: right names leave 116 at most.
-    unplaced_by_level: float = 200.0
+    # Likewise where soft and hard hits are apart, and what is wanted there beside an effect that
+    # follows the level: right names leave 200 at most.
+    beside_level: float = 250.0
     held_out: float = 3.0  # nats that held-out postures must gain together
 
 
@@ -199,8 +200,8 @@ def _wanted(fit: Fit, thresholds: Thresholds) -> float:
 def _clear(fit: Fit, thresholds: Thresholds) -> float:
     """Nats of a term; where soft and hard hits are apart what follows the level looks like any."""
     *others, added = fit.hypothesis.instances
-    if added.by_level and any(other.by_level for other in others):
-        return _LEVEL_AGAIN * thresholds.clear
+    if any(other.by_level for other in others):
+        return _LEVEL_AGAIN * thresholds.clear if added.by_level else thresholds.beside_level
     if added.effect.wanted is None or fit.hypothesis.ordinary.level_span:
         return thresholds.clear
     return added.effect.wanted

@@ -186,7 +186,7 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     """
     superset = rivals[0].hypothesis.ordinary.superset
     model = PosedModel(superset, test.joints_rad)
-    blanks = _lines(stage, superset.point_index, test)
+    blanks, floors = _lines(stage, superset.point_index, test)
     ready = [_Ready.of(rival) for rival in rivals]
     slopes = [
         [model.derivatives(r.hypothesis, b, r.space, r.values) for b in blanks] for r in ready
@@ -194,18 +194,20 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     least = np.inf
     for true, other in permutations(range(len(ready)), 2):
         weighings = [
-            _weighing(blank, would, superset.arm.tolerances)
-            for blank, (would, _) in zip(blanks, slopes[true], strict=True)
+            _weighing(blank, floor, would, superset.arm.tolerances)
+            for blank, floor, (would, _) in zip(blanks, floors, slopes[true], strict=True)
         ]
         surprise = [_surprise(weighings, ready[i], slopes[i]) for i in (true, other)]
         least = min(least, surprise[1] - surprise[0])
     return float(least)
 
 
-def _weighing(blank: PostureLines, would: ComplexArray, tolerances: Tolerances) -> Weighing:
-    """Of what a rival would give, with scatter in proportion."""
+def _weighing(
+    blank: PostureLines, floor: Array, would: ComplexArray, tolerances: Tolerances
+) -> Weighing:
+    """Of what a rival would give: scatter goes with the answer, noise does not."""
     size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
-    lines = replace(blank, values=would, variance=blank.variance * size)
+    lines = replace(blank, values=would, variance=floor + blank.variance * size)
     return Weighing(lines, tolerances, Discrepancy())
 
 
@@ -281,10 +283,17 @@ class _Ready:
         return cls(hypothesis, space, values, A, free)
 
 
-def _lines(stage: Stage, index: Mapping[str, int], test: Test) -> list[PostureLines]:
-    """Lines as the test's would be; of soft and hard hits where the session's are apart."""
+def _lines(
+    stage: Stage, index: Mapping[str, int], test: Test
+) -> tuple[list[PostureLines], list[Array]]:
+    """Lines as the test's would be; of soft and hard hits where the session's are apart.
+
+    And the noise of each line, (L,), for which the quietest channel stands: a hit half as hard has
+    four times as much.
+    """
     first = stage.lines[0].name
-    found = []
+    found: list[PostureLines] = []
+    floors: list[Array] = []
     for number, like in enumerate(own for own in stage.lines if own.name == first):
         hit_point = like.hit_point[:1]
         if test.hit_point is not None:
@@ -293,9 +302,12 @@ def _lines(stage: Stage, index: Mapping[str, int], test: Test) -> list[PostureLi
         rows = [*range(len(like.sensor_point)), *(0 for _ in test.more_points)]
         more = [index[name] for name in test.more_points]
         level = like.level
+        floor = np.min(like.variance, axis=(0, 1))
         if test.peaks_n:
             peak_n = (test.peaks_n[0], test.peaks_n[-1])[number]
             level += float(np.log(peak_n / like.peak_n))
+            floor = floor * (like.peak_n / peak_n) ** 2
+        floors.append(floor)
         found.append(
             replace(
                 like,
@@ -312,7 +324,7 @@ def _lines(stage: Stage, index: Mapping[str, int], test: Test) -> list[PostureLi
                 level=level,
             )
         )
-    return found
+    return found, floors
 
 
 def _surprise(

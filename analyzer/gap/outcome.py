@@ -102,7 +102,7 @@ def conclude(
     explaining = () if judged.doubted else standing
     left = min([misfit, *(misfit_per_line(sharp, f) for f in explaining)])
     apart = bool(final.hypothesis.ordinary.level_span)
-    beyond_doubt = judged.phi * (limits.unplaced_by_level if apart else limits.unplaced)
+    beyond_doubt = judged.phi * (limits.beside_level if apart else limits.unplaced)
     unplaced = not standing and any(
         found.present.evidence - f.evidence > beyond_doubt for f in found.rivals
     )
@@ -138,7 +138,7 @@ def conclude(
     hiding = [c for c in others if c.instance.size and np.isfinite(c.size_std)]
     advice = None
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
-        advice = advise(
+        advice, no_test = advise(
             sharp,
             final,
             standing,
@@ -148,6 +148,7 @@ def conclude(
             plan,
             tell,
         )
+        notes += [no_test] if no_test else []
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
     )
@@ -181,11 +182,17 @@ def conclude(
 
 
 def _left_by_level(stage: Stage, final: Fit) -> float:
-    """Largest part of a posture's response that is left where soft and hard hits are apart."""
+    """Largest part of a posture's response that is left where soft and hard hits are apart.
+
+    A posture that hardly answers, such as one hit near the base, is mostly noise: there it is the
+    part of what the others answer.
+    """
     if not final.hypothesis.ordinary.level_span:
         return 0.0
     postures = range(len(stage.lines))
-    return max(posture_gap(stage, final, p, held_out=False).frf_error for p in postures)
+    parts = np.array([posture_gap(stage, final, p, held_out=False).frf_error for p in postures])
+    sizes = np.array([np.sqrt(np.mean(np.abs(own.values) ** 2)) for own in stage.lines])
+    return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
 
 
 def _title(fit: Fit) -> str:

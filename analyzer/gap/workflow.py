@@ -139,8 +139,7 @@ def find_gap(
         present, start = fitted.hypothesis, fitted.values
         named = [step for step in named if _last(step[1]) not in gone]
         notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
-        lost = len(named) == _MOST_UNFOLLOWED and follows_no_level(present)
-        if lost or one_mechanism(present.instances) is not None:
+        if _is_outside(present, named):
             # Outside the library: what else there is would be told of a wrong model.
             found = Rivals(present=fitted, rivals=())
             judged = Judged(named=None, standing=(), phi=judged.phi)
@@ -291,6 +290,12 @@ def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
             hypothesis = replace(fit.hypothesis, instances=instances)
             return replace(fit, hypothesis=hypothesis), {other.key: both}
     return fit, {}
+
+
+def _is_outside(present: Hypothesis, named: Sequence[Step]) -> bool:
+    """Whether what was named so far tells already that the library does not know the arm."""
+    unfollowed = len(named) == _MOST_UNFOLLOWED and follows_no_level(present)
+    return unfollowed or one_mechanism(present.instances) is not None
 
 
 def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:

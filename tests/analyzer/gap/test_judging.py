@@ -1,12 +1,13 @@
 """Spaces, scores and arm-file entries of the gap workflow."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from analyzer.gap import score
-from analyzer.gap.effects import bearing, coupling, gravity_compensator, link_axis
+from analyzer.gap.effects import bearing, coupling, friction, gravity_compensator, link_axis
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit
 from analyzer.gap.hypothesis import Hypothesis
@@ -206,3 +207,17 @@ def test_much_evidence_for_an_axis_of_uncertain_size_is_no_patch(gain, is_named)
     patch = fitted(0.28, 0.02)
     present = rival(coupling.WORDS, "before", patch.evidence + gain)
     assert (judge(OF_1000, present, [patch], Thresholds()).named is patch) == is_named
+
+
+@pytest.mark.parametrize("gain", [207.0, 280.0])
+def test_beside_an_effect_of_the_level_a_name_takes_more_than_alone(gain):
+    # 207 nats: what friction at a joint left for an axis in the link beside it.
+    present = rival(friction.WORDS, "j1", 400.0)
+    alone = rival(link_axis.WORDS, "l1", present.evidence - gain)
+    (axis,) = alone.hypothesis.instances
+    (slip,) = present.hypothesis.instances
+    both = replace(alone.hypothesis, instances=(replace(slip, by_level=True), axis))
+    beside = replace(alone, hypothesis=both)
+    assert judge(OF_1000, present, [alone], Thresholds()).named is alone
+    named = judge(OF_1000, present, [beside], Thresholds()).named
+    assert named is (beside if gain > Thresholds().beside_level else None)

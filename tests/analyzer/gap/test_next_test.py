@@ -124,13 +124,34 @@ def test_base_points_that_were_left_out_are_asked_for_once_and_where_the_sensor_
     assert asked(two_hits) == []
 
 
+def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, servo):
+    stage, null = known
+    superset = null.hypothesis.ordinary.superset
+    on_base = next(i for i, link in enumerate(superset.point_link) if link < 0)
+    test = Test(
+        joints_rad=stage.lines[0].joints_rad,
+        hit_direction=np.eye(3)[2],
+        hit_point=superset.arm.points[on_base].id,
+    )
+    # The base is rigid in both models: nothing answers, and only rounding is left.
+    assert expected_evidence(stage, [null, servo], test) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_rivals_that_no_test_tells_apart_are_said_to_be_so(known):
+    stage, null = known
+    plan = load_plan("ur5-five-postures", null.hypothesis.ordinary.arm)
+    found, why = advise(stage, null, (null, null), [], [], lambda _: (), plan, lambda _: None)
+    assert found is None
+    assert "would tell nothing missing and nothing missing apart" in why
+
+
 def test_a_rival_with_little_evidence_is_worth_a_test_before_what_only_hides(known, servo):
     stage, null = known
     plan = load_plan("ur5-five-postures", null.hypothesis.ordinary.arm)
 
     def advised(evidence):
         weak = replace(servo, cost=servo.cost + null.evidence - evidence - servo.evidence)
-        return advise(stage, null, (), [weak], [], lambda _: (), plan, lambda _: None)
+        return advise(stage, null, (), [weak], [], lambda _: (), plan, lambda _: None)[0]
 
     assert advised(5.0) is None  # nothing hides either
     found = advised(30.0)
