@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from analyzer.gap.advice import plan_text
+from analyzer.gap.advice import NARROWS, plan_text
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.hit_levels import middle_level
 from analyzer.gap.next_test import evidence_brought, possible_tests
 from analyzer.gap.records import GapResult, Verdict
-from analyzer.gap.score import mark
+from analyzer.gap.score import instance_of_truth, mark
 from analyzer.gap.stages import with_test
 from analyzer.gap.workflow import GapOutcome, find_gap
 from hil_sim.study import SealedCase
@@ -19,7 +20,7 @@ from protocols.plan import plan_from_text
 from protocols.session.records import Session
 from tui.gap_lab import SimulatedLaboratory
 
-__all__ = ["further"]
+__all__ = ["further", "nearer_first"]
 
 Line = dict[str, Any]
 
@@ -32,7 +33,6 @@ def further(
     session: Session,
     outcome: GapOutcome,
     truth: Line,
-    whole: Fit | None,
     *,
     most: int,
 ) -> Line:
@@ -42,13 +42,12 @@ def further(
     ----------
     outcome
         Of the first session, with advice.
-    whole
-        The true model fitted to the first session, where ours is another.
 
     Returns
     -------
-    `after`: verdict, mark and names after each test; `brought`: evidence in nats for the true model
-    against ours that the first test brought, and that random ones did; `widths`: of the ranges of
+    `after`: verdict, mark and names after each test; `brought`: evidence in nats that the first
+    test, and random ones, brought for the one nearer to the truth of the models it was to tell
+    apart; `widths`: of the ranges of
     joint stiffness before it, after it, and after the first random one instead.
     """
     laboratory = SimulatedLaboratory(case=case)
@@ -67,8 +66,7 @@ def further(
         if not rows:
             random = _random_tests(laboratory, sessions[0], before)
             other = find_gap(sessions[0], more=random[:1], gates=False, modes=False, advice=False)
-            if whole is not None:
-                brought = _brought(sessions, random, before, whole)
+            brought = _brought(sessions, random, before, truth)
             widths = {
                 "before": _width(before.result),
                 "asked": _width(outcome.result),
@@ -113,22 +111,54 @@ def _random_tests(
 
 
 def _brought(
-    sessions: list[Session], random: list[Session], outcome: GapOutcome, whole: Fit
+    sessions: list[Session], random: list[Session], outcome: GapOutcome, truth: Line
 ) -> Line:
-    """Evidence for the true model against ours of the asked test and of random ones."""
-    true_keys = {i.key for i in whole.hypothesis.instances}
-    others = [f for f in outcome.standing if {i.key for i in f.hypothesis.instances} != true_keys]
-    other = others[0] if others else outcome.final
+    """Evidence of the asked test and of random ones for the nearer to the truth.
+
+    Nothing where the test was to narrow a range, or none of the models is near.
+    """
+    advice = outcome.result.next_test
+    if advice is None or NARROWS in advice.why:
+        return {}
+    ordinary = outcome.final.hypothesis.ordinary
+    instances = [instance_of_truth(ordinary, effect) for effect in truth["effects"]]
+    pair = nearer_first(outcome.compared, [None if i is None else i.key for i in instances])
+    if pair is None:
+        return {}
     first, asked = sessions[0], sessions[-1]
-    brought = [_evidence(outcome.stages, first, test, whole, other) for test in (asked, *random)]
+    brought = [_evidence(outcome.stages, first, test, *pair) for test in (asked, *random)]
     return {"asked": brought[0], "random": brought[1:]}
 
 
+def nearer_first(
+    compared: Sequence[Fit], truth: Sequence[tuple[str, str] | None]
+) -> tuple[Fit, Fit] | None:
+    """Of models that were compared the nearest to the truth, and the best of the others.
+
+    The nearest holds nothing that is not true, and of that the most.
+
+    Parameters
+    ----------
+    truth
+        Effect and place of all that is true; None for what the library has no model of: nothing
+        is near it.
+    """
+    if None in truth:
+        return None
+    keys = [{i.key for i in fit.hypothesis.instances} for fit in compared]
+    true = [n for n, own in enumerate(keys) if own <= set(truth)]
+    if not true or len(compared) < 2:
+        return None
+    best = max(true, key=lambda n: len(keys[n]))
+    other = next(n for n in range(len(compared)) if n != best)
+    return compared[best], compared[other]
+
+
 def _evidence(
-    stages: tuple[Stage, ...], session: Session, test: Session, whole: Fit, other: Fit
+    stages: tuple[Stage, ...], session: Session, test: Session, nearer: Fit, other: Fit
 ) -> float:
     """Of soft and hard hits apart where the session's were."""
-    ordinary = whole.hypothesis.ordinary
+    ordinary = nearer.hypothesis.ordinary
     about = middle_level(session) if ordinary.level_span else None
     tested = with_test(stages, ordinary.superset, test, 2, level_about=about)[-1]
-    return evidence_brought(whole, other, tested)
+    return evidence_brought(nearer, other, tested)

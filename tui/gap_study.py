@@ -87,7 +87,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
     after: Line = {}
     if tests:
         try:
-            after = further(case, session, outcome, truth, whole, most=tests)
+            after = further(case, session, outcome, truth, most=tests)
         except ArmodalError as problem:
             after = {"refused_test": str(problem)}
     return {

@@ -106,12 +106,8 @@ def _tests(tests: Line) -> list[list[object]]:
     ]
     if tests["compared"]:
         asked, random = (f"{tests[k]:.0f}" for k in ("brought_asked", "brought_random"))
-        rows.append(
-            [
-                f"evidence for the truth in nats, {tests['compared']} cases, median: asked, random",
-                f"{asked}, {random}",
-            ]
-        )
+        what = f"evidence for the nearer to the truth in nats, {tests['compared']} cases, median"
+        rows.append([f"{what}: asked, random", f"{asked}, {random}"])
     widths = tests["widths"]
     if widths["n"]:
         reached = ", ".join(f"{100 * widths[k]:.1f} %" for k in ("before", "asked", "random"))

@@ -73,7 +73,8 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
     """What further tests that the workflow asked for came to, and random ones beside them.
 
     A case's outcome is that of its last judgement. What the first test gained is counted in what
-    it was asked for: evidence for the truth, or a narrower range of a joint's stiffness.
+    it was asked for: evidence for the model nearer to the truth, or a narrower range of a joint's
+    stiffness.
     """
     tried = [x for x in lines if "after" in x]
     narrowing = [x for x in tried if x["after"] and NARROWS in x["after"][0]["why"]]

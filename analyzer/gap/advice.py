@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from protocols.arm.records import Arm
 from protocols.plan_records import Plan, PlannedPosture
 from protocols.plan_rewrite import text_with_posture
 
-__all__ = ["NARROWS", "advise", "plan_text"]
+__all__ = ["NARROWS", "Advice", "advise", "plan_text"]
 
 NARROWS = "which widens k of"  # in the reason of a test that narrows a range
 
@@ -26,6 +27,15 @@ _WEAK = 20.0  # of evidence: the best rival may be there, and is worth a test
 _WORTH = 3.0  # nats: less is not worth an hour in the lab
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Advice:
+    """The next test and the models it is to tell apart; or why there is none."""
+
+    test: NextTest | None = None
+    compared: tuple[Fit, ...] = ()
+    why_none: str = ""  # where several models stand
+
+
 def advise(
     stage: Stage,
     final: Fit,
@@ -35,7 +45,7 @@ def advise(
     changes: Callable[[Candidate], tuple[float, ...]],
     plan: Plan,
     tell: Callable[[str], None],
-) -> tuple[NextTest | None, str]:
+) -> Advice:
     """Propose what tells rivals apart, whether a weak one is there, or what narrows a stiffness.
 
     Parameters
@@ -47,8 +57,7 @@ def advise(
 
     Returns
     -------
-    None where no test of the laboratory would tell enough, and words that say so where several
-    stand.
+    No test where none of the laboratory's would tell enough.
     """
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)
@@ -61,21 +70,22 @@ def advise(
     else:
         found = _widest(final, hiding, changes)
         if found is None:
-            return None, ""
+            return Advice()
         candidate, change, joint = found
         compared = [final, hidden_rival(stage, final, candidate, change)]
         why = f"shows whether {candidate.instance.title} hides, {NARROWS} {joint}"
     best = proposed(stage, compared, rng=rng, tell=tell)
     if best is None:
-        return None, ""
+        return Advice()
     test, gain = best
     if gain < _WORTH:
         alike = " and ".join(_title(fit) for fit in standing[:_MOST_RIVALS])
-        return None, f"no test that was tried would tell {alike} apart" if alike else ""
+        return Advice(why_none=f"no test that was tried would tell {alike} apart" if alike else "")
     much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
     words = f"{test.words}; expected evidence {much} nats"
     text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
-    return NextTest(words=words, why=why, gain=gain, plan_toml=text), ""
+    test_of_plan = NextTest(words=words, why=why, gain=gain, plan_toml=text)
+    return Advice(test=test_of_plan, compared=tuple(compared))
 
 
 def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:

@@ -38,6 +38,7 @@ _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
 _MUCH_ELSE = 3.0  # times the ordinary misfit
 # What one joint's stiffness and damping at each level do not tell looks like another such joint.
 _LEVEL_AGAIN = 3.0
+_SURELY_BY_LEVEL = 40.0  # nats: uncorrected windows and nulls had 13 at most, cracks 70 to 350
 _SLIGHT_PART = 0.02  # of a gain
 
 
@@ -186,8 +187,8 @@ def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | 
 
 
 def follows_no_level(hypothesis: Hypothesis) -> bool:
-    """Whether soft and hard hits are apart, as they are where the level tells, and no effect is."""
-    return bool(hypothesis.ordinary.level_span) and not hypothesis.by_level
+    """Whether the hits' level surely tells something, and no effect follows it."""
+    return hypothesis.ordinary.level_gain > _SURELY_BY_LEVEL and not hypothesis.by_level
 
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:

@@ -31,8 +31,8 @@ def told_apart(
     present: Hypothesis,
     start: Mapping[str, float],
     discrepancy: Discrepancy,
-) -> tuple[Stage, ...] | None:
-    """Stages of soft and of hard hits, weighed anew; None where the level tells nothing.
+) -> tuple[tuple[Stage, ...], float] | None:
+    """Stages of soft and of hard hits, weighed anew, and nats; None where the level tells nothing.
 
     First all of the difference between soft and hard hits counts as variance; then, once every
     joint may change with the level, only what that leaves: aims of single hits, and what a spring
@@ -49,16 +49,18 @@ def told_apart(
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
     fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
     changes = any_change(present.ordinary)
-    if scan_instances(middle, fit, changes)[0].gain < _LEAST_GAIN:
+    gain = scan_instances(middle, fit, changes)[0].gain
+    if gain < _LEAST_GAIN:
         return None
     any_level = replace(present, instances=(*present.instances, *changes))
     free = fit_hypothesis(middle, any_level, start=fit.values, max_iterations=8)
-    return tuple(
+    anew = tuple(
         Stage(
             superset, _weighed_anew(stage, any_level, free.values), discrepancy, models=stage.models
         )
         for stage in stages
     )
+    return anew, gain
 
 
 def _weighed_anew(

@@ -58,6 +58,7 @@ class Ordinary:
     postures: tuple[str, ...]
     # ln of hard over soft hits' force, halved, where they are told apart; else zero.
     level_span: float = 0.0
+    level_gain: float = 0.0  # nats: what their difference tells at first
 
     @property
     def arm(self) -> Arm:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from analyzer.gap.advice import advise
+from analyzer.gap.advice import Advice, advise
 from analyzer.gap.compare import disagreement_map, posture_gap
 from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
@@ -47,6 +47,7 @@ __all__ = ["GapOutcome", "Step", "conclude"]
 
 _TWO_SIDED_95, _ONE_SIDED_95 = 1.96, 1.645
 _WIDEST = 0.7  # of ln k
+_LIKELY = 20.0  # of evidence: an effect may be there
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
 # of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
 _COMMON = 2.25
@@ -65,6 +66,7 @@ class GapOutcome:
     final: Fit  # with everything that was named
     standing: tuple[Fit, ...]  # rivals of the last step that still stand
     scale: float  # of the data's variance: 1 where the allowance suffices
+    compared: tuple[Fit, ...] = ()  # what the next test is to tell apart
 
 
 def conclude(
@@ -118,7 +120,7 @@ def conclude(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    unfollowed = bool(effects) and follows_no_level(final.hypothesis)
+    unfollowed = _is_unfollowed(final, effects, found, standing)
     if unfollowed:
         notes.append("the response depends on the hits' level, and nothing that was named does")
     outside = (left > outside_misfit(sharp, limits), unplaced, unexplained, unfollowed, both)
@@ -136,9 +138,9 @@ def conclude(
     alive = standing or (final,)
     others = found.others if found.others is not None else look_at_others(sharp, final)
     hiding = [c for c in others if c.instance.size and np.isfinite(c.size_std)]
-    advice = None
+    advice = Advice()
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
-        advice, no_test = advise(
+        advice = advise(
             sharp,
             final,
             standing,
@@ -148,7 +150,7 @@ def conclude(
             plan,
             tell,
         )
-        notes += [no_test] if no_test else []
+        notes += [advice.why_none] if advice.why_none else []
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
     )
@@ -174,10 +176,16 @@ def conclude(
         gates=gates,
         notes=tuple(notes),
         misfit_per_line=misfit,
-        next_test=advice,
+        next_test=advice.test,
     )
     return GapOutcome(
-        result=result, stages=stages, before=before, final=final, standing=standing, scale=phi
+        result=result,
+        stages=stages,
+        before=before,
+        final=final,
+        standing=standing,
+        scale=phi,
+        compared=advice.compared,
     )
 
 
@@ -193,6 +201,16 @@ def _left_by_level(stage: Stage, final: Fit) -> float:
     parts = np.array([posture_gap(stage, final, p, held_out=False).frf_error for p in postures])
     sizes = np.array([np.sqrt(np.mean(np.abs(own.values) ** 2)) for own in stage.lines])
     return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
+
+
+def _is_unfollowed(
+    final: Fit, effects: Sequence[EffectFound], found: Rivals, standing: Sequence[Fit]
+) -> bool:
+    """Whether the level tells what nothing named follows, or where nothing is, nothing likely."""
+    if not follows_no_level(final.hypothesis):
+        return False
+    likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
+    return bool(effects) or not any(f.hypothesis.by_level for f in (*standing, *likely))
 
 
 def _title(fit: Fit) -> str:

@@ -202,8 +202,10 @@ def _by_level(
     found = told_apart(superset, apart, levelled, start, Discrepancy())
     if found is None:
         return None
+    anew, gain = found
+    told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
-    return (stages[0], *found[1:]), levelled
+    return (stages[0], *anew[1:]), told
 
 
 def _foretold(

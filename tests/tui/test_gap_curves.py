@@ -3,14 +3,15 @@
 import json
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
+from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 import tui.gap_curves
 from analyzer.gap.advice import NARROWS
 from hil_sim.study import CaseSpec, make_case
 from tui.gap_curves import VARIED, curve_rows, levels_of, reduced, run_curves
+from tui.gap_further import nearer_first
 from tui.gap_study import run_case, run_study
 from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary
@@ -81,8 +82,22 @@ def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_on
     (after,) = line["after"]
     assert after["words"].startswith("measure all points")
     assert after["verdict"] in ("nothing_detectable", "ambiguous", "named")
-    assert np.isfinite(line["brought"]["asked"])
-    assert len(line["brought"]["random"]) == 3
+    assert all(width > 0.0 for width in line["widths"].values())
+
+
+def test_evidence_counts_for_the_compared_model_that_is_nearer_to_the_truth():
+    def model(*keys):
+        instances = [SimpleNamespace(key=key) for key in keys]
+        return SimpleNamespace(hypothesis=SimpleNamespace(instances=instances))
+
+    slip, loss = ("friction", "a"), ("hysteretic", "b")
+    plain, rubbing, wrong = model(), model(slip), model(loss)
+    assert nearer_first([plain, rubbing], [slip]) == (rubbing, plain)
+    assert nearer_first([plain, wrong], [slip]) == (plain, wrong)
+    assert nearer_first([wrong, rubbing, plain], [slip]) == (rubbing, wrong)
+    assert nearer_first([plain, wrong], []) == (plain, wrong)  # nothing was hidden
+    assert nearer_first([wrong, model(loss, slip)], [slip]) is None
+    assert nearer_first([plain, wrong], [None]) is None
 
 
 def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):

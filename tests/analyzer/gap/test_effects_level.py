@@ -227,8 +227,10 @@ def test_a_plain_arm_s_soft_and_hard_hits_are_not_told_apart(linear):
 
 def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level():
     session = make_case(seed=3001, arm="rv4frl", effect="friction", ladder=True).session()
-    stages = told(session)
-    assert stages is not None
+    found = told(session)
+    assert found is not None
+    stages, gain = found
+    assert gain > 100.0  # nats: friction of a clear size; plain arms have 12 at most
     at_first = own_lines(
         Superset(session.header.arm),
         session,

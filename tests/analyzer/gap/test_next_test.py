@@ -140,9 +140,9 @@ def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, se
 def test_rivals_that_no_test_tells_apart_are_said_to_be_so(known):
     stage, null = known
     plan = load_plan("ur5-five-postures", null.hypothesis.ordinary.arm)
-    found, why = advise(stage, null, (null, null), [], [], lambda _: (), plan, lambda _: None)
-    assert found is None
-    assert "would tell nothing missing and nothing missing apart" in why
+    found = advise(stage, null, (null, null), [], [], lambda _: (), plan, lambda _: None)
+    assert found.test is None
+    assert "would tell nothing missing and nothing missing apart" in found.why_none
 
 
 def test_a_rival_with_little_evidence_is_worth_a_test_before_what_only_hides(known, servo):
@@ -151,7 +151,7 @@ def test_a_rival_with_little_evidence_is_worth_a_test_before_what_only_hides(kno
 
     def advised(evidence):
         weak = replace(servo, cost=servo.cost + null.evidence - evidence - servo.evidence)
-        return advise(stage, null, (), [weak], [], lambda _: (), plan, lambda _: None)[0]
+        return advise(stage, null, (), [weak], [], lambda _: (), plan, lambda _: None).test
 
     assert advised(5.0) is None  # nothing hides either
     found = advised(30.0)
