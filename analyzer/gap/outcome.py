@@ -93,11 +93,6 @@ def conclude(
     """
     sharp = stages[-1]
     misfit = misfit_per_line(sharp, final)
-    if not np.isfinite(misfit):
-        raise EstimateError(
-            "the model cannot be compared with the measurement: its misfit is no number; see "
-            "`armodal check session` for channels that are not alive"
-        )
     standing = judged.standing
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)

@@ -103,7 +103,7 @@ def hit_spectra(
     Raises
     ------
     EstimateError
-        If there are no hits, their lengths differ, or the band holds no line.
+        If there are no hits, their lengths differ, one has no force, or the band holds no line.
     """
     if not hits:
         raise EstimateError("FRFs need at least one accepted hit, got none; measure the posture")
@@ -127,6 +127,11 @@ def hit_spectra(
         if quiet.shape[1] >= _FEWEST_QUIET:
             variance[i] = np.maximum(quiet.var(axis=1, ddof=1), variance[i])
         records[i] -= quiet.mean(axis=1, keepdims=True)
+        if not records[i, 0].any():
+            raise EstimateError(
+                f"hit {hits[i].number} of posture {hits[i].posture!r}: wanted a force, got none at "
+                "all; see the hammer's cable, and reject the hit or measure it again"
+            )
     records = np.stack(
         [
             record[:, trigger - lead : trigger - lead + n]

@@ -11,6 +11,7 @@ import hammer
 from simulated import modal_frf, poles_of
 
 from analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf
+from analyzer.modal.spectra import active_channels
 from protocols.errors import EstimateError
 from protocols.frf_records import FrfForm
 from protocols.plan_records import Mode
@@ -132,6 +133,17 @@ def test_lines_stop_where_the_hammer_gives_no_force():
     frf = posture_frf(hammer.session(POLES, R, rng=rng, rate=16384, samples=16384), "p", axes)
     # A half-sine of 2.5 to 4 ms has its first zero at 1.5 / width.
     assert 1.5 / 4e-3 * 0.9 < frf.freq_hz[-1] < 1.5 / 2.5e-3 * 1.1
+
+
+def test_a_hit_without_any_force_is_refused_by_its_number():
+    session = hammer.session(POLES, residues(np.random.default_rng(9), 1))
+    force, *_ = active_channels(session)[2]
+    first, *others = session.hits
+    counts = first.counts.copy()
+    counts[:, force] = 7  # an offset is no force
+    dead = dataclasses.replace(session, hits=(dataclasses.replace(first, counts=counts), *others))
+    with pytest.raises(EstimateError, match=rf"hit {first.number} of posture 'p': .* got none"):
+        posture_frf(dead, "p", axes)
 
 
 def test_a_posture_without_hits_is_refused():
