@@ -127,7 +127,7 @@ def hit_spectra(
         if quiet.shape[1] >= _FEWEST_QUIET:
             variance[i] = np.maximum(quiet.var(axis=1, ddof=1), variance[i])
         records[i] -= quiet.mean(axis=1, keepdims=True)
-        if not records[i, 0].any():
+        if not np.ptp(hits[i].counts[:, columns[0]]):
             raise EstimateError(
                 f"hit {hits[i].number} of posture {hits[i].posture!r}: wanted a force, got none at "
                 "all; see the hammer's cable, and reject the hit or measure it again"
