@@ -79,8 +79,9 @@ def advise(
         return Advice()
     test, gain = best
     if gain < _WORTH:
-        alike = " and ".join(_title(fit) for fit in standing[:_MOST_RIVALS])
-        return Advice(why_none=f"no test that was tried would tell {alike} apart" if alike else "")
+        alike = ", or ".join(_title(fit) for fit in standing[:_MOST_RIVALS])
+        words = f"no further test here is expected to tell apart: {alike}"
+        return Advice(why_none=words if len(standing) > 1 else "")
     much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
     words = f"{test.words}; expected evidence {much} nats"
     text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
