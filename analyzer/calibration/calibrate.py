@@ -29,6 +29,9 @@ HOPELESS = 10.0  # margins: the figure and the belief about the links exclude ea
 IMPLAUSIBLE = 4.0  # standard deviations of the belief
 STEP = 1e-4  # in standard deviations of the belief, for slopes
 DETERMINED = 0.7  # std against the belief's below which a number counts as determined
+# Belief's standard deviations. From the belief itself rounding would choose between two that meet
+# all figures alike.
+_BESIDE_BELIEF = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,6 +105,9 @@ def calibrate_inertia(
     base_mass_kg, base_mass_std
         Believed mass of the base and its relative std; it moves nothing but the total mass.
 
+    Two arms may meet all figures alike, one on each side of the belief (the Viper's does: up to
+    7 % of its largest inertia apart); the one found from a little above the belief is given.
+
     Raises
     ------
     EstimateError
@@ -136,7 +142,7 @@ def calibrate_inertia(
     def residual(u: Array) -> Array:
         return np.concatenate([u, *pulls_at(u)])
 
-    found = least_squares(residual, np.zeros(n), method="lm", x_scale=1.0)
+    found = least_squares(residual, np.full(n, _BESIDE_BELIEF), method="lm", x_scale=1.0)
     u: Array = np.asarray(found.x)
     jacobian: Array = np.asarray(found.jac)
     pulls = tuple(zip(targets, pulls_at(u), strict=True))

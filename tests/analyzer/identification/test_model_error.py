@@ -64,7 +64,9 @@ def test_stiffness_takes_each_links_share_of_the_inertia(arm, test):
 
 def test_no_tolerance_is_no_model_error(arm):
     superset, data, fit = fitted(weightless(arm), true_structure(joints=(1,)), 1)
-    np.testing.assert_array_equal(model_error_std(model_moves(superset, data, fit)), np.zeros(7))
+    std = model_error_std(model_moves(superset, data, fit))
+    # Predictions with and without derivatives differ by rounding; the tolerances leave 1e-2.
+    np.testing.assert_allclose(std, np.zeros(7), atol=1e-9)
 
 
 def test_errors_of_several_kinds_add_as_variances(arm):
