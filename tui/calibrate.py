@@ -19,6 +19,7 @@ from protocols.inertia_targets import load_inertia_targets
 __all__ = ["calibrate", "calibration_json", "calibration_tables"]
 
 IN_TENSION = 1.0  # margins
+_TWIN = "Another arm is equally probable (`twin` with --json); uncertainties are about this one."
 
 
 def calibrate(arm_source: str, targets_path: Path, name: str) -> tuple[Calibration, str]:
@@ -71,6 +72,16 @@ def calibration_json(found: Calibration) -> dict[str, Any]:
             for i, (joint, body) in enumerate(zip(found.arm.joints, found.bodies, strict=True))
         ],
         "base_mass_kg": found.base_mass_kg,
+        "twin": None
+        if found.twin is None
+        else [
+            {
+                "mass_kg": link.mass_kg,
+                "center_m": link.center_m.tolist(),
+                "inertia_kg_m2": link.inertia_kg_m2.tolist(),
+            }
+            for link in found.twin
+        ],
         "targets": [
             {"source": target.source, "pulls_in_margins": pulls.tolist()}
             for target, pulls in found.pulls
@@ -80,7 +91,7 @@ def calibration_json(found: Calibration) -> dict[str, Any]:
 
 def calibration_tables(found: Calibration) -> list[Table]:
     """Links and targets as tables for people."""
-    links = Table(title="Calibrated links")
+    links = Table(title="Calibrated links", caption=_TWIN if found.twin is not None else None)
     for column in ("link", "mass kg", "believed", "radii of gyration mm", "undetermined"):
         links.add_column(column, justify="left" if column == "undetermined" else "right")
     undetermined = found.undetermined()

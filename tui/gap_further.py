@@ -47,8 +47,8 @@ def further(
     -------
     `after`: verdict, mark and names after each test; `brought`: evidence in nats that the first
     test, and random ones, brought for the one nearer to the truth of the models it was to tell
-    apart; `widths`: of the ranges of
-    joint stiffness before it, after it, and after the first random one instead.
+    apart; `widths`: of the ranges of joint stiffness before it, after it, and after the first
+    random one instead.
     """
     laboratory = SimulatedLaboratory(case=case)
     arm, sessions = case.arm, [session]

@@ -78,8 +78,7 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
     """
     tried = [x for x in lines if "after" in x]
     narrowing = [x for x in tried if x["after"] and NARROWS in x["after"][0]["why"]]
-    telling = [x for x in tried if x["after"] and x not in narrowing]
-    compared = [x["brought"] for x in telling if x["brought"]]
+    compared = [x["brought"] for x in tried if x["brought"]]
 
     def last(x: Line) -> str:
         return str(x["after"][-1]["outcome"] if x["after"] else x["outcome"])

@@ -32,6 +32,7 @@ DETERMINED = 0.7  # std against the belief's below which a number counts as dete
 # Belief's standard deviations. From the belief itself rounding would choose between two that meet
 # all figures alike.
 _BESIDE_BELIEF = 0.01
+_TWIN_APART, _TWIN_ALIKE = 0.1, 1.0  # belief's standard deviations; of |u|² + |pulls|²
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +44,9 @@ class Calibration:
     bodies: tuple[BelievedBody, ...]  # of the moving links, base outwards
     base_mass_std: float
     u: Array  # (n,) ten numbers a link, then the base's mass
-    covariance: Array  # (n, n) of u
+    covariance: Array  # (n, n) of u; about this solution, not its twin
     pulls: tuple[tuple[Target, Array], ...]  # deviation over margin, at the solution
+    twin: tuple[InertialLink, ...] | None  # other links that are as probable, if any were found
 
     def spread_of(
         self, joints_rad: npt.ArrayLike, quantity: Callable[[Array], Array]
@@ -105,8 +107,9 @@ def calibrate_inertia(
     base_mass_kg, base_mass_std
         Believed mass of the base and its relative std; it moves nothing but the total mass.
 
-    Two arms may meet all figures alike, one on each side of the belief (the Viper's does: up to
-    7 % of its largest inertia apart); the one found from a little above the belief is given.
+    Two arms may be equally probable, one on each side of the belief (the Viper's are, up to 7 % of
+    its largest inertia apart): the one found from a little above the belief is given, the other
+    is its `twin`.
 
     Raises
     ------
@@ -142,7 +145,12 @@ def calibrate_inertia(
     def residual(u: Array) -> Array:
         return np.concatenate([u, *pulls_at(u)])
 
-    found = least_squares(residual, np.full(n, _BESIDE_BELIEF), method="lm", x_scale=1.0)
+    found, other = (
+        least_squares(residual, np.full(n, beside), method="lm", x_scale=1.0)
+        for beside in (_BESIDE_BELIEF, -_BESIDE_BELIEF)
+    )
+    apart = bool(np.abs(other.x - found.x).max() > _TWIN_APART)
+    alike = bool(abs(other.cost - found.cost) < 0.5 * _TWIN_ALIKE)
     u: Array = np.asarray(found.x)
     jacobian: Array = np.asarray(found.jac)
     pulls = tuple(zip(targets, pulls_at(u), strict=True))
@@ -154,6 +162,7 @@ def calibrate_inertia(
         u=u,
         covariance=np.asarray(np.linalg.inv(jacobian.T @ jacobian), dtype=np.float64),
         pulls=pulls,
+        twin=tuple(linear.links(np.asarray(other.x))) if apart and alike else None,
     )
     worst = max(float(np.abs(pull).max()) for _, pull in pulls)
     missed = {target.source for target, pull in pulls if np.abs(pull).max() > HOPELESS}

@@ -38,7 +38,9 @@ _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
 _MUCH_ELSE = 3.0  # times the ordinary misfit
 # What one joint's stiffness and damping at each level do not tell looks like another such joint.
 _LEVEL_AGAIN = 3.0
-_SURELY_BY_LEVEL = 40.0  # nats: uncorrected windows and nulls had 13 at most, cracks 70 to 350
+# Nats: six nulls had 5 at most and an uncorrected window 12.3; of eight cracks five had 69 to 354,
+# three no more than 8 to 14.
+_SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
 
 
@@ -61,7 +63,7 @@ class Thresholds:
     # uncertain size: then it is no patch.
     unplaced: float = 1000.0
     # Likewise where soft and hard hits are apart, and what is wanted there beside an effect that
-    # follows the level: right names leave 200 at most.
+    # follows the level: right names leave 207 at most.
     beside_level: float = 250.0
     held_out: float = 3.0  # nats that held-out postures must gain together
 
@@ -199,7 +201,11 @@ def _wanted(fit: Fit, thresholds: Thresholds) -> float:
 
 
 def _clear(fit: Fit, thresholds: Thresholds) -> float:
-    """Nats of a term; where soft and hard hits are apart what follows the level looks like any."""
+    """Nats that an added effect needs to be named.
+
+    More beside one that follows the hits' level, which a spring and a damper at each level are
+    only nearly; and none needs less than usual where soft and hard hits are apart.
+    """
     *others, added = fit.hypothesis.instances
     if any(other.by_level for other in others):
         return _LEVEL_AGAIN * thresholds.clear if added.by_level else thresholds.beside_level

@@ -32,7 +32,7 @@ def told_apart(
     start: Mapping[str, float],
     discrepancy: Discrepancy,
 ) -> tuple[tuple[Stage, ...], float] | None:
-    """Stages of soft and of hard hits, weighed anew, and nats; None where the level tells nothing.
+    """Keep soft and hard hits apart, if the hits' level tells something.
 
     First all of the difference between soft and hard hits counts as variance; then, once every
     joint may change with the level, only what that leaves: aims of single hits, and what a spring
@@ -44,6 +44,11 @@ def told_apart(
         Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
     present
         A hypothesis about levelled lines (`Ordinary.level_span`).
+
+    Returns
+    -------
+    The stages with soft and hard hits weighed anew, and the nats of cost that a common change of
+    one joint with the level promises; None where those are too few to tell anything.
     """
     _, broad, middle, _ = stages
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7)

@@ -205,7 +205,7 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
 def _weighing(
     blank: PostureLines, floor: Array, would: ComplexArray, tolerances: Tolerances
 ) -> Weighing:
-    """Of what a rival would give: scatter goes with the answer, noise does not."""
+    """Of what a rival would give: scatter, the blank's, goes with the answer, noise does not."""
     size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
     lines = replace(blank, values=would, variance=floor + blank.variance * size)
     return Weighing(lines, tolerances, Discrepancy())
@@ -288,8 +288,8 @@ def _lines(
 ) -> tuple[list[PostureLines], list[Array]]:
     """Lines as the test's would be; of soft and hard hits where the session's are apart.
 
-    And the noise of each line, (L,), for which the quietest channel stands: a hit half as hard has
-    four times as much.
+    Their variance is the scatter alone, what is above the noise; and the noise of each line, (L,),
+    for which the quietest channel stands: a hit half as hard has four times as much.
     """
     first = stage.lines[0].name
     found: list[PostureLines] = []
@@ -303,6 +303,7 @@ def _lines(
         more = [index[name] for name in test.more_points]
         level = like.level
         floor = np.min(like.variance, axis=(0, 1))
+        scatter = like.variance[rows] - floor
         if test.peaks_n:
             peak_n = (test.peaks_n[0], test.peaks_n[-1])[number]
             level += float(np.log(peak_n / like.peak_n))
@@ -318,7 +319,7 @@ def _lines(
                 sensor_point=np.array([*like.sensor_point, *more]),
                 hit=np.zeros(len(rows), dtype=np.int64),
                 values=like.values[rows],
-                variance=like.variance[rows],
+                variance=scatter,
                 brakes=test.brakes,
                 known_mass=test.known_mass,
                 level=level,

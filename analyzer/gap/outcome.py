@@ -14,14 +14,7 @@ from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
-from analyzer.gap.judge import (
-    Judged,
-    Thresholds,
-    follows_no_level,
-    misfit_per_line,
-    one_mechanism,
-    outside_misfit,
-)
+from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
 from analyzer.gap.looks import look_at_others
 from analyzer.gap.records import (
     Disagreement,
@@ -37,6 +30,7 @@ from analyzer.gap.records import (
 )
 from analyzer.gap.rivals import Rivals
 from analyzer.gap.scan import Candidate, scan_axes
+from analyzer.gap.verdict import verdict_of
 from analyzer.modal.fit import fit_modes
 from analyzer.modal.modes import ModalModel
 from protocols.errors import EstimateError
@@ -47,7 +41,6 @@ __all__ = ["GapOutcome", "Step", "conclude"]
 
 _TWO_SIDED_95, _ONE_SIDED_95 = 1.96, 1.645
 _WIDEST = 0.7  # of ln k
-_LIKELY = 20.0  # of evidence: an effect may be there
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
 # of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
 _COMMON = 2.25
@@ -96,37 +89,8 @@ def conclude(
     standing = judged.standing
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
-    explaining = () if judged.doubted else standing
-    left = min([misfit, *(misfit_per_line(sharp, f) for f in explaining)])
-    apart = bool(final.hypothesis.ordinary.level_span)
-    beyond_doubt = judged.phi * (limits.beside_level if apart else limits.unplaced)
-    unplaced = not standing and any(
-        found.present.evidence - f.evidence > beyond_doubt for f in found.rivals
-    )
-    both = one_mechanism(final.hypothesis.instances)
-    if both is not None:
-        notes.append(
-            f"{both[0].title} and {both[1].title} together are what one mechanism across these "
-            "joints would look like, such as a bar; the library does not know it"
-        )
-    unexplained = _left_by_level(sharp, final) > limits.outside_left
-    if unexplained:
-        notes.append(
-            f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
-            "changes is no joint's stiffness or damping"
-        )
-    unfollowed = _is_unfollowed(final, effects, found, standing)
-    if unfollowed:
-        notes.append("the response depends on the hits' level, and nothing that was named does")
-    outside = (left > outside_misfit(sharp, limits), unplaced, unexplained, unfollowed, both)
-    if any(outside):
-        verdict = Verdict.OUTSIDE_LIBRARY
-    elif effects:
-        verdict = Verdict.NAMED
-    elif len(standing) > 1:
-        verdict = Verdict.AMBIGUOUS
-    else:
-        verdict = Verdict.NOTHING_DETECTABLE
+    verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
+    notes += why
     if effects and len(standing) > 1:
         titles = " or ".join(_title(f) for f in standing)
         notes.append(f"something more is there that cannot be told: {titles}")
@@ -182,30 +146,6 @@ def conclude(
         scale=phi,
         compared=advice.compared,
     )
-
-
-def _left_by_level(stage: Stage, final: Fit) -> float:
-    """Largest part of a posture's response that is left where soft and hard hits are apart.
-
-    A posture that hardly answers, such as one hit near the base, is mostly noise: there it is the
-    part of what the others answer.
-    """
-    if not final.hypothesis.ordinary.level_span:
-        return 0.0
-    postures = range(len(stage.lines))
-    parts = np.array([posture_gap(stage, final, p, held_out=False).frf_error for p in postures])
-    sizes = np.array([np.sqrt(np.mean(np.abs(own.values) ** 2)) for own in stage.lines])
-    return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
-
-
-def _is_unfollowed(
-    final: Fit, effects: Sequence[EffectFound], found: Rivals, standing: Sequence[Fit]
-) -> bool:
-    """Whether the level tells what nothing named follows, or where nothing is, nothing likely."""
-    if not follows_no_level(final.hypothesis):
-        return False
-    likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
-    return bool(effects) or not any(f.hypothesis.by_level for f in (*standing, *likely))
 
 
 def _title(fit: Fit) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
@@ -14,6 +13,7 @@ from analyzer.checks.session import check_session
 from analyzer.gap.add import instances_of_file
 from analyzer.gap.effects import sensor_axes
 from analyzer.gap.effects.effect import Instance
+from analyzer.gap.enough import check_enough, notes_on
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_levels, middle_level
@@ -39,19 +39,15 @@ from analyzer.gap.records import (
     Gate,
 )
 from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.stages import FEWEST_POSTURES, of_test, stages_of, with_test
+from analyzer.gap.stages import of_test, stages_of, with_test
 from analyzer.gap.starts import taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
-from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
-from protocols.plan_records import Mode
 from protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
 
-_FEWEST_POINTS = 4
-_MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 _MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
 _FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
@@ -96,7 +92,7 @@ def find_gap(
     """
     limits = thresholds or Thresholds()
     superset = Superset(session.header.arm)
-    _check_enough(session)
+    check_enough(session)
     single_hits = bool(session.hits)
     if frfs is None:
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
@@ -104,7 +100,7 @@ def find_gap(
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
     stages = _with_tests(stages_of(superset, session, frfs), superset, more)
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
-    notes = _notes(session, single_hits)
+    notes = notes_on(session)
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
@@ -330,45 +326,6 @@ def _still_earning(
             return fit, gone
 
 
-def _check_enough(session: Session) -> None:
-    arm = session.header.arm
-    if not any(joint.stiffness is not None for joint in arm.joints):
-        raise EstimateError(
-            f"arm '{arm.name}' has no joint with a stiffness, so there is no model to compare; "
-            "give the joints a believed stiffness in the arm file"
-        )
-    accepted = [hit for hit in session.hits if hit.verdict.accepted]
-    if session.hits and not accepted:
-        raise EstimateError(
-            "no hit of this session was accepted, so there is nothing to compare; "
-            "see the reasons with `armodal check session` and measure again"
-        )
-    if accepted:
-        postures = {hit.posture for hit in accepted}
-        roving = session.header.plan.mode is Mode.ROVING_HAMMER
-        points = {hit.hit_point if roving else hit.sensor_point for hit in accepted}
-    else:
-        postures = {frf.posture for frf in session.frfs}
-        points = {dof.point for frf in session.frfs for dof in (*frf.responses, *frf.references)}
-    if len(postures) < FEWEST_POSTURES:
-        raise EstimateError(
-            f"wanted at least {FEWEST_POSTURES} postures to tell effects apart, got "
-            f"{len(postures)}; measure two more that move the masses beyond each joint"
-        )
-    if len(points) < _FEWEST_POINTS:
-        raise EstimateError(
-            f"wanted at least {_FEWEST_POINTS} points, three on every link that matters, got "
-            f"{len(points)}; measure more points"
-        )
-    hits_at = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in accepted)
-    once = sum(n == 1 for n in hits_at.values())
-    if once > _MOST_ONCE * len(hits_at):
-        raise EstimateError(
-            "wanted two good hits or more at each point, to see how far hits scatter, got one at "
-            f"{once} of {len(hits_at)}; without that no misfit tells anything: hit them again"
-        )
-
-
 def _gates(
     session: Session, frfs: Sequence[FrequencyResponse], superset: Superset
 ) -> tuple[Gate, ...]:
@@ -397,15 +354,3 @@ def _test_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int
         test = {i for i, posture in enumerate(lines) if posture.name in last}
     held = test | changed
     return tuple(sorted(held if len(held) < len(lines) else test))
-
-
-def _notes(session: Session, single_hits: bool) -> list[str]:
-    notes = []
-    if not single_hits:
-        notes.append(
-            "only averaged FRFs are there: checks that need single hits, and effects that need "
-            "several hit levels, stayed closed"
-        )
-    if not session.complete:
-        notes.append("the session is not complete; what is missing was not judged")
-    return notes

@@ -107,7 +107,7 @@ def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):
     narrows = line | {
         "number": 2,
         "after": [row | {"why": f"shows whether a servo hides, {NARROWS} j1"}],
-        "brought": {"asked": 0.0, "random": [5.0, 5.0]},
+        "brought": {},
         "widths": widths,
     }
     tells = line | {"number": 3, "after": [row | {"why": "tells apart: a, or b"}]}

@@ -127,6 +127,23 @@ def test_the_shipped_arm_is_what_calibration_gives(name, predicting, calibrated)
     np.testing.assert_allclose(kept, made, atol=1e-3 * made.max())
 
 
+def test_another_arm_that_is_as_probable_is_told(predicting, calibrated, uncalibrated):
+    assert predicting.twin is None
+    assert calibrated.twin is not None
+    arm = ArmBatch(uncalibrated).with_links(list(calibrated.twin)).arm
+    # Its modes meet the figures as well: each in margins, and the two differ by far more than
+    # rounding.
+    for target, pulls in calibrated.pulls:
+        theirs = target.pulls(
+            ArmBatch(arm).mass(target.postures),
+            calibrated.base_mass_kg + sum(link.mass_kg for link in calibrated.twin),
+        )
+        assert np.linalg.norm(theirs) == pytest.approx(np.linalg.norm(pulls), abs=0.5)
+    inertias = np.array([joint.link.inertia_kg_m2 for joint in calibrated.arm.joints])
+    twins = np.array([link.inertia_kg_m2 for link in calibrated.twin])
+    assert np.abs(twins - inertias).max() > 0.01 * inertias.max()  # no rounding
+
+
 def test_more_figures_leave_less_undetermined(predicting, calibrated):
     few, many = predicting.undetermined(), calibrated.undetermined()
     assert all(set(many[link]) <= set(few[link]) for link in few)

@@ -1,0 +1,75 @@
+"""What a session must hold to be judged, and what is said of one that holds less than it could."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from analyzer.gap.stages import FEWEST_POSTURES
+from protocols.errors import EstimateError
+from protocols.plan_records import Mode
+from protocols.session.records import Session
+
+__all__ = ["check_enough", "notes_on"]
+
+_FEWEST_POINTS = 4
+_MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
+
+
+def check_enough(session: Session) -> None:
+    """Check that a session can carry a judgement.
+
+    Raises
+    ------
+    EstimateError
+        If it cannot: no elastic joint, no accepted hit, too few postures or points, or points hit
+        once only.
+    """
+    arm = session.header.arm
+    if not any(joint.stiffness is not None for joint in arm.joints):
+        raise EstimateError(
+            f"arm '{arm.name}' has no joint with a stiffness, so there is no model to compare; "
+            "give the joints a believed stiffness in the arm file"
+        )
+    accepted = [hit for hit in session.hits if hit.verdict.accepted]
+    if session.hits and not accepted:
+        raise EstimateError(
+            "no hit of this session was accepted, so there is nothing to compare; "
+            "see the reasons with `armodal check session` and measure again"
+        )
+    if accepted:
+        postures = {hit.posture for hit in accepted}
+        roving = session.header.plan.mode is Mode.ROVING_HAMMER
+        points = {hit.hit_point if roving else hit.sensor_point for hit in accepted}
+    else:
+        postures = {frf.posture for frf in session.frfs}
+        points = {dof.point for frf in session.frfs for dof in (*frf.responses, *frf.references)}
+    if len(postures) < FEWEST_POSTURES:
+        raise EstimateError(
+            f"wanted at least {FEWEST_POSTURES} postures to tell effects apart, got "
+            f"{len(postures)}; measure two more that move the masses beyond each joint"
+        )
+    if len(points) < _FEWEST_POINTS:
+        raise EstimateError(
+            f"wanted at least {_FEWEST_POINTS} points, three on every link that matters, got "
+            f"{len(points)}; measure more points"
+        )
+    hits_at = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in accepted)
+    once = sum(n == 1 for n in hits_at.values())
+    if once > _MOST_ONCE * len(hits_at):
+        raise EstimateError(
+            "wanted two good hits or more at each point, to see how far hits scatter, got one at "
+            f"{once} of {len(hits_at)}; without that no misfit tells anything: hit them again"
+        )
+
+
+def notes_on(session: Session) -> list[str]:
+    """What a reader must know of a session that was judged."""
+    notes = []
+    if not session.hits:
+        notes.append(
+            "only averaged FRFs are there: checks that need single hits, and effects that need "
+            "several hit levels, stayed closed"
+        )
+    if not session.complete:
+        notes.append("the session is not complete; what is missing was not judged")
+    return notes

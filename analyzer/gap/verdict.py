@@ -1,0 +1,92 @@
+"""What a search ended with: named, ambiguous, nothing detectable, outside the library; and why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from analyzer.gap.compare import posture_gap
+from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.judge import (
+    Judged,
+    Thresholds,
+    follows_no_level,
+    misfit_per_line,
+    one_mechanism,
+    outside_misfit,
+)
+from analyzer.gap.records import Verdict
+from analyzer.gap.rivals import Rivals
+
+__all__ = ["verdict_of"]
+
+_LIKELY = 20.0  # of evidence: an effect may be there
+
+
+def verdict_of(
+    stage: Stage, final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
+) -> tuple[Verdict, list[str]]:
+    """Return the verdict, and why something is outside the library.
+
+    Parameters
+    ----------
+    stage
+        The sharp lines.
+    final, found, judged
+        The model with everything that was named, its rivals, and which of them stand.
+    named
+        Whether anything was.
+    """
+    standing = judged.standing
+    explaining = () if judged.doubted else standing
+    left = min(misfit_per_line(stage, fit) for fit in (final, *explaining))
+    why: list[str] = []
+    both = one_mechanism(final.hypothesis.instances)
+    if both is not None:
+        why.append(
+            f"{both[0].title} and {both[1].title} together are what one mechanism across these "
+            "joints would look like, such as a bar; the library does not know it"
+        )
+    if _left_by_level(stage, final) > limits.outside_left:
+        why.append(
+            f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
+            "changes is no joint's stiffness or damping"
+        )
+    if _is_unfollowed(final, found, standing, named=named):
+        why.append("the response depends on the hits' level, and nothing that was named does")
+    if why or left > outside_misfit(stage, limits) or _is_unplaced(final, found, judged, limits):
+        return Verdict.OUTSIDE_LIBRARY, why
+    if named:
+        return Verdict.NAMED, why
+    return Verdict.AMBIGUOUS if len(standing) > 1 else Verdict.NOTHING_DETECTABLE, why
+
+
+def _is_unplaced(final: Fit, found: Rivals, judged: Judged, limits: Thresholds) -> bool:
+    """Whether much is told by what is too small to matter, or of uncertain size."""
+    beyond_doubt = limits.beside_level if final.hypothesis.by_level else limits.unplaced
+    return not judged.standing and any(
+        found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
+    )
+
+
+def _left_by_level(stage: Stage, final: Fit) -> float:
+    """Largest part of a posture's response that is left where soft and hard hits are apart.
+
+    A posture that hardly answers, such as one hit near the base, is mostly noise: there it is the
+    part of what half of the postures answer at least.
+    """
+    if not final.hypothesis.ordinary.level_span:
+        return 0.0
+    postures = range(len(stage.lines))
+    parts = np.array([posture_gap(stage, final, p, held_out=False).frf_error for p in postures])
+    sizes = np.array([np.sqrt(np.mean(np.abs(own.values) ** 2)) for own in stage.lines])
+    return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
+
+
+def _is_unfollowed(final: Fit, found: Rivals, standing: Sequence[Fit], *, named: bool) -> bool:
+    """Whether the level tells what nothing named follows, or where nothing is, nothing likely."""
+    if not follows_no_level(final.hypothesis):
+        return False
+    likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
+    return named or not any(f.hypothesis.by_level for f in (*standing, *likely))
