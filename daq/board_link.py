@@ -47,6 +47,7 @@ __all__ = ["BoardLink", "FoundBoard", "Reply"]
 TRIES = 3
 # The processes of host and simulation do not run faster when the laboratory's clock does.
 SHORTEST_WALL_TIMEOUT_S = 0.25
+GIVE_UP_WALL_S = 3.0  # at least: a loaded machine holds up a process for so long
 HELD_FRAMES = 4096
 HELD_COMMANDS = 64
 
@@ -87,7 +88,8 @@ class BoardLink:
     clock
         The laboratory's clock.
     reply_timeout_s
-        Lab seconds to wait for a reply before the command is sent again.
+        Lab seconds to wait for a reply before the command is sent again, three times in all; the
+        last time at least until `GIVE_UP_WALL_S` have passed.
 
     Attributes
     ----------
@@ -99,6 +101,7 @@ class BoardLink:
         self._port = port
         self._clock = clock
         self._wait_wall_s = max(clock.wall_s(reply_timeout_s), SHORTEST_WALL_TIMEOUT_S)
+        self._give_up_wall_s = max(TRIES * self._wait_wall_s, GIVE_UP_WALL_S)
         self._decoder = FrameDecoder()
         self._found: FoundBoard | None = None
         self._sequence = 0
@@ -257,7 +260,7 @@ class BoardLink:
         if not self._sent:
             return
         oldest = next(iter(self._sent.values()))[1]
-        if self._wall_s() - oldest > TRIES * self._wait_wall_s:
+        if self._wall_s() - oldest > self._give_up_wall_s:
             raise DeviceTimeoutError(
                 f"the board on {self._port.name} has stopped answering; check it, then resume"
             )
@@ -275,11 +278,15 @@ class BoardLink:
     ) -> tuple[Frame, FoundT]:
         """Send a command until a frame is what `find` looks for; keep the others for `pump`."""
         bytes_before, frames_before = self.received_bytes, self.frames
-        for _ in range(TRIES):
+        give_up = self._wall_s() + self._give_up_wall_s
+        for tried in range(1, TRIES + 1):
             self.send(kind, payload)
-            until = self._wall_s() + self._wait_wall_s
-            while (left := until - self._wall_s()) > 0.0:
-                if not self._clock.wait([self._port.fileno()], left):
+            until = self._wall_s() + self._wait_wall_s if tried < TRIES else give_up
+            late = False
+            while not late:
+                left = until - self._wall_s()
+                late = left <= 0.0  # what came meanwhile is still read
+                if not self._clock.wait([self._port.fileno()], max(left, 0.0)):
                     break
                 frames = self._receive()
                 for index, frame in enumerate(frames):

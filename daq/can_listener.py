@@ -25,7 +25,7 @@ from protocols.slcan import (
 
 __all__ = ["CanSource", "PythonCanListener", "SlcanListener", "open_can"]
 
-ADAPTER_TIMEOUT_S = 1.0  # of the wall clock: the adapter is no part of the laboratory's time
+ADAPTER_TIMEOUT_S = 3.0  # of the wall clock: the adapter is no part of the laboratory's time
 CLOSE_TIMEOUT_S = 0.2  # some adapters are silent when a closed channel is closed
 FRAMES_AT_ONCE = 4096
 
@@ -176,8 +176,11 @@ class SlcanListener:
         optional = command == CLOSE
         n_faults = 0
         until = self._wall_s() + (CLOSE_TIMEOUT_S if optional else ADAPTER_TIMEOUT_S)
-        while (left := until - self._wall_s()) > 0.0:
-            if not self._clock.wait([self._port.fileno()], left):
+        late = False
+        while not late:
+            left = until - self._wall_s()
+            late = left <= 0.0  # what came meanwhile is still read
+            if not self._clock.wait([self._port.fileno()], max(left, 0.0)):
                 break
             for item in self._parser.feed(self._port.read()):
                 n_faults += isinstance(item, SlcanFault)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from daq.check.probe import BoardProbe, BoardStepError
+from daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
 from daq.check.stream import Recording, record
 from daq.clock import Clock
 from daq.serial_port import BytePort
@@ -89,7 +89,7 @@ def hello(probe: BoardProbe) -> Hello | None:
                 )
             return bool(found)
 
-        timeout_s = max(0.25 / probe.clock.wall_s(1.0), HELLO_TIMEOUT_S)
+        timeout_s = max(SHORTEST_WALL_TIMEOUT_S / probe.clock.wall_s(1.0), HELLO_TIMEOUT_S)
         if probe.collect(timeout_s, whole):
             return found[0]
     return None

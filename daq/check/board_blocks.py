@@ -16,7 +16,7 @@ from daq.check.captured import (
     noise_level,
     whole_blocks,
 )
-from daq.check.probe import BoardProbe, BoardStepError
+from daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
 from daq.check.trigger_truth import expected_blocks
 from daq.check.verdict import Finding, failed, passed, unchecked
 from protocols.board.messages import encode_release, encode_resend
@@ -27,7 +27,6 @@ __all__ = ["TOO_QUIET", "check_pretrigger", "check_resend", "check_trigger", "ho
 LATCH_S = 10e-6  # section 3
 LARGEST_SHIFT = 64  # samples looked for between a block and the preview
 RESEND_WAIT_S = 0.5
-SHORTEST_WAIT_WALL_S = 0.25
 RESEND_TRIES = 3
 RANGES = ((0, BLOCK_LENGTH), (0, 1), (BLOCK_LENGTH - 1, 1), (13, 101), (0, 0))
 QUEUE = 8  # ranges the board's queue takes at least, section 8
@@ -216,7 +215,7 @@ def resent(
     """Ask for a range again; return what came, or what is wrong."""
     probe = bench.probe
     block_id = block.info.block_id
-    wait_s = max(RESEND_WAIT_S, SHORTEST_WAIT_WALL_S / bench.clock.wall_s(1.0))
+    wait_s = max(RESEND_WAIT_S, SHORTEST_WALL_TIMEOUT_S / bench.clock.wall_s(1.0))
     for _ in range(RESEND_TRIES):
         probe.clear()
         code, reason = probe.code(FrameType.RESEND, encode_resend(block_id, first, count))
@@ -301,7 +300,7 @@ def _queue_problems(bench: BoardBench, block_id: int) -> list[str]:
     def sent() -> list[SentBlock]:
         return [b for b in blocks_of(probe.frames) if b.samples == BLOCK_LENGTH]
 
-    wait_s = max(RESEND_WAIT_S, SHORTEST_WAIT_WALL_S / bench.clock.wall_s(1.0))
+    wait_s = max(RESEND_WAIT_S, SHORTEST_WALL_TIMEOUT_S / bench.clock.wall_s(1.0))
     probe.collect(QUEUE * wait_s, lambda: len(sent()) == QUEUE)
     n_lost = QUEUE - len(sent())
     probe.settle()

@@ -19,7 +19,7 @@ __all__ = ["BoardProbe", "BoardStepError"]
 
 TRIES = 3
 REPLY_TIMEOUT_S = 0.5
-SHORTEST_WALL_TIMEOUT_S = 0.25
+SHORTEST_WALL_TIMEOUT_S = 1.0  # a loaded machine holds up a process for so long
 # The least time a board and the host's driver are given to be done with something, wall seconds.
 SETTLE_WALL_S = 0.05
 
@@ -89,11 +89,13 @@ class BoardProbe:
     def collect(self, lab_s: float, enough: Callable[[], bool] | None = None) -> bool:
         """Read for some lab seconds, or until it is `enough`; return whether it was."""
         until = time.monotonic() + self.clock.wall_s(lab_s)
+        late = False
         while enough is None or not enough():
-            left = until - time.monotonic()
-            if left <= 0.0:
+            if late:
                 return False
-            if select.select([self.port], [], [], left)[0]:
+            left = until - time.monotonic()
+            late = left <= 0.0  # what came meanwhile is still read
+            if select.select([self.port], [], [], max(left, 0.0))[0]:
                 self.read()
         return True
 

@@ -146,6 +146,7 @@ class Line:
         self.master, slave = pty.openpty()
         tty.setraw(slave)
         self.name = os.ttyname(slave)
+        os.set_blocking(self.master, False)  # a host that reads nothing must not hold us for ever
         self._slave = slave  # kept open, so that the master never reads EIO
         self.lock = threading.RLock()
         self._stop = threading.Event()
@@ -157,8 +158,10 @@ class Line:
 
     def write(self, data: bytes) -> None:
         with self.lock:
-            while data:
-                data = data[os.write(self.master, data) :]
+            while data and not self._stop.is_set():
+                if select.select([], [self.master], [], 0.01)[1]:
+                    with suppress(BlockingIOError):
+                        data = data[os.write(self.master, data) :]
 
     def unplug(self) -> None:
         self._stop.set()

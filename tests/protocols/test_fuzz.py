@@ -53,7 +53,7 @@ def test_changed_files_are_read_or_refused(decoders, name):
 
 
 @given(st.binary(max_size=600))
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 def test_any_bytes_of_a_board_are_frames_or_garbage(data):
     decode_board(b"\0" + data + b"\0")
 

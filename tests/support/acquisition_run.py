@@ -45,7 +45,7 @@ class Run:
         self.seen: list[Any] = []
         self.read_to = 0
 
-    def until(self, wanted: Callable[[Any], bool], timeout_s: float = 8.0) -> Any:
+    def until(self, wanted: Callable[[Any], bool], timeout_s: float = 60.0) -> Any:
         for event in self.seen[self.read_to :]:
             self.read_to += 1
             if wanted(event):

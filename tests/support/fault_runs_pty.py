@@ -54,7 +54,7 @@ class OperatorByScript:
 
     def __init__(self, path):
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._socket.settimeout(10.0)
+        self._socket.settimeout(60.0)
         self._socket.connect(str(path))
         self._file = self._socket.makefile("rb")
         self.send = lambda command: None

@@ -6,7 +6,7 @@ import re
 import time
 from collections.abc import Callable
 
-from support.terminal import LOOK_EVERY_S, Terminal
+from support.terminal import LOOK_EVERY_S, PATIENCE, Terminal
 
 # What the screen says, and the key that follows from it; the first that fits is pressed.
 RULES: tuple[tuple[str, str], ...] = (
@@ -21,14 +21,14 @@ RULES: tuple[tuple[str, str], ...] = (
     (r"Enter: mounted, ready to hit", "Enter"),
     (r"hits at point", "h"),
 )
-PATIENCE_S = 4.0  # for the screen to answer a key: a hit below the trigger leaves no trace
+ANSWER_S = 4.0  # for the screen to answer a key: a hit below the trigger leaves no trace
 
 
 def act_until_done(
     terminal: Terminal, timeout_s: float, seen: Callable[[str], None] = lambda screen: None
 ) -> str:
     """Press keys as the screen says until the session is done; return the last screen."""
-    end_s = time.monotonic() + timeout_s
+    end_s = time.monotonic() + PATIENCE * timeout_s
     pressed, pressed_s = "", 0.0
     while time.monotonic() < end_s:
         screen = terminal.screen()
@@ -45,8 +45,10 @@ def act_until_done(
         place = re.search(r"point \S+ ", screen)
         record = re.findall(r"record (\d+)", screen)
         state = f"{words} {place and place.group()} {record}"
-        if state != pressed or now_s - pressed_s > PATIENCE_S:
+        if state != pressed or now_s - pressed_s > ANSWER_S:
             pressed, pressed_s = state, now_s
             terminal.keys(key)
         time.sleep(LOOK_EVERY_S)
-    raise AssertionError(f"the session was not done in {timeout_s:g} s:\n{terminal.screen()}")
+    raise AssertionError(
+        f"the session was not done in {PATIENCE * timeout_s:g} s:\n{terminal.screen()}"
+    )

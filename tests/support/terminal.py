@@ -15,6 +15,7 @@ from typing import Self
 
 ROOT = Path(__file__).parents[2]
 LOOK_EVERY_S = 0.05
+PATIENCE = 4.0  # times what a quiet machine needs at most; a loaded one stalls for seconds
 
 
 class Terminal:
@@ -73,13 +74,15 @@ class Terminal:
 
     def until(self, pattern: str, timeout_s: float = 30.0) -> str:
         """Wait until the screen shows a pattern, and return the screen."""
-        end_s = time.monotonic() + timeout_s
+        end_s = time.monotonic() + PATIENCE * timeout_s
         while True:
             screen = self.screen()
             if re.search(pattern, screen):
                 return screen
             if time.monotonic() > end_s:
-                raise AssertionError(f"{pattern!r} did not come in {timeout_s:g} s:\n{screen}")
+                raise AssertionError(
+                    f"{pattern!r} did not come in {PATIENCE * timeout_s:g} s:\n{screen}"
+                )
             time.sleep(LOOK_EVERY_S)
 
     def close(self) -> None:

@@ -35,7 +35,7 @@ def equation_eight(arm, poses, i, inertia_of):
     return axis @ total @ axis
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(angles)
 def test_moments_are_those_of_equation_eight_with_the_moving_links_inertia(arm, q):
     poses = link_poses(arm, q)

@@ -186,7 +186,7 @@ def test_every_truncation_is_one_error_or_whole_datasets(tmp_path, binary):
 
 
 @given(st.binary(max_size=300))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_bytes_are_read_or_refused_in_one_sentence(data):
     try:
         uff_from_bytes(data, "a")
@@ -195,7 +195,7 @@ def test_any_bytes_are_read_or_refused_in_one_sentence(data):
 
 
 @given(st.data())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_changed_bytes_are_read_or_refused(data):
     raw = bytearray(_WHOLE)
     for _ in range(data.draw(st.integers(1, 4))):
