@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -91,7 +92,7 @@ class FrontEnd:
         fine_after = np.arange(head_n, n) * self.oversampling - (len(fine) - 1)
         after = np.zeros((max(n - head_n, 0), 4))
         for channel, corner_hz in enumerate(self._corners_hz):
-            b, a = signal.butter(1, corner_hz, "highpass", fs=self.fine_hz)
+            b, a = _highpass(corner_hz, self.fine_hz)
             passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
             gain = (b[0] + b[1] / ratio) / (1.0 + a[1] / ratio)
             tail[:-1, channel] = gain * free[:, channel]
@@ -110,13 +111,20 @@ class FrontEnd:
         """Counts (n, 4), not yet rounded, of a signal given at the fine rate to its end."""
         passed = np.empty_like(fine)
         for channel, corner_hz in enumerate(self._corners_hz):
-            b, a = signal.butter(1, corner_hz, "highpass", fs=self.fine_hz)
+            b, a = _highpass(corner_hz, self.fine_hz)
             passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
         n = (len(fine) - 1) // self.oversampling + 1
         sampled: Array = signal.upfirdn(
             self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0
         )[:n]
         return sampled
+
+
+@lru_cache(maxsize=32)
+def _highpass(corner_hz: float, rate_hz: float) -> tuple[Array, Array]:
+    """Coefficients of a first-order high pass."""
+    b, a = signal.butter(1, corner_hz, "highpass", fs=rate_hz)
+    return np.asarray(b), np.asarray(a)
 
 
 def _decay(

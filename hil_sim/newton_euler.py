@@ -14,6 +14,7 @@ Algorithms" (2008), chapter 5.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -59,9 +60,12 @@ class Body:
     slides: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Chain:
-    """Bodies from the base outwards, and the gravity they live in."""
+    """Bodies from the base outwards, and the gravity they live in.
+
+    Many linearisations are made of one chain: what they read of its bodies is stacked once.
+    """
 
     bodies: tuple[Body, ...]
     gravity_m_s2: Array  # (3,) base frame
@@ -71,10 +75,40 @@ class Chain:
         """Number of hinges."""
         return len(self.bodies)
 
-    @property
+    @cached_property
     def turns(self) -> Array:
         """(n, 1) one for hinges that turn, zero for those that slide."""
         return np.array([[0.0 if body.slides else 1.0] for body in self.bodies])
+
+    @cached_property
+    def axis(self) -> Array:
+        """(n, 3) of the hinges, each in its body's frame."""
+        return np.array([body.axis for body in self.bodies])
+
+    @cached_property
+    def step_m(self) -> Array:
+        """(n, 3) from each body's frame to the next hinge, in the frame of the body before."""
+        return np.array([b.origin_m + b.R_parent_body @ b.hinge_m for b in self.bodies])
+
+    @cached_property
+    def turn_before(self) -> Array:
+        """(n, 3, 3) while the hinges are at zero."""
+        return np.array([body.R_parent_body for body in self.bodies])
+
+    @cached_property
+    def rodrigues(self) -> tuple[Array, Array]:
+        """(n, 3, 3) each: skew matrices of the axes and their squares, zero where one slides."""
+        S = np.array([skew(body.axis) for body in self.bodies]) * self.turns[:, None]
+        return S, S @ S
+
+    @cached_property
+    def masses(self) -> tuple[Array, Array, Array]:
+        """Mass (n,), center (n, 3) and inertia (n, 3, 3) of the bodies."""
+        return (
+            np.array([body.mass_kg for body in self.bodies]),
+            np.array([body.center_m for body in self.bodies]),
+            np.array([body.inertia_kg_m2 for body in self.bodies]),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,29 +150,25 @@ def rotation(axis: Array, angle_rad: npt.ArrayLike) -> Array:
 def place(chain: Chain, q_rad: Array) -> Placement:
     """Frames of all bodies for hinge angles (..., n)."""
     batch = q_rad.shape[:-1]
-    R: Array = np.broadcast_to(np.eye(3), (*batch, 3, 3))
-    origin = np.zeros((*batch, 3))
-    frames, origins, hinges, axes = [], [], [], []
+    S, SS = chain.rodrigues
+    angle = q_rad[..., None, None]
+    turned = chain.turn_before @ (np.eye(3) + np.sin(angle) * S + (1.0 - np.cos(angle)) * SS)
+    slid = (1.0 - chain.turns) * chain.axis * q_rad[..., None]
+    R = np.empty((*batch, chain.n, 3, 3))
+    origin, hinge = np.empty((*batch, chain.n, 3)), np.empty((*batch, chain.n, 3))
+    R_before: Array = np.broadcast_to(np.eye(3), (*batch, 3, 3))
+    before = np.zeros((*batch, 3))
     for i, body in enumerate(chain.bodies):
-        step = body.origin_m + body.R_parent_body @ body.hinge_m
-        hinge = origin + R @ step
-        R = R @ body.R_parent_body
+        here = R[..., i, :, :]
+        np.matmul(R_before, turned[..., i, :, :], out=here)
+        at = before + R_before @ chain.step_m[i]
         if body.slides:
-            hinge = hinge + (R @ body.axis) * q_rad[..., i, None]
-        else:
-            R = R @ rotation(body.axis, q_rad[..., i])
-        origin = hinge - R @ body.hinge_m
-        frames.append(R)
-        origins.append(origin)
-        hinges.append(hinge)
-        axes.append(R @ body.axis)
-    return Placement(
-        R=np.stack(frames, axis=-3),
-        origin_m=np.stack(origins, axis=-2),
-        hinge_m=np.stack(hinges, axis=-2),
-        axis=np.stack(axes, axis=-2),
-        turns=chain.turns,
-    )
+            at = at + (here @ slid[..., i, :, None])[..., 0]
+        hinge[..., i, :] = at
+        origin[..., i, :] = before = at - here @ body.hinge_m
+        R_before = here
+    axis = (R @ chain.axis[:, :, None])[..., 0]
+    return Placement(R=R, origin_m=origin, hinge_m=hinge, axis=axis, turns=chain.turns)
 
 
 def inverse_dynamics(chain: Chain, q_rad: Array, qd_rad_s: Array, qdd_rad_s2: Array) -> Array:
@@ -155,9 +185,7 @@ def inverse_dynamics(chain: Chain, q_rad: Array, qd_rad_s: Array, qdd_rad_s2: Ar
         Torques in N m that the hinges must exert.
     """
     at = place(chain, q_rad)
-    mass = np.array([body.mass_kg for body in chain.bodies])
-    center_local = np.array([body.center_m for body in chain.bodies])
-    inertia_local = np.array([body.inertia_kg_m2 for body in chain.bodies])
+    mass, center_local, inertia_local = chain.masses
     Rt = np.swapaxes(at.R, -1, -2)
     inertia = at.R @ inertia_local @ Rt
     center = at.origin_m + np.einsum("...ij,...j->...i", at.R, center_local)
@@ -183,7 +211,11 @@ def inverse_dynamics(chain: Chain, q_rad: Array, qd_rad_s: Array, qdd_rad_s2: Ar
     force = mass[:, None] * center_acc
     turning = np.einsum("...ij,...j->...i", inertia, omega)
     moment = np.einsum("...ij,...j->...i", inertia, alpha) + cross(omega, turning)
-    moment = moment + cross(center, force)
+    return _at_hinges(at, force, moment + cross(center, force))
+
+
+def _at_hinges(at: Placement, force: Array, moment: Array) -> Array:
+    """Torques (..., n) of forces on the bodies and their moments about the base's origin."""
     force_beyond = np.cumsum(force[..., ::-1, :], axis=-2)[..., ::-1, :]
     moment_beyond = np.cumsum(moment[..., ::-1, :], axis=-2)[..., ::-1, :]
     about_hinge = moment_beyond - cross(at.hinge_m, force_beyond)
@@ -194,8 +226,11 @@ def inverse_dynamics(chain: Chain, q_rad: Array, qd_rad_s: Array, qdd_rad_s2: Ar
 
 def gravity_torque(chain: Chain, q_rad: Array) -> Array:
     """Torques (..., n) in N m that hold the chain at rest."""
-    still = np.zeros_like(q_rad)
-    return inverse_dynamics(chain, q_rad, still, still)
+    at = place(chain, q_rad)
+    mass, center_local, _ = chain.masses
+    center = at.origin_m + (at.R @ center_local[:, :, None])[..., 0]
+    force = np.broadcast_to(-mass[:, None] * chain.gravity_m_s2, center.shape)
+    return _at_hinges(at, force, cross(center, force))
 
 
 def mass_matrix(chain: Chain, q_rad: Array) -> Array:
@@ -214,8 +249,7 @@ def gravity_stiffness(chain: Chain, q_rad: Array) -> Array:
     """
     h = 1e-4
     steps = h * np.eye(chain.n)
-    ahead = gravity_torque(chain, q_rad + steps)
-    behind = gravity_torque(chain, q_rad - steps)
+    ahead, behind = gravity_torque(chain, q_rad + np.stack((steps, -steps)))
     slope = (ahead - behind) / (2.0 * h)
     result: Array = 0.5 * (slope + slope.T)
     return result

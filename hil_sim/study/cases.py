@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -146,7 +146,7 @@ class SealedCase:
 
     @cached_property
     def _hidden(self) -> tuple[Tables, dict[str, Any]]:
-        return _hide(self._spec, self._study)
+        return _hide(self._spec)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,8 +233,10 @@ def write_case(case: SealedCase, folder: Path) -> CaseFiles:
     return files
 
 
-def _hide(spec: CaseSpec, study: StudyArm) -> tuple[Tables, dict[str, Any]]:
-    """Tables of the plant with its effects, and the truth about them."""
+@lru_cache(maxsize=1024)  # a study seals all its cases first, and measures each later
+def _hide(spec: CaseSpec) -> tuple[Tables, dict[str, Any]]:
+    """Tables of the plant with its effects, and the truth about them; to be read only."""
+    study = study_arm(spec.arm)
     plain = erring_plant_tables(study, np.random.default_rng([spec.seed, 1]))
     places = ArmPlaces(study, plain)
     bystander = Bystander(study, plain)
