@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
@@ -16,16 +14,12 @@ from rich.table import Table
 from daq.check import BoardCheckOptions, Report, StepResult, Verdict, check_board, check_can
 from daq.clock import SystemClock
 from daq.serial_port import SerialPort
-from hil_sim.broken_board import broken_board
-from hil_sim.broken_controller import broken_controller
-from hil_sim.lab import Laboratory
-from hil_sim.relay import relayed
 from protocols.arm.files import load_arm
 from protocols.session.hdf5 import read_session
 from tui.check_session import session_checks
 from tui.console import Json, err, out
 
-__all__ = ["app", "broken_lines"]
+__all__ = ["app"]
 
 FAILED = 1
 STYLES = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.NOT_CHECKED: "yellow"}
@@ -162,23 +156,3 @@ def _table(report: Report) -> Table:
 
 def _plain(text: str) -> str:
     return text.replace("[", "\\[")
-
-
-@contextmanager
-def broken_lines(
-    laboratory: Laboratory, *, board: str | None, controller: str | None
-) -> Iterator[tuple[str, str]]:
-    """Put faulty devices in front of a laboratory's; yield the lines of board and adapter.
-
-    Raises
-    ------
-    PlantError
-        If there is no broken device of a name.
-    """
-    with ExitStack() as keep:
-        board_line, can_line = laboratory.board, laboratory.can
-        if board is not None:
-            board_line = keep.enter_context(relayed(board_line, broken_board(board)))
-        if controller is not None:
-            can_line = keep.enter_context(relayed(can_line, broken_controller(controller)))
-        yield board_line, can_line

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 from analyzer.arm.superset import Superset
 from analyzer.given_frfs import with_variances
@@ -33,10 +31,13 @@ from protocols.foreign.mat import write_mat
 from protocols.foreign.uff_write import write_uff
 from protocols.session.hdf5 import Provenance, read_session, write_session
 from protocols.session.records import Hit, Session
-from tui.console import Json
+from tui.console import Json, out, say
 from tui.results import identification_json
+from tui.software import SOFTWARE
 
-__all__ = ["add_exchange_commands", "export_model", "export_session", "import_manifest"]
+__all__ = ["app", "export_model", "export_session", "import_manifest"]
+
+app = typer.Typer()
 
 _FINER = 2**8  # imported counts to a step of 24 bits at half range
 
@@ -192,73 +193,69 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
         temporary.unlink(missing_ok=True)
 
 
-def add_exchange_commands(
-    app: typer.Typer, *, software: str, out: Console, say: Callable[[str], None]
+@app.command("import")
+def import_command(
+    manifest: Annotated[Path, typer.Argument(help="Import manifest (TOML).")],
+    output: Annotated[Path, typer.Option("--out", help="Session file to write.")],
+    as_json: Json = False,
 ) -> None:
-    """Register `import` and `export` with the command line."""
+    """Make a session file of measurements from other programs.
 
-    @app.command("import")
-    def import_command(
-        manifest: Annotated[Path, typer.Argument(help="Import manifest (TOML).")],
-        output: Annotated[Path, typer.Option("--out", help="Session file to write.")],
-        as_json: Json = False,
-    ) -> None:
-        """Make a session file of measurements from other programs.
+    Example: armodal import manifest.toml --out session.h5
+    """
+    say(f"reading {manifest}")
+    _, summary = import_manifest(manifest, output, software=SOFTWARE)
+    if as_json:
+        sys.stdout.write(json.dumps(summary, indent=2) + "\n")
+        return
+    for posture in summary["postures"]:
+        what = f"{posture.get('frfs')} FRFs"
+        if "hits" in posture:
+            what = f"{posture['hits']} hits, {posture['accepted']} accepted"
+        out.print(f"{posture['posture']}: {what}", markup=False)
+    for text in summary["warnings"]:
+        out.print(f"note: {text}", markup=False)
+    out.print(f"session {output}", markup=False)
 
-        Example: armodal import manifest.toml --out session.h5
-        """
-        say(f"reading {manifest}")
-        _, summary = import_manifest(manifest, output, software=software)
-        if as_json:
-            sys.stdout.write(json.dumps(summary, indent=2) + "\n")
-            return
-        for posture in summary["postures"]:
-            what = f"{posture.get('frfs')} FRFs"
-            if "hits" in posture:
-                what = f"{posture['hits']} hits, {posture['accepted']} accepted"
-            out.print(f"{posture['posture']}: {what}", markup=False)
-        for text in summary["warnings"]:
-            out.print(f"note: {text}", markup=False)
-        out.print(f"session {output}", markup=False)
 
-    @app.command("export")
-    def export_command(
-        session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
-        output: Annotated[
-            Path | None, typer.Option("--out", help="File to write: .uff, .unv or .mat.")
-        ] = None,
-        modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
-        binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
-        model: Annotated[
-            Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
-        ] = None,
-        as_json: Json = False,
-    ) -> None:
-        """Write FRFs, geometry, mode shapes and the identified model for other programs.
+@app.command("export")
+def export_command(
+    session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+    output: Annotated[
+        Path | None, typer.Option("--out", help="File to write: .uff, .unv or .mat.")
+    ] = None,
+    modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
+    binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
+    model: Annotated[
+        Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Write FRFs, geometry, mode shapes and the identified model for other programs.
 
-        Example: armodal export session.h5 --out session.uff --model model.json
-        """
-        measured = read_session(session)
-        path = output or session.with_suffix(".uff")
-        result = None if model is None else identify(measured, say)
-        if model is not None and result is not None:
-            export_model(measured, result, model, software=software)
-        say("FRFs and modes" if modes else "FRFs")
-        summary = export_session(measured, path, modes=modes, binary=binary, software=software)
-        summary["model"] = None if model is None else str(model)
-        if model is not None and model.suffix.lower() == ".toml" and result and result.axes:
-            summary["warnings"].append(
-                f"{model.name}: an arm file has no place for the structural axis found; write the "
-                "model as .json to have it"
-            )
-        if as_json:
-            sys.stdout.write(json.dumps(summary, indent=2) + "\n")
-            return
-        for file in summary["files"]:
-            out.print(f"{file['posture']}: {file['file']}", markup=False)
-            for note in file["notes"]:
-                out.print(f"  note: {note}", markup=False)
-        for text in summary["warnings"]:
-            out.print(f"note: {text}", markup=False)
-        if model is not None:
-            out.print(f"model {model}", markup=False)
+    Example: armodal export session.h5 --out session.uff --model model.json
+    """
+    measured = read_session(session)
+    path = output or session.with_suffix(".uff")
+    result = None if model is None else identify(measured, say)
+    if model is not None and result is not None:
+        export_model(measured, result, model, software=SOFTWARE)
+    say("FRFs and modes" if modes else "FRFs")
+    summary = export_session(measured, path, modes=modes, binary=binary, software=SOFTWARE)
+    summary["model"] = None if model is None else str(model)
+    if model is not None and model.suffix.lower() == ".toml" and result and result.axes:
+        summary["warnings"].append(
+            f"{model.name}: an arm file has no place for the structural axis found; write the "
+            "model as .json to have it"
+        )
+    if as_json:
+        sys.stdout.write(json.dumps(summary, indent=2) + "\n")
+        return
+    for file in summary["files"]:
+        out.print(f"{file['posture']}: {file['file']}", markup=False)
+        for note in file["notes"]:
+            out.print(f"  note: {note}", markup=False)
+    for text in summary["warnings"]:
+        out.print(f"note: {text}", markup=False)
+    if model is not None:
+        out.print(f"model {model}", markup=False)

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy import special
 
 __all__ = ["FEWEST_DOF", "ParameterScatter", "half_width_95"]
 
@@ -96,7 +96,7 @@ class ParameterScatter:
 
 def half_width_95(std: float, degrees_of_freedom: float) -> float:
     """Half the 95 % interval of an estimate whose `std` is that of a Student t."""
-    quantile = stats.t.ppf(0.975, degrees_of_freedom)
+    quantile = special.stdtrit(degrees_of_freedom, 0.975)
     return float(std / _spread(np.float64(degrees_of_freedom)) * quantile)
 
 

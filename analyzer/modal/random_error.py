@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import t as student
+from scipy import special
 
 from analyzer.modal.noise import smooth_lines
 from protocols.errors import EstimateError
@@ -28,7 +28,7 @@ class RandomError:
 
     def half_width(self, level: float = 0.95) -> _Real:
         """Half of the two-sided interval: (n_axes, n_freq)."""
-        result: _Real = float(student.ppf(0.5 + 0.5 * level, self.dof)) * self.std
+        result: _Real = float(special.stdtrit(self.dof, 0.5 + 0.5 * level)) * self.std
         return result
 
 

@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 
 from hil_sim.lab import start_laboratory
 from protocols.errors import PlantError, PortError
-from tui.check import app, broken_lines
+from tui.check import app
+from tui.sim_command import broken_lines
 
 SCALE = "4"
 

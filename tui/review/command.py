@@ -1,4 +1,4 @@
-"""Registers `armodal review`, and goes on to the next test where that is wanted."""
+"""`armodal review`, which goes on to the next test where that is wanted."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ import typer
 
 from protocols.errors import SessionError
 from tui.run.command import run_app
+from tui.software import SOFTWARE
 
 if TYPE_CHECKING:
     from tui.review.app import ReviewApp
 
-__all__ = ["add_review_command", "review_then_measure"]
+__all__ = ["app", "review_then_measure"]
+
+app = typer.Typer()
 
 
 def review_then_measure(
@@ -56,23 +59,20 @@ def review_then_measure(
     )
 
 
-def add_review_command(app: typer.Typer, *, software: str) -> None:
-    """Add the command to the command line."""
+@app.command()
+def review(
+    session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+    gap: Annotated[
+        Path | None, typer.Option(help="Result of `armodal gap --json` to show.")
+    ] = None,
+) -> None:
+    """Look at a session: FRFs, poles, modes moving on the arm, stiffness, gap. `?` helps.
 
-    @app.command()
-    def review(
-        session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
-        gap: Annotated[
-            Path | None, typer.Option(help="Result of `armodal gap --json` to show.")
-        ] = None,
-    ) -> None:
-        """Look at a session: FRFs, poles, modes moving on the arm, stiffness, gap. `?` helps.
+    Example: armodal review demo/demo.h5
+    """
+    # What draws modes is loaded only by who looks.
+    from tui.review.app import ReviewApp  # noqa: PLC0415
 
-        Example: armodal review demo/demo.h5
-        """
-        # What draws modes is loaded only by who looks.
-        from tui.review.app import ReviewApp  # noqa: PLC0415
-
-        if not session.is_file():
-            raise SessionError(f"{session} is not a file; give the .h5 file of a session")
-        raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap), software=software))
+    if not session.is_file():
+        raise SessionError(f"{session} is not a file; give the .h5 file of a session")
+    raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap), software=SOFTWARE))

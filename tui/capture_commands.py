@@ -1,0 +1,124 @@
+"""`armodal acquire` and `armodal recover`: into a journal, and out of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from analyzer.arm.superset import Superset
+from analyzer.identification.identify import estimate_frfs
+from daq.events import Event
+from daq.settings import AcquisitionSettings
+from protocols.arm.files import load_arm
+from protocols.plan import load_plan
+from protocols.session.recovery import rebuild
+from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
+from tui.console import Json, err, out, print_json
+from tui.software import SOFTWARE
+
+__all__ = ["app", "show_event"]
+
+app = typer.Typer()
+
+
+def show_event(event: Event) -> None:
+    """Print what an acquisition tells a person."""
+    line = describe(event)
+    if line is not None:
+        err.print(line, markup=False)
+
+
+@app.command("acquire")
+def acquire_command(
+    plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
+    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
+    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")],
+    arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
+    journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
+    resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
+    operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
+    time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    as_json: Json = False,
+) -> None:
+    """Capture a session: postures, points and hits of a plan, into a durable journal.
+
+    Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
+    """
+    the_arm = load_arm(arm)
+    the_plan = load_plan(plan, the_arm)
+    person: Operator = (
+        PersonAtTerminal(err.input)
+        if operator is None
+        else ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
+    )
+    settings = AcquisitionSettings(
+        board_port=board,
+        board_baud=baud,
+        can_channel=can,
+        arm=the_arm,
+        plan=the_plan,
+        journal=journal,
+        resume=resume,
+        time_scale=time_scale,
+        software=SOFTWARE,
+    )
+    finished = acquire(settings, person, show_event)
+    session_path = journal.with_suffix(".h5")
+    superset = Superset(the_arm)
+    rebuild(
+        journal,
+        session_path,
+        software=SOFTWARE,
+        estimate_frfs=lambda session: estimate_frfs(session, superset),
+    )
+    summary = {
+        "session": str(session_path),
+        "journal": str(journal),
+        "complete": finished.complete,
+        "reason": finished.reason,
+        "hits": {"accepted": finished.accepted, "rejected": finished.rejected},
+    }
+    if as_json:
+        print_json(summary)
+    else:
+        out.print(
+            f"{finished.accepted} hits accepted, {finished.rejected} rejected: "
+            f"{finished.reason}\nsession {session_path}",
+            markup=False,
+        )
+
+
+@app.command()
+def recover(
+    journal: Annotated[Path, typer.Argument(help="Journal of an interrupted session.")],
+    output: Annotated[Path | None, typer.Option("--out", help="Session file to write.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Rebuild the session file from a journal, and say what was recovered and dropped.
+
+    Example: armodal recover session.journal
+    """
+    path = output or journal.with_suffix(".h5")
+    found = rebuild(
+        journal,
+        path,
+        software=SOFTWARE,
+        estimate_frfs=lambda session: estimate_frfs(session, Superset(session.header.arm)),
+    )
+    summary = {
+        "session": str(path),
+        "hits": {"accepted": found.accepted, "rejected": found.rejected},
+        "recovered_bytes": found.recovered_bytes,
+        "dropped_bytes": found.dropped_bytes,
+        "complete": found.session.complete,
+        "warnings": list(found.session.warnings),
+        "frf_problem": found.frf_problem,
+    }
+    if as_json:
+        print_json(summary)
+        return
+    for name, value in summary.items():
+        out.print(f"{name:<16}{value}", markup=False)
