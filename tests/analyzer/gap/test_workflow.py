@@ -16,7 +16,7 @@ from protocols.errors import EstimateError
 def hidden():
     case = make_case(seed=3, arm="rv4frl", effect="link_axis", magnitude="clear")
     session = case.session()
-    return case, session, find_gap(session, gates=False, modes=False).result
+    return case, session, find_gap(session, gates=False, modes=False, advice=False).result
 
 
 def test_a_hidden_axis_is_named_and_its_size_found(hidden):
@@ -39,7 +39,7 @@ def test_the_gap_shrinks_on_postures_that_were_not_fitted(hidden):
 
 def test_nothing_is_found_where_nothing_is_hidden():
     session = make_case(seed=4, arm="rv4frl").session()
-    result = find_gap(session, gates=False, modes=False).result
+    result = find_gap(session, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NOTHING_DETECTABLE
     assert not result.effects
     assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)
