@@ -64,7 +64,7 @@ class GapOutcome:
 
 def conclude(
     *,
-    frfs: Sequence[FrequencyResponse],
+    modes_of: Sequence[FrequencyResponse],
     stages: tuple[Stage, ...],
     before: Fit,
     final: Fit,
@@ -76,7 +76,6 @@ def conclude(
     gates: tuple[Gate, ...],
     notes: list[str],
     limits: Thresholds,
-    with_modes: bool,
     plan: Plan | None,
     tell: Callable[[str], None],
 ) -> GapOutcome:
@@ -113,7 +112,7 @@ def conclude(
     where = disagreement_map(
         sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
     )
-    measured = _measured_modes(frfs, sharp) if with_modes else {}
+    measured = _measured_modes(modes_of, sharp)
     first = named[0][2] if named else held_out(sharp, before, test)
     last = named[-1][3] if named else first
     result = GapResult(

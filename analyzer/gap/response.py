@@ -71,12 +71,23 @@ class Response:
         Along the recorded channels, so that their mixing is inside.
         """
         system = self.system
-        s2 = (self.s_rad_s**2)[:, :, None, None, None]
-        Y0 = s2 * _rows(system.mix @ system.seen, self.H)
-        Y0 = Y0 + _rows(system.mix @ system.tilted, self.H)
+        P, L, m, n = self.x.shape
+        s2 = (self.s_rad_s**2)[:, :, None, None]
+        seen, tilted = (
+            (system.mix @ of).reshape(P, 1, m * 3, n) for of in (system.seen, system.tilted)
+        )
+        Y0 = np.matmul(s2 * seen + tilted, self.H).reshape(P, L, m, 3, n)
         U_turned = system.moved[:, None].swapaxes(-1, -2)
         Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U_turned), self.S), self.HU)
         return np.asarray(Y * self.factor[:, :, None, None, None])
+
+    @cached_property
+    def by_line(self) -> tuple[ComplexArray, ComplexArray]:
+        """`x` as (P, n, m, L) and `under_loads` as (P, n, m, 3, L): derivatives are such."""
+        return (
+            np.ascontiguousarray(self.x.transpose(0, 3, 2, 1)),
+            np.ascontiguousarray(self.under_loads.transpose(0, 4, 2, 3, 1)),
+        )
 
     @property
     def values(self) -> ComplexArray:
@@ -89,14 +100,15 @@ class Response:
         `row` (P, n), `weight` (P, L).
         """
         at = np.flatnonzero(np.any(row, axis=0))
-        Y = np.asarray(sum(self.under_loads[..., i] * row[:, i, None, None, None] for i in at))
-        x = np.asarray(sum(self.x[..., i] * row[:, i, None, None] for i in at))
-        return _last(-Y * (x * weight[:, :, None])[..., None])
+        x, Y = self.by_line
+        load = np.asarray(sum(Y[:, i] * row[:, i, None, None, None] for i in at))
+        stretch = np.asarray(sum(x[:, i] * -row[:, i, None, None] for i in at))
+        return np.asarray(load * (stretch * weight[:, None, :])[:, :, None])
 
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
         """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
-        x = self.x[..., j] * self._weight(kind)[:, :, None]
-        return _last(-self.under_loads[..., i] * x[..., None])
+        x, Y = self.by_line
+        return np.asarray(Y[:, i] * (x[:, j] * -self._weight(kind)[:, None, :])[:, :, None])
 
     def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
         """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
@@ -120,12 +132,11 @@ class Response:
             left, right = self.through_compliances([coordinates[i] for i in locked])
             found[locked] = left * right[:, :, :, None]
         s, loss_s = self.s_rad_s, self.system.compliance_loss_s
+        x, Y = self.by_line
         for i, at in enumerate(coordinates):
             if i not in locked:
                 weight = (1.0 + loss_s[:, at, None] * s) / gamma[:, i, None] ** 2
-                found[i] = _last(
-                    self.under_loads[..., at] * (self.x[..., at] * weight[..., None])[..., None]
-                )
+                np.multiply(Y[:, at], (x[:, at] * weight[:, None, :])[:, :, None], out=found[i])
         return found
 
     @property
@@ -180,15 +191,13 @@ class Response:
 
     def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
         """`J` (P, 6, n)."""
-        P, L, m, n = self.x.shape
-        k = len(changes)
-        turned = J.swapaxes(1, 2)
-        V = self.x.reshape(P, -1, n) @ turned  # (P, L m, 6)
-        W = (self.under_loads.reshape(P, -1, n) @ turned).reshape(-1, 3, 6)
-        bent = (V.reshape(-1, 6) @ changes.transpose(2, 0, 1).reshape(6, k * 6)).reshape(-1, k, 6)
-        y = np.matmul(W, bent.swapaxes(1, 2)).reshape(P, L, m, 3, k)
-        y = y * -(self.s_rad_s**2)[:, :, None, None, None]
-        return np.asarray(y.transpose(4, 0, 2, 3, 1))
+        P, m, _, L = shape = self._shape
+        x, Y = self.by_line
+        V = _real_times(J, x).reshape(P, 6, m, L) * -(self.s_rad_s**2)[:, None, None, :]
+        W = _real_times(J, Y).reshape(P, 6, m, 3, L)
+        products = W[:, :, None] * V[:, None, :, :, None]  # (P, 6, 6, m, 3, L)
+        y = _real_times(changes.reshape(-1, 36), products.reshape(P, 36, -1))
+        return np.asarray(y.reshape(P, -1, *shape[1:]).swapaxes(0, 1))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (P, 3) of one hit."""
@@ -287,6 +296,12 @@ class Response:
 def _applied(matrix: ComplexArray | Array, vector: ComplexArray | Array) -> ComplexArray:
     """Matrices (..., a, b) times vectors (..., b)."""
     return np.asarray(np.matmul(matrix, vector[..., None])[..., 0])
+
+
+def _real_times(real: Array, z: ComplexArray) -> ComplexArray:
+    """Real (..., k, n) by complex (P, n, ...), contiguous: (P, k, all the rest)."""
+    P, n = z.shape[:2]
+    return np.asarray(np.matmul(real, z.reshape(P, n, -1).view(np.float64)).view(np.complex128))
 
 
 def _times(z: ComplexArray, real: Array) -> ComplexArray:

@@ -143,7 +143,7 @@ def find_gap(
     final = found.present
     phi = scale(stages[-1], [final, *found.rivals], limits)
     return conclude(
-        frfs=[*frfs, *_frfs_of_tests(superset, more)],
+        modes_of=[*frfs, *_frfs_of_tests(superset, more)] if modes else (),
         stages=stages,
         before=before or final,
         final=final,
@@ -155,7 +155,6 @@ def find_gap(
         gates=gate_rows,
         notes=notes,
         limits=limits,
-        with_modes=modes,
         plan=session.header.plan if advice and single_hits else None,
         tell=tell,
     )
