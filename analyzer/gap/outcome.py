@@ -81,7 +81,8 @@ def conclude(
 ) -> GapOutcome:
     """Verdict, effects, rivals, ranges and gaps of the models a search ended with.
 
-    With a plan the next test is proposed as one.
+    With a plan the next test is proposed as one; `modes_of` are FRFs whose modes are paired with
+    the models'.
     """
     sharp = stages[-1]
     misfit = misfit_per_line(sharp, final)
