@@ -18,7 +18,7 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.posed import PosedModel, Postures
 from analyzer.gap.space import Space
-from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, total
+from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, summed
 
 __all__ = ["Fit", "Stage", "better_start", "fit_hypothesis"]
 
@@ -144,6 +144,29 @@ class Stage:
             found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for p, i in rows}
         return [found[p] for p in postures]
 
+    def whole_quadratic(
+        self,
+        hypothesis: Hypothesis,
+        space: Space,
+        values: Mapping[str, float],
+        postures: Sequence[int],
+    ) -> tuple[Quadratic, tuple[float, ...]]:
+        """Misfit, gradient and curvature of postures together, and the misfit of each."""
+        gradient = np.zeros(len(space))
+        curvature = np.zeros((len(space), len(space)))
+        cost_of: dict[int, float] = {}
+        for rows, together in self._once(hypothesis, postures):
+            y, dy = together.derivatives(hypothesis, space, values)
+            own, at = zip(*rows, strict=True)
+            if at != tuple(range(len(y))):  # soft and hard hits share one
+                y, dy = y[list(at)], dy[:, list(at)]
+            part, costs = summed([self.weighings[p] for p in own], y, dy)
+            gradient += part.gradient
+            curvature += part.curvature
+            cost_of |= dict(zip(own, costs, strict=True))
+        each = tuple(cost_of[p] for p in postures)
+        return Quadratic(cost=sum(each), gradient=gradient, curvature=curvature), each
+
     def _once(
         self, hypothesis: Hypothesis, postures: Sequence[int]
     ) -> Iterator[tuple[list[tuple[int, int]], Postures]]:
@@ -203,7 +226,7 @@ def fit_hypothesis(
         misfit = resumed.misfit
         now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
     else:
-        now, misfit = _evaluated(stage, hypothesis, space, u, used)
+        now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
     cost = first_cost = now.cost + 0.5 * float(u @ u)
     converged = False
     iteration = 0
@@ -211,7 +234,7 @@ def fit_hypothesis(
     while iteration < max_iterations:
         iteration += 1
         if moved:
-            now, misfit = _evaluated(stage, hypothesis, space, u, used)
+            now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
             moved = False
         slope = now.gradient + u
         gained = 0.0
@@ -231,7 +254,7 @@ def fit_hypothesis(
             converged = True
             break
     if moved and closing:
-        now, misfit = _evaluated(stage, hypothesis, space, u, used)
+        now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
         moved = False
     slope = now.gradient + u
     return Fit(
@@ -257,13 +280,6 @@ def better_start(
     space = hypothesis.space()
     every = range(len(stage.lines))
     return min(starts, key=lambda s: _cost(stage, hypothesis, space, space.start(s), every))
-
-
-def _evaluated(
-    stage: Stage, hypothesis: Hypothesis, space: Space, u: Array, postures: Sequence[int]
-) -> tuple[Quadratic, tuple[float, ...]]:
-    parts = stage.quadratics(hypothesis, space, space.values(u), postures)
-    return total(parts), tuple(p.cost for p in parts)
 
 
 def _cost(

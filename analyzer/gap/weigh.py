@@ -20,7 +20,7 @@ import numpy.typing as npt
 from analyzer.gap.lines import PostureLines
 from protocols.arm.records import Tolerances
 
-__all__ = ["Discrepancy", "Quadratic", "Weighing"]
+__all__ = ["Discrepancy", "Quadratic", "Weighing", "summed"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -57,7 +57,7 @@ class Discrepancy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quadratic:
-    """A posture's misfit about a point: chi^2 / 2, its gradient and Gauss-Newton matrix."""
+    """Misfit about a point, of a posture or several: chi^2 / 2, gradient, Gauss-Newton matrix."""
 
     cost: float
     gradient: Array  # (n,)
@@ -149,28 +149,56 @@ class Weighing:
 
     def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
         """Misfit of a prediction with its derivatives (n, m, 3, L)."""
-        r, N = self._residual(y), self._nuisance(y)
-        n, m = dy.shape[:2]
-        J = _stacked(dy * self.scale)  # (n, m, 3, 2L)
-        Nr = np.einsum("milk,mil->mik", N, r)
-        by_channel = J.transpose(1, 2, 0, 3)  # (m, 3, n, 2L)
-        JN = np.matmul(by_channel, N)  # (m, 3, n, 3)
-        solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
-        flat = J.reshape(n, -1)
-        gradient = -(flat @ r.reshape(-1)) + np.einsum("mink,mik->n", JN, solved[..., -1])
-        P = JN.transpose(2, 0, 1, 3).reshape(n, m * 9)
-        Q = solved[..., :-1].transpose(0, 1, 2, 3).reshape(m * 9, n)
-        curvature = flat @ flat.T - P @ Q
-        cost = 0.5 * float(np.sum(r * r) - np.sum(Nr * solved[..., -1]))
-        return Quadratic(cost=cost, gradient=gradient, curvature=(curvature + curvature.T) / 2)
+        return summed([self], y[None], dy[:, None])[0]
 
     def _residual(self, y: ComplexArray) -> Array:
         return _stacked((self.lines.values - y) * self.scale)
 
     def _nuisance(self, y: ComplexArray) -> Array:
-        """(m, 3, 2L, 3) columns of the mounting's errors."""
-        N = self.scale[:, :, None] * y[:, None] * self.prior[..., None]  # (m, 3, 3, L)
-        return _stacked(N).swapaxes(-1, -2)
+        return _nuisance(self.scale, self.prior, y)
+
+
+def summed(
+    weighings: Sequence[Weighing], y: ComplexArray, dy: ComplexArray
+) -> tuple[Quadratic, list[float]]:
+    """Misfit of P postures with lines alike, all at once.
+
+    Parameters
+    ----------
+    y, dy
+        Their predictions (P, m, 3, L) and derivatives (n, P, m, 3, L).
+
+    Returns
+    -------
+    The sum over the postures, and the cost of each.
+    """
+    n, P, m, _, L = dy.shape
+    y = y.reshape(-1, 3, L)
+    values, scale, prior = (
+        np.concatenate(parts)
+        for parts in zip(*((w.lines.values, w.scale, w.prior) for w in weighings), strict=True)
+    )
+    r, N = _stacked((values - y) * scale), _nuisance(scale, prior, y)
+    J = _stacked(dy.reshape(n, -1, 3, L) * scale)  # (n, P m, 3, 2L)
+    Nr = np.einsum("milk,mil->mik", N, r)
+    JN = np.matmul(J.transpose(1, 2, 0, 3), N)  # (P m, 3, n, 3)
+    solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
+    flat = J.reshape(n, -1)
+    gradient = -(flat @ r.reshape(-1)) + np.einsum("mink,mik->n", JN, solved[..., -1])
+    by_errors = JN.transpose(2, 0, 1, 3).reshape(n, -1)
+    curvature = flat @ flat.T - by_errors @ solved[..., :-1].reshape(-1, n)
+    by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * solved[..., -1], axis=-1)
+    costs = 0.5 * by_channel.reshape(P, m * 3).sum(axis=1)
+    whole = Quadratic(
+        cost=float(costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
+    )
+    return whole, costs.tolist()
+
+
+def _nuisance(scale: Array, prior: Array, y: ComplexArray) -> Array:
+    """(m, 3, 2L, 3) columns of the mounting's errors."""
+    N = scale[:, :, None] * y[:, None] * prior[..., None]  # (m, 3, 3, L)
+    return _stacked(N).swapaxes(-1, -2)
 
 
 def _stacked(z: ComplexArray) -> Array:
@@ -179,14 +207,5 @@ def _stacked(z: ComplexArray) -> Array:
 
 
 def _solved(N: Array, right: Array) -> Array:
-    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(3)
-    return np.asarray(np.linalg.solve(gram, right))
-
-
-def total(parts: Sequence[Quadratic]) -> Quadratic:
-    """Sum over postures."""
-    return Quadratic(
-        cost=sum(p.cost for p in parts),
-        gradient=np.sum([p.gradient for p in parts], axis=0),
-        curvature=np.sum([p.curvature for p in parts], axis=0),
-    )
+    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(3)  # never near singular
+    return np.asarray(np.matmul(np.linalg.inv(gram), right))
