@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -49,11 +50,6 @@ def acquire_command(
     """
     the_arm = load_arm(arm)
     the_plan = load_plan(plan, the_arm)
-    person: Operator = (
-        PersonAtTerminal(err.input)
-        if operator is None
-        else ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
-    )
     settings = AcquisitionSettings(
         board_port=board,
         board_baud=baud,
@@ -65,7 +61,13 @@ def acquire_command(
         time_scale=time_scale,
         software=SOFTWARE,
     )
-    finished = acquire(settings, person, show_event)
+    with ExitStack() as keep:
+        person: Operator = PersonAtTerminal(err.input)
+        if operator is not None:
+            script = ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
+            keep.callback(script.close)
+            person = script
+        finished = acquire(settings, person, show_event)
     session_path = journal.with_suffix(".h5")
     superset = Superset(the_arm)
     rebuild(

@@ -49,8 +49,10 @@ class _Loaded(MutableMapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._found:
-            command: Any = typer.main.get_command(import_module(MODULES[name]).app)
-            self._found[name] = getattr(command, "commands", {}).get(name, command)
+            group: Any = typer.main.get_command(import_module(MODULES[name]).app)
+            command = getattr(group, "commands", {}).get(name, group)
+            command.name = name
+            self._found[name] = command
         return self._found[name]
 
     def __setitem__(self, name: str, command: Any) -> None:

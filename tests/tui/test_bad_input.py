@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
+from support.command import armodal
 
 from daq.events import HitJudged
 from daq.settings import AcquisitionSettings
@@ -21,16 +20,6 @@ from protocols.session.recovery import rebuild
 from tui.acquire import ScriptedOperator, acquire
 
 TIME_SCALE = 8.0
-
-
-def armodal(*arguments, timeout=120):
-    return subprocess.run(
-        [sys.executable, "-m", "tui.cli", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        check=False,
-    )
 
 
 def is_one_message(said, *words):

@@ -1,13 +1,17 @@
 import json
+import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+from support.command import armodal
 
 from protocols.arm.files import load_arm
 from protocols.plan import load_plan
 from protocols.session.hdf5 import read_session
+from tui.cli import MODULES
 
 SMALL_PLAN = """
 format = "armodal-plan-1"
@@ -37,7 +41,7 @@ hit_direction = [-0.383, -0.821, 0.423]
 """
 
 
-def armodal(*arguments, timeout=120):
+def process(*arguments, timeout=120):
     return subprocess.run(
         [sys.executable, "-m", "tui.cli", *map(str, arguments)],
         capture_output=True,
@@ -56,6 +60,22 @@ def test_every_command_has_help_with_an_example(command):
     assert "Example" in said.stdout
 
 
+def test_a_command_that_is_mistyped_is_told_the_one_that_was_meant():
+    said = process("identfy")
+    assert said.returncode == 2
+    assert "Did you mean 'identify'" in said.stderr
+
+
+def test_the_help_lists_every_command_of_every_module():
+    said = armodal("--help")
+    assert said.returncode == 0
+    for name, module in MODULES.items():
+        assert re.search(rf"^. {name} ", said.stdout, re.MULTILINE), name
+        app = import_module(module).app
+        own = [i.name or i.callback.__name__ for i in app.registered_commands]
+        assert name == "check" or set(own) <= set(MODULES), module
+
+
 @pytest.mark.parametrize("command", ["fit", "identify", "report", "recover"])
 def test_a_file_that_is_not_a_session_is_one_message_and_exit_code_2(command, tmp_path):
     path = tmp_path / "not-a-session.h5"
@@ -68,7 +88,7 @@ def test_a_file_that_is_not_a_session_is_one_message_and_exit_code_2(command, tm
 
 
 def test_a_wrong_port_is_one_message_and_exit_code_2(tmp_path):
-    said = armodal(
+    said = process(
         "acquire",
         "rv4frl-three-postures",
         "--board",
@@ -106,7 +126,7 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
     )
     try:
         ports = json.loads(lab.stdout.readline())
-        said = armodal(
+        said = process(
             "acquire",
             plan,
             "--board",
