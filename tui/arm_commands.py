@@ -32,7 +32,7 @@ from tui.workspace import survey_to_files, workspace_table
 
 __all__ = ["app", "comma_numbers"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
 Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]

@@ -21,7 +21,7 @@ from tui.software import SOFTWARE
 
 __all__ = ["app", "show_event"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 def show_event(event: Event) -> None:

@@ -25,6 +25,7 @@ FAILED = 1
 STYLES = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.NOT_CHECKED: "yellow"}
 
 app = typer.Typer(
+    add_completion=False,
     no_args_is_help=True,
     help="Check a board, a controller or a measurement: what was wanted, what came.\n\n"
     "Example: armodal check board /dev/ttyACM0",

@@ -17,7 +17,7 @@ from tui.software import SOFTWARE
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 @app.command()

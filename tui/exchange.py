@@ -37,7 +37,7 @@ from tui.software import SOFTWARE
 
 __all__ = ["app", "export_model", "export_session", "import_manifest"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _FINER = 2**8  # imported counts to a step of 24 bits at half range
 

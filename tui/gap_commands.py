@@ -29,7 +29,7 @@ from tui.gap_study_summary import study_summary, study_tables
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 @app.command("gap")

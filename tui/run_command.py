@@ -12,7 +12,7 @@ from tui.software import SOFTWARE
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 @app.command("run")

@@ -25,7 +25,7 @@ from tui.workspace import workspace_section
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
 

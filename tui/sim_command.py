@@ -19,7 +19,7 @@ from tui.console import Json, out
 
 __all__ = ["app", "broken_lines"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 @app.command()

@@ -51,13 +51,12 @@ def process(*arguments, timeout=120):
     )
 
 
-@pytest.mark.parametrize(
-    "command", ["demo", "sim", "acquire", "fit", "identify", "report", "recover"]
-)
+@pytest.mark.parametrize("command", MODULES)
 def test_every_command_has_help_with_an_example(command):
     said = armodal(command, "--help")
     assert said.returncode == 0
     assert "Example" in said.stdout
+    assert "completion" not in said.stdout
 
 
 def test_a_command_that_is_mistyped_is_told_the_one_that_was_meant():

@@ -6,18 +6,13 @@ import json
 from dataclasses import replace
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import tui.gap_lab
 from analyzer.gap.records import NextTest, Verdict
-from analyzer.gap.workflow import find_gap
 from hil_sim.study import make_case
 from protocols.errors import SessionError
-from protocols.plan import plan_from_text
-from protocols.plan_records import KnownMass
-from protocols.plan_rewrite import text_with_posture
 from protocols.session.hdf5 import read_session
 from tui.cli import app
 from tui.gap_lab import SimulatedLaboratory, run_loop
@@ -52,25 +47,6 @@ def test_no_stiffness_range_grows_by_far_and_all_hold_the_truth(loop, case):
     for row in found.outcome.result.joint_stiffness_ranges:
         assert row.low < truth[row.joint]["stiffness_n_m_per_rad"] < row.high
     assert found.outcome.result.verdict is Verdict.NOTHING_DETECTABLE
-
-
-def test_a_known_mass_is_held_out_and_a_right_name_foretells_it():
-    case = make_case(seed=3, arm="rv4frl", effect="link_axis", magnitude="clear")
-    laboratory = SimulatedLaboratory(case=case)
-    first = laboratory.measure(None, 1)
-    last = case.arm.joints[-1].link
-    body = KnownMass(link=last.name, mass_kg=4.0, center_m=np.asarray(last.center_m))
-    posture = replace(case.plan.postures[2], name="loaded", known_mass=body, validation=False)
-    text = text_with_posture(case.plan, case.arm, posture, comment="loaded")
-    loaded = laboratory.measure(plan_from_text(text, case.arm, origin="loaded"), 2)
-    result = find_gap(first, more=[loaded], gates=False, modes=False, advice=False).result
-    assert [effect.name for effect in result.effects] == ["link_axis"]
-    (before,) = [row for row in result.gap_before if "4.0 kg on" in row.posture]
-    (after,) = [row for row in result.gap_after if "4.0 kg on" in row.posture]
-    assert before.held_out
-    assert after.held_out
-    # Clear is three times the true model's error.
-    assert after.frf_error < before.frf_error / 3.0
 
 
 def canned(advice):

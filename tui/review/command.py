@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "review_then_measure"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 def review_then_measure(

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from analyzer.gap.records import Verdict
@@ -10,13 +11,25 @@ from analyzer.gap.score import mark, size_found, size_of_truth
 from analyzer.gap.workflow import find_gap
 from hil_sim.study import make_case
 from protocols.errors import EstimateError
+from protocols.plan import plan_from_text
+from protocols.plan_records import KnownMass
+from protocols.plan_rewrite import text_with_posture
+from tui.gap_lab import SimulatedLaboratory
 
 
 @pytest.fixture(scope="module")
 def hidden():
+    """An axis in a link; one posture more, with a known mass on the last link, is held out."""
     case = make_case(seed=3, arm="rv4frl", effect="link_axis", magnitude="clear")
-    session = case.session()
-    return case, session, find_gap(session, gates=False, modes=False, advice=False).result
+    laboratory = SimulatedLaboratory(case=case)
+    session = laboratory.measure(None, 1)
+    last = case.arm.joints[-1].link
+    body = KnownMass(link=last.name, mass_kg=4.0, center_m=np.asarray(last.center_m))
+    posture = replace(case.plan.postures[2], name="loaded", known_mass=body, validation=False)
+    text = text_with_posture(case.plan, case.arm, posture, comment="loaded")
+    loaded = laboratory.measure(plan_from_text(text, case.arm, origin="loaded"), 2)
+    found = find_gap(session, more=[loaded], gates=False, modes=False, advice=False)
+    return case, session, found.result
 
 
 def test_a_hidden_axis_is_named_and_its_size_found(hidden):
@@ -35,6 +48,16 @@ def test_the_gap_shrinks_on_postures_that_were_not_fitted(hidden):
     for before, after in zip(result.gap_before, result.gap_after, strict=True):
         if after.held_out:
             assert after.frf_error < before.frf_error / 2
+
+
+def test_a_known_mass_is_held_out_and_a_right_name_foretells_it(hidden):
+    *_, result = hidden
+    (before,) = [row for row in result.gap_before if "4.0 kg on" in row.posture]
+    (after,) = [row for row in result.gap_after if "4.0 kg on" in row.posture]
+    assert before.held_out
+    assert after.held_out
+    # Clear is three times the true model's error.
+    assert after.frf_error < before.frf_error / 3.0
 
 
 def test_nothing_is_found_where_nothing_is_hidden():
