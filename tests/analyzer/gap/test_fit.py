@@ -23,10 +23,11 @@ class Residuals:
         self.n_tried += 1
         return [0.5 * float(np.sum(self.of(np.array(list(values.values()))) ** 2))]
 
-    def quadratics(self, hypothesis, space, values, postures):
+    def whole_quadratic(self, hypothesis, space, values, postures):
         x = np.array(list(values.values()))
         r, J = self.of(x), self.slopes(x) * space.std
-        return [Quadratic(cost=0.5 * float(r @ r), gradient=J.T @ r, curvature=J.T @ J)]
+        whole = Quadratic(cost=0.5 * float(r @ r), gradient=J.T @ r, curvature=J.T @ J)
+        return whole, (whole.cost,)
 
 
 def hypothesis_of(*parameters):
