@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.hypothesis import Hypothesis
+from protocols.arm.records import Joint
 
 __all__ = [
     "Judged",
@@ -178,12 +180,24 @@ def is_certain(fit: Fit) -> bool:
     return fit.values[added.size] >= added.least_certain * std
 
 
-def one_mechanism(instances: Sequence[Instance]) -> tuple[Instance, Instance] | None:
-    """Two effects at one joint that together are what one unknown mechanism would look like."""
+def one_mechanism(
+    instances: Sequence[Instance], joints: Sequence[Joint]
+) -> tuple[Instance, Instance] | None:
+    """Two effects at one joint that together are what one unknown mechanism would look like.
+
+    What is inside a link is at both joints of it.
+    """
+
+    def places(instance: Instance) -> set[str]:
+        found = set(instance.place.split(" and "))
+        for joint, beyond in zip_longest(joints, joints[1:]):
+            if joint.link.name in found:
+                found |= {joint.name} | ({beyond.name} if beyond else set())
+        return found
+
     for one in instances:
         for other in instances:
-            shared = set(one.place.split(" and ")) & set(other.place.split(" and "))
-            if other.effect.name in one.effect.one_with and shared:
+            if other.effect.name in one.effect.one_with and places(one) & places(other):
                 return one, other
     return None
 

@@ -42,11 +42,12 @@ def verdict_of(
     explaining = () if judged.doubted else standing
     left = min(misfit_per_line(stage, fit) for fit in (final, *explaining))
     why: list[str] = []
-    both = one_mechanism(final.hypothesis.instances)
+    hypothesis = final.hypothesis
+    both = one_mechanism(hypothesis.instances, hypothesis.ordinary.arm.joints)
     if both is not None:
         why.append(
-            f"{both[0].title} and {both[1].title} together are what one mechanism across these "
-            "joints would look like, such as a bar; the library does not know it"
+            f"{both[0].title} and {both[1].title} together are what one mechanism would look "
+            f"like, such as {both[0].effect.one_such_as}; the library does not know it"
         )
     if _left_by_level(stage, final) > limits.outside_left:
         why.append(

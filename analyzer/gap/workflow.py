@@ -292,7 +292,8 @@ def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
 def _is_outside(present: Hypothesis, named: Sequence[Step]) -> bool:
     """Whether what was named so far tells already that the library does not know the arm."""
     unfollowed = len(named) == _MOST_UNFOLLOWED and follows_no_level(present)
-    return unfollowed or one_mechanism(present.instances) is not None
+    mechanism = one_mechanism(present.instances, present.ordinary.arm.joints)
+    return unfollowed or mechanism is not None
 
 
 def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:

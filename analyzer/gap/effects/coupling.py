@@ -19,7 +19,8 @@ WORDS = EffectWords(
     changes="stiffness and damping between two joints, beside the diagonal of K and C",
     signature="a hit on one joint's freedom moves the other more than inertia explains",
     confused_with=("wrist_coupling", "link_axis"),
-    one_with=("gravity_compensator",),  # a bar across both joints acts as both do
+    one_with=("gravity_compensator",),
+    one_such_as="a bar across both joints",
     told_by="a posture in which the mass matrix does not couple the two",
     remedy="look for belts, a parallelogram, cables or a common gear between the two joints",
 )

@@ -27,6 +27,7 @@ class EffectWords:
     contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
     # With one of these at one of the same joints it is a single mechanism that nobody listed.
     one_with: tuple[str, ...] = ()
+    one_such_as: str = ""  # what both together may be instead
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
     wanted: float | None = None  # nats to be named, where fewer than of other terms do

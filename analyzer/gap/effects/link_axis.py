@@ -26,6 +26,8 @@ WORDS = EffectWords(
     confused_with=("bearing", "released_joint", "base", "link_bending", "link_torsion"),
     told_by="triplets of points on both sides of the line; postures that move the masses beyond",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
+    one_with=("friction", "microslip", "softening", "backlash"),
+    one_such_as="a crack or a bolt in the link that opens under one sign of load",
 )
 _MATERIAL = 0.012  # of the arm's compliance
 # A line anywhere with any direction patches what no line left: on a null one of 3.4e-6 rad/(N m)

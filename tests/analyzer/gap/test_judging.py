@@ -108,10 +108,18 @@ def test_a_coupling_and_a_compensator_at_one_joint_are_one_mechanism_nobody_list
     pair = standing_at(coupling.WORDS, "a and b")
     beside = standing_at(gravity_compensator.WORDS, "b")
     elsewhere = standing_at(gravity_compensator.WORDS, "c")
-    assert one_mechanism([pair, beside]) == (pair, beside)
-    assert one_mechanism([beside, pair]) == (pair, beside)
-    assert one_mechanism([pair, elsewhere]) is None
-    assert one_mechanism([pair, standing_at(bearing.WORDS, "b")]) is None
+    assert one_mechanism([pair, beside], JOINTS) == (pair, beside)
+    assert one_mechanism([beside, pair], JOINTS) == (pair, beside)
+    assert one_mechanism([pair, elsewhere], JOINTS) is None
+    assert one_mechanism([pair, standing_at(bearing.WORDS, "b")], JOINTS) is None
+
+
+def test_an_axis_in_a_link_and_a_slip_at_one_of_its_joints_are_a_crack_nobody_listed():
+    axis = standing_at(link_axis.WORDS, "l1")
+    for joint, told in (("j0", False), ("j1", True), ("j2", True)):
+        slip = standing_at(friction.WORDS, joint)
+        assert one_mechanism([axis, slip], JOINTS) == ((axis, slip) if told else None)
+        assert one_mechanism([slip, axis], JOINTS) == ((axis, slip) if told else None)
 
 
 def fitted(value, std):
