@@ -54,7 +54,7 @@ def verdict_of(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    if _is_unfollowed(final, found, standing, named=named):
+    if _is_unfollowed(stage, final, found, standing, named=named, limits=limits):
         why.append("the response depends on the hits' level, and nothing that was named does")
     if why or left > outside_misfit(stage, limits) or _is_unplaced(final, found, judged, limits):
         return Verdict.OUTSIDE_LIBRARY, why
@@ -85,9 +85,24 @@ def _left_by_level(stage: Stage, final: Fit) -> float:
     return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
 
 
-def _is_unfollowed(final: Fit, found: Rivals, standing: Sequence[Fit], *, named: bool) -> bool:
-    """Whether the level tells what nothing named follows, or where nothing is, nothing likely."""
-    if not follows_no_level(final.hypothesis):
+def _is_unfollowed(
+    stage: Stage,
+    final: Fit,
+    found: Rivals,
+    standing: Sequence[Fit],
+    *,
+    named: bool,
+    limits: Thresholds,
+) -> bool:
+    """Whether the level tells what nothing named follows, or where nothing is, nothing likely.
+
+    That it tells something is sure by what one joint's change with it promises, or where hits are
+    apart and much is left.
+    """
+    hypothesis = final.hypothesis
+    much = misfit_per_line(stage, final) > limits.unfollowed_misfit
+    apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.by_level
+    if not (follows_no_level(hypothesis) or (apart and much)):
         return False
     likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
     return named or not any(f.hypothesis.by_level for f in (*standing, *likely))

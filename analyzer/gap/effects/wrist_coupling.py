@@ -22,7 +22,7 @@ WORDS = EffectWords(
     told_by="a point off the last axis on the last link; postures that turn the last joint",
     remedy="put the coupling ratio of the wrist's gears into the model; the maker's manual has it",
 )
-_MATERIAL = 0.1
+_MATERIAL = 0.05
 _STD = 1.0
 
 
