@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
-from daq.clock import Clock
+from daq.clock import Clock, waits
 from daq.clock_fit import RoundTrip
 from daq.serial_port import BytePort
 from protocols.board.codec import PROTOCOL_VERSION, FrameDecoder, encode_frame
@@ -282,11 +282,8 @@ class BoardLink:
         for tried in range(1, TRIES + 1):
             self.send(kind, payload)
             until = self._wall_s() + self._wait_wall_s if tried < TRIES else give_up
-            late = False
-            while not late:
-                left = until - self._wall_s()
-                late = left <= 0.0  # what came meanwhile is still read
-                if not self._clock.wait([self._port.fileno()], max(left, 0.0)):
+            for left in waits(until, self._wall_s):
+                if not self._clock.wait([self._port.fileno()], left):
                     break
                 frames = self._receive()
                 for index, frame in enumerate(frames):

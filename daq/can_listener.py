@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import can
 
-from daq.clock import Clock, SystemClock
+from daq.clock import Clock, SystemClock, waits
 from daq.serial_port import BytePort, SerialPort
 from protocols.can_records import CanFrame
 from protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
@@ -176,11 +176,8 @@ class SlcanListener:
         optional = command == CLOSE
         n_faults = 0
         until = self._wall_s() + (CLOSE_TIMEOUT_S if optional else ADAPTER_TIMEOUT_S)
-        late = False
-        while not late:
-            left = until - self._wall_s()
-            late = left <= 0.0  # what came meanwhile is still read
-            if not self._clock.wait([self._port.fileno()], max(left, 0.0)):
+        for left in waits(until, self._wall_s):
+            if not self._clock.wait([self._port.fileno()], left):
                 break
             for item in self._parser.feed(self._port.read()):
                 n_faults += isinstance(item, SlcanFault)

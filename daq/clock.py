@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import select
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-__all__ = ["Clock", "SystemClock"]
+__all__ = ["Clock", "SystemClock", "waits"]
 
 
 class Clock(Protocol):
@@ -60,3 +60,15 @@ class SystemClock:
     def wait(self, descriptors: Iterable[int], wall_s: float) -> list[int]:
         """Wait for at most `wall_s` seconds and return the descriptors that can be read."""
         return select.select(list(descriptors), [], [], max(wall_s, 0.0))[0]
+
+
+def waits(until: float, now: Callable[[], float]) -> Iterator[float]:
+    """Yield how long to wait yet, and after that time 0 once: what came late is still read.
+
+    >>> times = iter([0.25, 1.25])
+    >>> list(waits(1.0, lambda: next(times)))
+    [0.75, 0.0]
+    """
+    while (left := until - now()) > 0.0:
+        yield left
+    yield 0.0

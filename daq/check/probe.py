@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from daq.check.raw_frame import RawDecoder, RawFrame, encode_raw
-from daq.clock import Clock
+from daq.clock import Clock, waits
 from daq.clock_fit import RoundTrip
 from daq.serial_port import BytePort
 from protocols.board.codec import PROTOCOL_VERSION
@@ -89,15 +89,12 @@ class BoardProbe:
     def collect(self, lab_s: float, enough: Callable[[], bool] | None = None) -> bool:
         """Read for some lab seconds, or until it is `enough`; return whether it was."""
         until = time.monotonic() + self.clock.wall_s(lab_s)
-        late = False
-        while enough is None or not enough():
-            if late:
-                return False
-            left = until - time.monotonic()
-            late = left <= 0.0  # what came meanwhile is still read
-            if select.select([self.port], [], [], max(left, 0.0))[0]:
+        for left in waits(until, time.monotonic):
+            if enough is not None and enough():
+                return True
+            if select.select([self.port], [], [], left)[0]:
                 self.read()
-        return True
+        return enough is not None and enough()
 
     def settle(self) -> None:
         """Read what is still under way."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -49,6 +50,7 @@ STUDY_ARMS = {
 }
 
 
+@cache
 def study_arm(name: str) -> StudyArm:
     """Return one of the study's arms by name.
 

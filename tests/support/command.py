@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import sys
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
 from io import StringIO
+from typing import NamedTuple
 from unittest.mock import patch
 
 from tui.cli import main
 
 
-@dataclass(frozen=True)
-class Said:
+class Said(NamedTuple):
     returncode: int
     stdout: str
     stderr: str

@@ -2,12 +2,12 @@
 
 import json
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import pyuff
+from support.command import armodal
 from support.offline_lab import simulate_session
 from typer.testing import CliRunner
 
@@ -15,26 +15,12 @@ from analyzer.identification.identify import identify
 from protocols.arm.files import load_arm
 from protocols.foreign.uff_read import read_uff
 from protocols.session.hdf5 import read_session, write_session
-from tui.cli import app, main
+from tui.cli import app
 from tui.exchange import export_model
 
 FREQ = 0.25 * np.arange(1, 500)
 POLES_HZ, DAMPING = (30.0, 75.0), (0.02, 0.01)
 SHAPES = np.array([[1.0, 0.8], [0.6, -0.9], [-0.5, 0.4]])
-
-
-def armodal(monkeypatch, capsys, *arguments):
-    """Run the command line in this process; return exit code, stdout and stderr."""
-    monkeypatch.setattr(sys, "argv", ["armodal", *map(str, arguments)])
-    with pytest.raises(SystemExit) as caught:
-        main()
-    said = capsys.readouterr()
-    return caught.value.code or 0, said.out, said.err
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    return lambda *arguments: armodal(monkeypatch, capsys, *arguments)
 
 
 def accelerance(i, j, noise=0.0, rng=None):
@@ -85,15 +71,15 @@ def plain(folder, files):
     return path
 
 
-def test_a_plain_structure_is_imported_fitted_and_exported(tmp_path, run):
+def test_a_plain_structure_is_imported_fitted_and_exported(tmp_path):
     uff(tmp_path / "a.uff")
     session = tmp_path / "s.h5"
-    code, out, _ = run("import", plain(tmp_path, '["a.uff"]'), "--out", session, "--json")
+    code, out, _ = armodal("import", plain(tmp_path, '["a.uff"]'), "--out", session, "--json")
     assert code == 0
     said = json.loads(out)
     assert said["postures"][0]["frfs"] == 3
     assert any("units are not told" in text for text in said["warnings"])
-    code, out, _ = run("fit", session, "--json")
+    code, out, _ = armodal("fit", session, "--json")
     assert code == 0
     found = json.loads(out)
     modes = found["modes"]
@@ -103,7 +89,7 @@ def test_a_plain_structure_is_imported_fitted_and_exported(tmp_path, run):
         assert abs(mode["damping_ratio"] - z) < 4 * mode["damping_std"] + 1e-4
         assert mode["joint_share"] is None
     assert any("units are not told" in text for text in found["warnings"])
-    code, _, _ = run("export", session, "--out", tmp_path / "b.uff")
+    code, _, _ = armodal("export", session, "--out", tmp_path / "b.uff")
     assert code == 0
     back = read_uff(tmp_path / "b.uff")
     assert [shape.pole_rad_s is not None for shape in back.shapes] == [True, True]
@@ -114,11 +100,11 @@ def test_a_plain_structure_is_imported_fitted_and_exported(tmp_path, run):
     assert abs(ratio - 0.6) < 0.01
 
 
-def test_modal_a_scales_the_exported_shapes(tmp_path, run):
+def test_modal_a_scales_the_exported_shapes(tmp_path):
     uff(tmp_path / "a.uff", noise=0.0)
     session = tmp_path / "s.h5"
-    run("import", plain(tmp_path, '["a.uff"]'), "--out", session)
-    run("export", session, "--out", tmp_path / "b.uff")
+    armodal("import", plain(tmp_path, '["a.uff"]'), "--out", session)
+    armodal("export", session, "--out", tmp_path / "b.uff")
     for shape, r in zip(read_uff(tmp_path / "b.uff").shapes, (0, 1), strict=True):
         # Receptance residues of unit modal mass: psi psi^T / (2 j w_d); text keeps 6 digits.
         w_d = 2 * np.pi * POLES_HZ[r] * np.sqrt(1 - DAMPING[r] ** 2)
@@ -127,11 +113,11 @@ def test_modal_a_scales_the_exported_shapes(tmp_path, run):
         assert np.allclose(found, wanted, rtol=2e-3)
 
 
-def test_reading_writing_and_reading_again_gives_the_same_frfs(tmp_path, run):
+def test_reading_writing_and_reading_again_gives_the_same_frfs(tmp_path):
     uff(tmp_path / "a.uff")
-    run("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
-    run("export", tmp_path / "s.h5", "--out", tmp_path / "b.uff", "--no-modes", "--binary")
-    run("import", plain(tmp_path, '["b.uff"]'), "--out", tmp_path / "t.h5")
+    armodal("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
+    armodal("export", tmp_path / "s.h5", "--out", tmp_path / "b.uff", "--no-modes", "--binary")
+    armodal("import", plain(tmp_path, '["b.uff"]'), "--out", tmp_path / "t.h5")
     one, two = (read_session(tmp_path / name).frfs[0] for name in ("s.h5", "t.h5"))
     assert np.array_equal(one.values, two.values)
     assert np.allclose(one.freq_hz, two.freq_hz, rtol=1e-9)  # ten digits of the step
@@ -139,12 +125,12 @@ def test_reading_writing_and_reading_again_gives_the_same_frfs(tmp_path, run):
     assert np.array_equal(one.references[0].direction, two.references[0].direction)
 
 
-def test_matlab_files_come_back(tmp_path, run):
+def test_matlab_files_come_back(tmp_path):
     uff(tmp_path / "a.uff")
-    run("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
-    code, _, _ = run("export", tmp_path / "s.h5", "--out", tmp_path / "b.mat")
+    armodal("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
+    code, _, _ = armodal("export", tmp_path / "s.h5", "--out", tmp_path / "b.mat")
     assert code == 0
-    run("import", plain(tmp_path, '["b.mat"]'), "--out", tmp_path / "t.h5")
+    armodal("import", plain(tmp_path, '["b.mat"]'), "--out", tmp_path / "t.h5")
     one, two = (read_session(tmp_path / name).frfs[0] for name in ("s.h5", "t.h5"))
     assert np.array_equal(one.values, two.values)
     assert np.array_equal(one.freq_hz, two.freq_hz)
@@ -158,10 +144,10 @@ def test_help_has_an_example(command):
 
 
 @pytest.mark.parametrize("end", [0, 1, 40, 500, 3000, -1])
-def test_a_truncated_file_is_one_message_and_exit_code_2(tmp_path, run, end):
+def test_a_truncated_file_is_one_message_and_exit_code_2(tmp_path, end):
     data = uff(tmp_path / "a.uff").read_bytes().rstrip()
     (tmp_path / "a.uff").write_bytes(data[:end])
-    code, out, err = run("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
+    code, out, err = armodal("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
     assert code == 2
     assert not out
     assert err.count("armodal:") == 1
@@ -169,15 +155,15 @@ def test_a_truncated_file_is_one_message_and_exit_code_2(tmp_path, run, end):
     assert not (tmp_path / "s.h5").exists()
 
 
-def test_identify_of_a_plain_structure_is_one_message(tmp_path, run):
+def test_identify_of_a_plain_structure_is_one_message(tmp_path):
     uff(tmp_path / "a.uff")
-    run("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
-    code, _, err = run("identify", tmp_path / "s.h5")
+    armodal("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
+    code, _, err = armodal("identify", tmp_path / "s.h5")
     assert code == 2
     assert "without an arm" in err
 
 
-def test_imported_hits_are_judged_like_our_own(tmp_path, run):
+def test_imported_hits_are_judged_like_our_own(tmp_path):
     rate = 4096
     t = np.arange(4096) / rate
 
@@ -193,21 +179,23 @@ def test_imported_hits_are_judged_like_our_own(tmp_path, run):
     ):
         np.save(tmp_path / f"{name}.npy", np.vstack([t, force + noise[0], ring + noise[1]]))
     manifest = plain(tmp_path, '["good.npy", "double.npy"]')
-    code, out, _ = run("import", manifest, "--out", tmp_path / "s.h5", "--json")
+    code, out, _ = armodal("import", manifest, "--out", tmp_path / "s.h5", "--json")
     assert code == 0
     said = json.loads(out)
     assert said["postures"][0]["accepted"] == 1
     assert any("double.npy: rejected: double" in text for text in said["warnings"])
 
 
-def test_exported_files_are_named_by_number_not_by_posture(tmp_path, run):
+def test_exported_files_are_named_by_number_not_by_posture(tmp_path):
     uff(tmp_path / "a.uff")
     text = plain(tmp_path, '["a.uff"]').read_text()
     body = '\n[[postures]]\nname = "../../evil"\nfiles = ["a.uff"]\n'
     (tmp_path / "m.toml").write_text(text + body)
-    run("import", tmp_path / "m.toml", "--out", tmp_path / "s.h5")
+    armodal("import", tmp_path / "m.toml", "--out", tmp_path / "s.h5")
     (tmp_path / "out").mkdir()
-    code, _, _ = run("export", tmp_path / "s.h5", "--out", tmp_path / "out" / "x.uff", "--no-modes")
+    code, _, _ = armodal(
+        "export", tmp_path / "s.h5", "--out", tmp_path / "out" / "x.uff", "--no-modes"
+    )
     assert code == 0
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["x-1.uff", "x-2.uff"]
 
@@ -225,12 +213,10 @@ def direct(own_session):
     return identify(own_session)
 
 
-def test_joint_stiffness_survives_the_way_through_a_universal_file(
-    tmp_path, run, own_session, direct
-):
+def test_joint_stiffness_survives_the_way_through_a_universal_file(tmp_path, own_session, direct):
     """Responses turned into the base frame, oblique hits, an exponential window: all come back."""
     write_session(own_session, tmp_path / "own.h5")
-    code, _, err = run("export", tmp_path / "own.h5", "--out", tmp_path / "x.uff", "--no-modes")
+    code, _, err = armodal("export", tmp_path / "own.h5", "--out", tmp_path / "x.uff", "--no-modes")
     assert code == 0, err
     lines = ['arm = "rv4frl"', 'mode = "roving-response"', "sensor_mass_kg = 0.0093"]
     for i, posture in enumerate(own_session.header.plan.postures[:3]):
@@ -241,7 +227,7 @@ def test_joint_stiffness_survives_the_way_through_a_universal_file(
             f'files = ["x-{i + 1}.uff"]',
         ]
     (tmp_path / "m.toml").write_text("\n".join(lines))
-    code, _, err = run("import", tmp_path / "m.toml", "--out", tmp_path / "back.h5")
+    code, _, err = armodal("import", tmp_path / "m.toml", "--out", tmp_path / "back.h5")
     assert code == 0, err
     through = identify(read_session(tmp_path / "back.h5"))
     for one, other in zip(direct.joints, through.joints, strict=True):
@@ -274,14 +260,14 @@ real = pytest.mark.skipif(
 
 
 @real
-def test_three_measured_accelerances_fit_as_the_reference_does(tmp_path, run):
+def test_three_measured_accelerances_fit_as_the_reference_does(tmp_path):
     files = ", ".join(
         f'{{ path = "{DATA}/accelerance_3pt/p{i}.txt", responses = ["{i}:z"], '
         'reference = "1:z", form = "accelerance", line_spacing_hz = 1.0, units = "SI" }'
         for i in (1, 2, 3)
     )
-    run("import", plain(tmp_path, f"[{files}]"), "--out", tmp_path / "s.h5")
-    code, out, err = run("fit", tmp_path / "s.h5", "--json")
+    armodal("import", plain(tmp_path, f"[{files}]"), "--out", tmp_path / "s.h5")
+    code, out, err = armodal("fit", tmp_path / "s.h5", "--json")
     assert code == 0, err
     modes = [mode["f_hz"] for mode in json.loads(out)["modes"]]
     # The reference is printed to 0.01 Hz; a fiftieth of the line spacing of 1 Hz on top.
@@ -290,12 +276,12 @@ def test_three_measured_accelerances_fit_as_the_reference_does(tmp_path, run):
 
 
 @real
-def test_five_measured_hits_are_all_kept_and_coherent(tmp_path, run):
+def test_five_measured_hits_are_all_kept_and_coherent(tmp_path):
     files = json.dumps([str(DATA / "hammer_hits_5" / f"m{i}.npy") for i in range(1, 6)])
-    run("import", plain(tmp_path, files), "--out", tmp_path / "s.h5")
+    armodal("import", plain(tmp_path, files), "--out", tmp_path / "s.h5")
     session = read_session(tmp_path / "s.h5")
     assert len(session.accepted("chain")) == 5
-    code, out, err = run("fit", tmp_path / "s.h5", "--band", "700", "4600", "--json")
+    code, out, err = armodal("fit", tmp_path / "s.h5", "--band", "700", "4600", "--json")
     assert code == 0, err
     modes = np.array([mode["f_hz"] for mode in json.loads(out)["modes"]])
     # docs/real-measurements.md: where the reference has one mode of a close pair, 0.3 Hz off.

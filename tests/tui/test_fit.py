@@ -8,30 +8,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from support.command import armodal
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "analyzer" / "modal"))
 
 import hammer
 from simulated import poles_of
 
-from tui.cli import main
-
 RATE, SAMPLES = 1024, 2048
 POLES = poles_of([20.0, 45.0], [0.02, 0.015])
 SHAPES = np.array([[0.8, 0.6, -0.5], [0.7, -0.6, 0.4]])
 ASKEW = 5  # of six hits, with a fifth more of everything: it was struck elsewhere
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    def armodal(*arguments):
-        monkeypatch.setattr(sys, "argv", ["armodal", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        said = capsys.readouterr()
-        return caught.value.code or 0, said.out, said.err
-
-    return armodal
 
 
 def write_hits(folder):
@@ -49,26 +36,26 @@ def write_hits(folder):
 
 
 @pytest.fixture
-def session(tmp_path, run):
+def session(tmp_path):
     manifest = tmp_path / "manifest.toml"
     manifest.write_text(
         'arm = "none"\nmode = "roving-response"\nunits = "SI"\n[windows]\nexponential_end = 0.1\n'
         f'[[postures]]\nname = "structure"\nhit_point = "1"\nfiles = {write_hits(tmp_path)}\n'
     )
     path = tmp_path / "session.h5"
-    code, _, err = run("import", manifest, "--out", path)
+    code, _, err = armodal("import", manifest, "--out", path)
     assert code == 0, err
     return path
 
 
-def fitted(run, *arguments):
-    code, out, err = run("fit", *arguments, "--json")
+def fitted(*arguments):
+    code, out, err = armodal("fit", *arguments, "--json")
     assert code == 0, err
     return json.loads(out)
 
 
-def test_json_holds_modes_synthesis_error_and_stabilisation(session, run):
-    found = fitted(run, session)
+def test_json_holds_modes_synthesis_error_and_stabilisation(session):
+    found = fitted(session)
     assert set(found) >= {"modes", "synthesis_error", "stabilisation", "warnings"}
     wanted = {"f_hz", "f_std_hz", "damping_ratio", "damping_std", "mpc", "mpd_deg"}
     assert len(found["modes"]) == 2
@@ -89,27 +76,27 @@ def test_json_holds_modes_synthesis_error_and_stabilisation(session, run):
     assert 0.0 < posture["random_error"]["from_coherence"] < 0.1
 
 
-def test_an_askew_hit_of_six_is_left_out_and_the_reason_told(session, run):
-    dropped = fitted(run, session)["postures"]["structure"]["hits_dropped"]
+def test_an_askew_hit_of_six_is_left_out_and_the_reason_told(session):
+    dropped = fitted(session)["postures"]["structure"]["hits_dropped"]
     assert [hit["hit"] for hit in dropped] == [ASKEW + 1]
     assert dropped[0]["reason"] == "unlike"
     assert "times those of the others" in dropped[0]["note"]
-    code, out, _ = run("fit", session)
+    code, out, _ = armodal("fit", session)
     assert code == 0
     assert f"hit {ASKEW + 1} left out" in out
 
 
-def test_of_more_hits_than_needed_the_most_alike_are_kept(session, run):
-    dropped = fitted(run, session, "--keep-hits", "3")["postures"]["structure"]["hits_dropped"]
+def test_of_more_hits_than_needed_the_most_alike_are_kept(session):
+    dropped = fitted(session, "--keep-hits", "3")["postures"]["structure"]["hits_dropped"]
     assert sorted(hit["reason"] for hit in dropped) == ["surplus", "surplus", "unlike"]
 
 
-def test_windows_estimators_and_order_are_options(session, run):
-    made = fitted(run, session)["postures"]["structure"]
+def test_windows_estimators_and_order_are_options(session):
+    made = fitted(session)["postures"]["structure"]
     assert made["estimator"] == "h1"
     assert made["exponential_end"] == 0.1
     options = ("--estimator", "hv", "--exponential-end", "0.5", "--force-window", "0.02")
-    found = fitted(run, session, *options, "--max-order", "20")
+    found = fitted(session, *options, "--max-order", "20")
     other = found["postures"]["structure"]
     assert (other["estimator"], other["exponential_end"], other["force_s"]) == ("hv", 0.5, 0.02)
     # A window half as long in dB: ln 0.5 / ln 0.1 of the decay.
@@ -117,7 +104,7 @@ def test_windows_estimators_and_order_are_options(session, run):
     assert ratio == pytest.approx(np.log(0.5) / np.log(0.1))
     assert max(found["stabilisation"]["structure"]["orders"]) <= 20
     # The window moves no damping: two standard deviations of either fit and 1e-4 for the pulse.
-    for a, b in zip(fitted(run, session)["modes"], found["modes"], strict=True):
+    for a, b in zip(fitted(session)["modes"], found["modes"], strict=True):
         wide = a["damping_std"] + b["damping_std"]
         assert abs(a["damping_ratio"] - b["damping_ratio"]) < 2 * wide + 1e-4
 
@@ -132,12 +119,12 @@ def test_windows_estimators_and_order_are_options(session, run):
         (("--band", "20", "21"), "at least 8 lines"),
     ],
 )
-def test_impossible_options_are_one_message(session, run, options, word):
-    refused(run, session, word, *options)
+def test_impossible_options_are_one_message(session, options, word):
+    refused(session, word, *options)
 
 
-def refused(run, path, word, *options):
-    code, out, err = run("fit", path, *options, "--json")
+def refused(path, word, *options):
+    code, out, err = armodal("fit", path, *options, "--json")
     assert code == 2
     assert not out
     assert err.startswith("armodal: ")
@@ -149,7 +136,7 @@ def refused(run, path, word, *options):
 
 
 @pytest.fixture
-def frf_session(tmp_path, run):
+def frf_session(tmp_path):
     freq = 0.5 * np.arange(1, 200)
     s = 2j * np.pi * freq
     residue = SHAPES[:, 0] ** 2 / (2j * POLES.imag)
@@ -166,7 +153,7 @@ def frf_session(tmp_path, run):
         'reference = "1:z", line_spacing_hz = 0.5 }]\n'
     )
     path = tmp_path / "frf.h5"
-    code, _, err = run("import", manifest, "--out", path)
+    code, _, err = armodal("import", manifest, "--out", path)
     assert code == 0, err
     return path
 
@@ -209,20 +196,20 @@ def put(index, value):
     ],
     ids=["nan", "inf", "zero", "one line", "order", "nan line", "form", "coherence"],
 )
-def test_frfs_that_cannot_be_fitted_are_one_message(frf_session, run, change, word):
+def test_frfs_that_cannot_be_fitted_are_one_message(frf_session, change, word):
     change(frf_session)
-    refused(run, frf_session, word)
+    refused(frf_session, word)
 
 
-def test_a_session_cut_at_any_byte_is_one_message(frf_session, tmp_path, run):
+def test_a_session_cut_at_any_byte_is_one_message(frf_session, tmp_path):
     data = frf_session.read_bytes()
     for end in (0, 7, 100, 2000, len(data) // 2, len(data) - 1):
         cut = tmp_path / "cut.h5"
         cut.write_bytes(data[:end])
-        refused(run, cut, "cut.h5")
+        refused(cut, "cut.h5")
 
 
-def test_options_about_hits_are_said_to_be_void_for_given_frfs(frf_session, run):
-    found = fitted(run, frf_session, "--estimator", "h2")
+def test_options_about_hits_are_said_to_be_void_for_given_frfs(frf_session):
+    found = fitted(frf_session, "--estimator", "h2")
     assert any("averaged elsewhere" in text for text in found["warnings"])
     assert found["postures"]["s"]["estimator"] is None

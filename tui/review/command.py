@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from protocols.errors import SessionError
+from tui.review.app import ReviewApp
 from tui.run.command import run_app
 from tui.software import SOFTWARE
-
-if TYPE_CHECKING:
-    from tui.review.app import ReviewApp
 
 __all__ = ["app", "review_then_measure"]
 
@@ -70,9 +68,6 @@ def review(
 
     Example: armodal review demo/demo.h5
     """
-    # What draws modes is loaded only by who looks.
-    from tui.review.app import ReviewApp  # noqa: PLC0415
-
     if not session.is_file():
         raise SessionError(f"{session} is not a file; give the .h5 file of a session")
     raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap), software=SOFTWARE))

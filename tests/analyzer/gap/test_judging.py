@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from analyzer.gap import score
-from analyzer.gap.effects import bearing, coupling, friction, gravity_compensator, link_axis
+from analyzer.gap.effects import (
+    bearing,
+    coupling,
+    friction,
+    gravity_compensator,
+    link_axis,
+    released_joint,
+    wrist_coupling,
+)
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit
 from analyzer.gap.hypothesis import Hypothesis
@@ -197,6 +205,16 @@ def test_where_nothing_else_is_missing_an_axis_keeps_its_name():
     axis, beside = rival(link_axis.WORDS, "l1", 250.0), rival(bearing.WORDS, "j1", 290.0)
     present = rival(coupling.WORDS, "before", 30_000.0)
     assert judge(OF_1000, present, (axis, beside), Thresholds()).named is axis
+
+
+@pytest.mark.parametrize(("better", "stands"), [(10.0, False), (300.0, True)])
+def test_what_holds_the_best_inside_it_stands_beside_it_where_that_is_told(better, stands):
+    inside = rival(released_joint.WORDS, "j2", 1000.0)
+    around = rival(wrist_coupling.WORDS, "j1 and j2", 1000.0 - better)
+    small = replace(around, u=np.array([0.05]))  # a turn back that is too small to matter
+    found = judge(OF_1000, rival(coupling.WORDS, "before", 2000.0), (small, inside), Thresholds())
+    assert (found.named is None) == stands
+    assert (small in found.standing) == stands
 
 
 def test_an_axis_of_uncertain_size_is_only_a_patch():

@@ -10,11 +10,14 @@ from analyzer.gap.effects import friction
 from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hit_levels import middle_level
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import follows_no_level
+from analyzer.gap.judge import Judged, Thresholds, follows_no_level
 from analyzer.gap.next_test import expected_evidence, possible_tests
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.records import Verdict
+from analyzer.gap.rivals import Rivals
 from analyzer.gap.sensors import scan_sensors
 from analyzer.gap.stages import stages_of, with_test
+from analyzer.gap.verdict import verdict_of
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
@@ -81,6 +84,28 @@ def test_names_that_follow_no_level_leave_out_what_soft_and_hard_hits_showed(apa
     assert follows_no_level(surely(of_session(apart)))
     assert not follows_no_level(surely(of_session(apart), 13.0))  # chance opens them with as much
     assert not follows_no_level(surely(of_session(apart, lambda o: friction.instances(o)[0])))
+
+
+@pytest.mark.parametrize(
+    ("kinds", "misfit", "verdict"),
+    [
+        ((), 0.55, Verdict.NAMED),
+        ((), 0.75, Verdict.OUTSIDE_LIBRARY),
+        ((lambda o: friction.instances(o)[0],), 0.75, Verdict.NAMED),
+    ],
+)
+def test_much_left_where_the_level_tells_needs_a_name_that_follows_it(
+    apart, kinds, misfit, verdict
+):
+    stage = apart[0]
+    fit = fit_hypothesis(stage, of_session(apart, *kinds), max_iterations=2)
+    final = replace(fit, cost=misfit * sum(w.n for w in stage.weighings) / 2.0)
+    nothing = Judged(named=None, standing=(), phi=1.0)
+    found, why = verdict_of(
+        stage, final, Rivals(present=final, rivals=()), nothing, named=True, limits=Thresholds()
+    )
+    assert found is verdict
+    assert bool(why) == (verdict is Verdict.OUTSIDE_LIBRARY)
 
 
 def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):
