@@ -109,8 +109,8 @@ class System:
 class Assembly:
     """A posture being put together; effects add to it.
 
-    `compliance_of`, `loss_of`, `terms_of` and `stretches_of` say where a parameter acts linearly:
-    those derivatives are known.
+    `compliance_of`, `loss_of`, `terms_of` and `stretches_of` say where a parameter acts linearly,
+    `motion_of` which coordinate moves otherwise with it: those derivatives are known.
     """
 
     geometry: PostureGeometry
@@ -122,6 +122,8 @@ class Assembly:
     # By parameter: its coordinates, and which part of its compliance each has.
     compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
+    # By parameter: a coordinate, and by what (N,) its motion changes a unit.
+    motion_of: dict[str, tuple[int, Array]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)

@@ -16,14 +16,14 @@ import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.assembly import Assembly, System
-from analyzer.gap.change import Change
+from analyzer.gap.change import Change, by_change
 from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.response import Response, hysteresis, respond
 from analyzer.gap.space import Space
-from analyzer.gap.systems import angle_slopes, stacked_slopes, systems
+from analyzer.gap.systems import angle_slopes, motion_slopes, stacked_slopes, systems
 
 __all__ = ["PosedModel", "Postures"]
 
@@ -116,6 +116,7 @@ class Postures:
             posed.by_measurement(),
             posed.by_angles(self._slopes()),
             posed.by_terms(),
+            posed.by_motions(),
             posed.by_differences(space, self._s_rad_s),
         ):
             if name not in space.index:
@@ -321,6 +322,15 @@ class _Solved:
             ]
             yield name, _weighed_sum(columns, slopes.T)
 
+    def by_motions(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What a coordinate that gives way moves; nothing where it is locked."""
+        system = self.found.system
+        motions = self.assemblies[0].motion_of.items()
+        names = [name for name, (at, _) in motions if system.compliance[:, at].any()]
+        if names:
+            slopes = motion_slopes(self.assemblies, system, names)
+            yield from zip(names, self.found.by_motion(slopes), strict=True)
+
     def by_differences(
         self, space: Space, s_rad_s: ComplexArray
     ) -> Iterator[tuple[str, ComplexArray]]:
@@ -331,6 +341,7 @@ class _Solved:
             *first.loss_of,
             *first.terms_of,
             *first.stretches_of,
+            *first.motion_of,
             *first.log_slopes,
         }
         for instance in self.hypothesis.instances:
@@ -348,7 +359,7 @@ class _Solved:
                     yield parameter.name, (there.values - self.found.values) / step
                     continue
                 change = Change.between(self.found.system, other, step)
-                yield parameter.name, self.found.by_change(change)
+                yield parameter.name, by_change(self.found, change)
 
 
 def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArray:

@@ -32,10 +32,9 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import System
-from analyzer.gap.change import Change
-from analyzer.gap.systems import Slopes
+from analyzer.gap.systems import MotionSlopes, Slopes
 
-__all__ = ["Response", "hysteresis", "respond"]
+__all__ = ["Response", "applied", "hysteresis", "lines_last", "of_hits", "respond"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -92,7 +91,7 @@ class Response:
     @property
     def values(self) -> ComplexArray:
         """(P, m, 3, L) accelerance as recorded."""
-        return _last(_applied(self.system.mix[:, None], self.true_axes))
+        return lines_last(applied(self.system.mix[:, None], self.true_axes))
 
     def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
         """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.
@@ -108,13 +107,14 @@ class Response:
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
         """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
         x, Y = self.by_line
-        return np.asarray(Y[:, i] * (x[:, j] * -self._weight(kind)[:, None, :])[:, :, None])
+        return np.asarray(Y[:, i] * (x[:, j] * -self.weight(kind)[:, None, :])[:, :, None])
 
     def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
         """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
-        return self.by_stretch(row, self._weight(kind))
+        return self.by_stretch(row, self.weight(kind))
 
-    def _weight(self, kind: str) -> ComplexArray:
+    def weight(self, kind: str) -> ComplexArray:
+        """Return (P, L) what "mass", "damping", "stiffness" or "loss" is multiplied by in Z."""
         s = self.s_rad_s
         return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s), "loss": hysteresis(s)}[
             kind
@@ -174,7 +174,7 @@ class Response:
 
     def _forces(self) -> Array:
         """(P, m, n) generalised force of the hit of each mounting."""
-        return _of_hits(_hit_forces(self.system), self.hit)
+        return of_hits(_hit_forces(self.system), self.hit)
 
     def by_link_inertia(self, link: int, changes: Array) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
@@ -203,17 +203,17 @@ class Response:
         """Derivative by the force's components (P, 3) of one hit."""
         b = (change[:, None] @ self.system.hit[:, hit])[:, 0]  # (P, n)
         mine = (self.hit == hit).astype(np.float64)
-        return _last(_applied(self.under_loads, b[:, None, None]) * mine[:, None, :, None])
+        return lines_last(applied(self.under_loads, b[:, None, None]) * mine[:, None, :, None])
 
     def by_shift(self) -> ComplexArray:
         """Derivatives (3, P, m, 3, L) by a shift of each mounting along its own sensor's axes.
 
         The accelerometer's mass is taken to stay where it is.
         """
-        turn = _applied(self.system.turned[:, None], self.x)  # (P, L, m, 3)
+        turn = applied(self.system.turned[:, None], self.x)  # (P, L, m, 3)
         scale = (self.factor * self.s_rad_s**2)[:, :, None, None]
         moved = [np.cross(turn, axis) * scale for axis in np.eye(3)]
-        return np.stack([_last(_applied(self.system.mix[:, None], a)) for a in moved])
+        return np.stack([lines_last(applied(self.system.mix[:, None], a)) for a in moved])
 
     def by_slopes(self, slopes: Slopes) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by the k joint angles; slopes of P postures."""
@@ -243,57 +243,41 @@ class Response:
             load += _times(still, by_still).reshape(P, m, L, k, n)
             pull += system.sensor_mass_kg[:, None, None, None, None] * s2 * load
         push = np.einsum("pha,pkhan->phkn", system.force, slopes.hit)
-        pull -= _of_hits(push, self.hit)[:, :, None]
+        pull -= of_hits(push, self.hit)[:, :, None]
         y = -np.matmul(pull, self.under_loads.transpose(0, 2, 1, 4, 3))  # (P, m, L, k, 3)
         y += self.factor[:, None, :, None, None] * (s2 * shown + tilted)
         return np.asarray(y.transpose(3, 0, 1, 4, 2))
 
-    def by_change(self, change: Change) -> ComplexArray:
-        """Derivative by a parameter that changes the systems as told."""
-        system, s = self.system, self.s_rad_s
-        P, L, m, n = self.x.shape
-        flat = self.x.reshape(P, L * m, n)
-        dZx = np.zeros((P, L, m, n), dtype=np.complex128)
-        for matrix, kind in (
-            (change.mass, "mass"),
-            (change.damping, "damping"),
-            (change.stiffness, "stiffness"),
-            (change.loss, "loss"),
-        ):
-            if matrix is not None:
-                by = (flat @ matrix.swapaxes(1, 2)).reshape(P, L, m, n)
-                dZx += self._weight(kind)[:, :, None, None] * by
-        U = system.moved[:, None]
-        s2 = (s**2)[:, :, None, None]
-        if change.sensor_mass_kg is not None:
-            load = _applied(U.swapaxes(-1, -2), _applied(U, self.x))
-            dZx += change.sensor_mass_kg[:, None, None, None] * s2 * load
-        if change.moved is not None and system.sensor_mass_kg.any():
-            dU = change.moved[:, None]
-            both = _applied(dU.swapaxes(-1, -2), _applied(U, self.x)) + _applied(
-                U.swapaxes(-1, -2), _applied(dU, self.x)
-            )
-            dZx += system.sensor_mass_kg[:, None, None, None] * s2 * both
-        if change.hit is not None:
-            push = np.einsum("pha,phan->phn", system.force, change.hit)
-            dZx -= _of_hits(push, self.hit)[:, None]
-        if change.force is not None:
-            push = np.einsum("pha,phan->phn", change.force, system.hit)
-            dZx -= _of_hits(push, self.hit)[:, None]
-        y = -_applied(self.under_loads, dZx)
-        more = np.zeros_like(y)
-        if change.seen is not None:
-            more += s2 * _applied(change.seen[:, None], self.x)
-        if change.tilted is not None:
-            more += _applied(change.tilted[:, None], self.x)
-        if change.seen is not None or change.tilted is not None:
-            y = y + self.factor[:, :, None, None] * _applied(system.mix[:, None], more)
-        if change.mix is not None:
-            y = y + _applied(change.mix[:, None], self.true_axes)
-        return _last(y)
+    def by_motion(self, slopes: MotionSlopes) -> ComplexArray:
+        """Derivatives (k, P, m, 3, L) by k parameters with which a coordinate moves otherwise."""
+        system, at, k = self.system, slopes.at, len(slopes.at)
+        x, Y = self.by_line
+        s2 = (self.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)
+        mass_kg = system.sensor_mass_kg[:, None, None, None]
+        inertia = slopes.mass[:, None] + mass_kg * (slopes.moved.swapaxes(2, 3) @ system.moved)
+
+        def through(spring: Array, of: ComplexArray) -> ComplexArray:
+            """(P, m, k, ..., L) of inertia and spring with what (P, m, n, ..., L) moves."""
+            rows = np.concatenate([inertia, np.broadcast_to(spring[:, None], inertia.shape)], 2)
+            P, m, n = of.shape[:3]
+            flat = np.ascontiguousarray(of).reshape(P, m, n, -1).view(np.float64)
+            both = np.matmul(rows, flat).view(np.complex128).reshape(P, m, 2 * k, *of.shape[3:])
+            weight = s2 if of.ndim == 4 else s2[..., None, :]
+            return np.asarray(weight * both[:, :, :k] + both[:, :, k:])
+
+        push = np.einsum("pha,phak->phk", system.force, slopes.hit)
+        pull = through(slopes.stiffness_row, x.swapaxes(1, 2)) - of_hits(push, self.hit)[..., None]
+        load = through(slopes.stiffness_column, Y.swapaxes(1, 2))  # (P, m, k, 3, L)
+        seen, tilted = (
+            (system.mix @ of).swapaxes(2, 3)[..., None] for of in (slopes.seen, slopes.tilted)
+        )
+        load -= self.factor[:, None, None, None] * (s2[..., None, :] * seen + tilted)
+        y = Y[:, at] * pull.swapaxes(1, 2)[:, :, :, None]
+        y += load.swapaxes(1, 2) * x[:, at][:, :, :, None]
+        return np.asarray(-y.swapaxes(0, 1))
 
 
-def _applied(matrix: ComplexArray | Array, vector: ComplexArray | Array) -> ComplexArray:
+def applied(matrix: ComplexArray | Array, vector: ComplexArray | Array) -> ComplexArray:
     """Matrices (..., a, b) times vectors (..., b)."""
     return np.asarray(np.matmul(matrix, vector[..., None])[..., 0])
 
@@ -322,12 +306,12 @@ def _rows(of: Array, H: ComplexArray) -> ComplexArray:
     return np.asarray(np.matmul(of.reshape(P, 1, m * 3, n), H).reshape(P, -1, m, 3, n))
 
 
-def _last(y: ComplexArray) -> ComplexArray:
+def lines_last(y: ComplexArray) -> ComplexArray:
     """(P, L, m, 3) to (P, m, 3, L)."""
     return np.asarray(y.transpose(0, 2, 3, 1))
 
 
-def _of_hits(by_hit: Array, hit: npt.NDArray[np.int64]) -> Array:
+def of_hits(by_hit: Array, hit: npt.NDArray[np.int64]) -> Array:
     """(P, n_hits, ...) to (P, m, ...): each mounting's own hit."""
     if by_hit.shape[1] == 1:
         return np.broadcast_to(by_hit, (*hit.shape, *by_hit.shape[2:]))
@@ -378,12 +362,12 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     HU = _rows(U, H)
     ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, :, None, None, None]
     S = ms2 * _inverse(np.eye(3) + ms2 * np.matmul(HU, U[:, None].swapaxes(-1, -2)))
-    of_hits = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
-    x0 = _of_hits(of_hits.swapaxes(1, 2), hit).swapaxes(1, 2)  # (P, L, m, n)
-    SUx = _applied(S, _applied(U[:, None], x0))
+    by_hit = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
+    x0 = of_hits(by_hit.swapaxes(1, 2), hit).swapaxes(1, 2)  # (P, L, m, n)
+    SUx = applied(S, applied(U[:, None], x0))
     x = x0 - np.matmul(SUx[..., None, :], HU)[..., 0, :]
     factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
-    raw = by_line**2 * _applied(system.seen[:, None], x) + _applied(system.tilted[:, None], x)
+    raw = by_line**2 * applied(system.seen[:, None], x) + applied(system.tilted[:, None], x)
     return Response(
         system=system,
         s_rad_s=s,

@@ -11,7 +11,14 @@ import numpy.typing as npt
 from analyzer.gap.assembly import Assembly, Pieces, System
 from analyzer.gap.geometry import GeometrySlopes, skew
 
-__all__ = ["Slopes", "angle_slopes", "stacked_slopes", "systems"]
+__all__ = [
+    "MotionSlopes",
+    "Slopes",
+    "angle_slopes",
+    "motion_slopes",
+    "stacked_slopes",
+    "systems",
+]
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -26,6 +33,23 @@ class Slopes:
     seen: Array  # (P, k, m, 3, n)
     tilted: Array  # (P, k, m, 3, n)
     hit: Array  # (P, k, n_hits, 3, n)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionSlopes:
+    """Change of P systems with k parameters, each of which one coordinate moves otherwise with.
+
+    Of a matrix its row and column `at` change: the mass by both alike.
+    """
+
+    at: Indices  # (k,) coordinate
+    mass: Array  # (P, k, n)
+    stiffness_row: Array  # (P, k, n)
+    stiffness_column: Array  # (P, k, n)
+    moved: Array  # (P, m, 3, k)
+    seen: Array  # (P, m, 3, k)
+    tilted: Array  # (P, m, 3, k)
+    hit: Array  # (P, n_hits, 3, k)
 
 
 def systems(assemblies: Sequence[Assembly]) -> System:
@@ -50,12 +74,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
     base = T[:, :6]
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += base.swapaxes(1, 2) @ base_inertia @ base
-    gravity = np.array(
-        [
-            np.tensordot(np.array(own.link_moments), own.geometry.gravity_per_mass, axes=2)
-            for own in assemblies
-        ]
-    )
+    gravity = _gravity(assemblies)
     matrices = {
         "mass": mass,
         "damping": np.zeros((P, n, n)),
@@ -71,7 +90,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         square = value[:, None, None] * rows[:, :, None] * rows[:, None, :]
         matrices[kind][:, : row.size, : row.size] += square
     where, hits = _mountings(assemblies)
-    motion = _point_motion(assemblies, T)
+    motion = _point_motion(assemblies, T, range(n))
     J = _at(motion, where)
     R = _turned_back(assemblies, where)
     unmixed = np.broadcast_to(np.eye(3), (where.shape[1], 3, 3))
@@ -131,7 +150,7 @@ def angle_slopes(
         pull = _pull(_split(piece, inertia[:, link]), piece.motion)
         half += _together(turned, pull[:, None])
     where, hits = _mountings(assemblies)
-    motion = _point_motion(assemblies, T)
+    motion = _point_motion(assemblies, T, range(n))
     slopes = _point_slopes(assemblies, motion, geometry, T)
     J, dJ = _at(motion, where)[:, None], _along(slopes, where)
     R = _turned_back(assemblies, where)[:, None]
@@ -143,6 +162,60 @@ def angle_slopes(
         seen=dR @ J[..., :3, :] + R @ dJ[..., :3, :],
         tilted=dR @ (weights @ J[..., 3:, :]) + R @ (weights @ dJ[..., 3:, :]),
         hit=_along(slopes, hits)[..., :3, :],
+    )
+
+
+def motion_slopes(
+    assemblies: Sequence[Assembly], system: System, names: Sequence[str]
+) -> MotionSlopes:
+    """Return how the matrices change with parameters that `Assembly.motion_of` knows.
+
+    `system` stacked.
+    """
+    first, T = assemblies[0], _columns(assemblies)
+    at = [first.motion_of[name][0] for name in names]
+    changes = [[own.motion_of[name][1] for name in names] for own in assemblies]
+    dT = np.array(changes).swapaxes(1, 2)  # (P, N, k)
+    P, N, k = dT.shape
+    links = np.array([own.geometry.link_jacobian for own in assemblies])
+    by_link = (links.reshape(P, -1, N) @ dT).reshape(P, -1, 6, k)
+    inertia = _inertias(assemblies)
+    whole = [link for link in range(inertia.shape[1]) if link not in system.pieces]
+    pull = _pull(inertia[:, whole], system.link_motion[:, whole])
+    mass = _together(by_link[:, whole], pull)
+    for link, piece in system.pieces.items():
+        turned = np.repeat(by_link[:, link, None], len(piece.shares), axis=1)
+        for column, coordinate in enumerate(at):
+            own, before, _ = first.between.get(coordinate, (None, 0, None))
+            if own == link:
+                turned[:, :before, :, column] = 0.0
+        mass += _together(turned, _pull(_split(piece, inertia[:, link]), piece.motion))
+    base_inertia = np.array([own.base_inertia for own in assemblies])
+    mass += dT[:, :6].swapaxes(1, 2) @ base_inertia @ T[:, :6]
+    gravity = _gravity(assemblies)
+    where, hits = _mountings(assemblies)
+    motion = _point_motion(assemblies, dT, at)
+    J = _at(motion, where)
+    R = _turned_back(assemblies, where)
+    return MotionSlopes(
+        at=np.array(at),
+        mass=mass,
+        stiffness_row=dT.swapaxes(1, 2) @ gravity @ T,
+        stiffness_column=(T.swapaxes(1, 2) @ (gravity @ dT)).swapaxes(1, 2),
+        moved=J[..., :3, :],
+        seen=R @ J[..., :3, :],
+        tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
+        hit=_at(motion, hits)[..., :3, :],
+    )
+
+
+def _gravity(assemblies: Sequence[Assembly]) -> Array:
+    """(P, N, N) stiffness by gravity."""
+    return np.array(
+        [
+            np.tensordot(np.array(own.link_moments), own.geometry.gravity_per_mass, axes=2)
+            for own in assemblies
+        ]
     )
 
 
@@ -167,10 +240,9 @@ def _pull(inertia: Array, motion: Array) -> Array:
 
 
 def _together(motion: Array, pull: Array) -> Array:
-    """Sum over bodies of motion' pull: (..., n, n) of (..., bodies, 6, n)."""
-    n = motion.shape[-1]
-    flat = motion.reshape(*motion.shape[:-3], -1, n)
-    return np.asarray(flat.swapaxes(-1, -2) @ pull.reshape(*pull.shape[:-3], -1, n))
+    """Sum over bodies of motion' pull: (..., k, n) of (..., bodies, 6, k) and (..., 6, n)."""
+    one, other = (a.reshape(*a.shape[:-3], -1, a.shape[-1]) for a in (motion, pull))
+    return np.asarray(one.swapaxes(-1, -2) @ other)
 
 
 def _mountings(assemblies: Sequence[Assembly]) -> tuple[Indices, Indices]:
@@ -202,13 +274,18 @@ def _weights(assemblies: Sequence[Assembly]) -> Array:
     return -skew(np.array([own.geometry.gravity_m_s2 for own in assemblies]))
 
 
-def _point_motion(assemblies: Sequence[Assembly], T: Array) -> Array:
-    """(P, n_points, 6, n) motion of points, those that stand elsewhere shifted."""
-    P, N, n = T.shape
+def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequence[int]) -> Array:
+    """(P, n_points, 6, k) motion of points by columns (P, N, k), each of one of the coordinates.
+
+    Points that stand elsewhere are shifted.
+    """
+    P, N, k = T.shape
     points = np.array([own.geometry.point_jacobian for own in assemblies])
-    motion = (points.reshape(P, -1, N) @ T).reshape(P, -1, 6, n)
-    for at, (_, _, still) in assemblies[0].between.items():
-        motion[:, still, :, at] = 0.0
+    motion = (points.reshape(P, -1, N) @ T).reshape(P, -1, 6, k)
+    between = assemblies[0].between
+    for column, coordinate in enumerate(coordinates):
+        if coordinate in between:
+            motion[:, between[coordinate][2], :, column] = 0.0
     for own, moved in zip(assemblies, motion, strict=True):
         for point, shift in own.shifts_m.items():
             arm = skew(own.geometry.point_rotation[point] @ shift)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -63,11 +64,19 @@ def at_axis(
     columns = ordinary.superset.interface_columns(link)
     nearest = point_m - direction * (direction @ point_m)
 
+    @lru_cache(maxsize=2)  # for all postures
+    def line(*by: float) -> tuple[Array, Array]:
+        twist, slopes = _twist(direction, nearest, sides, by)
+        motion = np.zeros((1 + len(moves), ordinary.superset.n))
+        motion[:, columns] = np.vstack([twist, slopes])
+        motion.setflags(write=False)
+        return motion[0], motion[1:]
+
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
-        column = np.zeros(ordinary.superset.n)
-        column[columns] = np.concatenate([skew(p) @ u, u])
+        column, slopes = line(*(values[m] for m in moves))
         at = assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
+        for move, slope in zip(moves, slopes, strict=True):
+            assembly.motion_of[move] = at, slope
         if before:
             shares = np.array([values[part], 1.0 - values[part]])
             assembly.pieces[link] = shares, np.zeros((2, 3))
@@ -127,13 +136,27 @@ def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
 
 
 def axis_of(
-    direction: Array, point_m: Array, sides: Array, moves: list[float]
+    direction: Array, point_m: Array, sides: Array, moves: Sequence[float]
 ) -> tuple[Array, Array]:
     """Return unit direction and nearest point of a line turned and shifted across itself."""
     u = direction + sides @ np.array(moves[:2])
     u = u / np.linalg.norm(u)
     p = point_m + sides @ np.array(moves[2:])
     return u, p - u * (u @ p)
+
+
+def _twist(
+    direction: Array, point_m: Array, sides: Array, moves: Sequence[float]
+) -> tuple[Array, Array]:
+    """Twist (6,) of a unit turn about such a line, linear first; its slopes (4, 6) by the moves."""
+    u, p = axis_of(direction, point_m, sides, moves)
+    on = point_m + sides @ np.array(moves[2:])
+    across_u = sides - np.outer(u, u @ sides)  # (3, 2)
+    du = across_u / np.linalg.norm(direction + sides @ np.array(moves[:2]))
+    turned = skew(p) @ du + skew(u) @ (du * (u @ on) + np.outer(u, on @ du))
+    shifted = -skew(u) @ across_u
+    slopes = np.block([[turned, shifted], [du, np.zeros((3, 2))]])
+    return np.concatenate([skew(p) @ u, u]), slopes.T
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
