@@ -67,6 +67,8 @@ class Thresholds:
     # Nats of what is too small to matter: then it is not that. And of what is large, but of
     # uncertain size: then it is no patch.
     unplaced: float = 1000.0
+    # Likewise beside a name: of 260 right ones of sealed cases none left more than 202.
+    beside_name: float = 250.0
     # Likewise where soft and hard hits are apart, and what is wanted there beside an effect that
     # follows the level: right names leave 207 at most.
     beside_level: float = 250.0

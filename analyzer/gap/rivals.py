@@ -30,6 +30,7 @@ from analyzer.gap.starts import (
     from_the_start,
     not_hopeless,
     split_axes,
+    spread_axes,
 )
 
 __all__ = ["Rivals", "find_rivals"]
@@ -124,6 +125,8 @@ def find_rivals(
     worth_splits = bool(finals) and so_far.sharp.evidence - finals[0].evidence > _WORTH_SPLIT
     if worth_splits and not so_far.astray:  # else they were tried on the broad lines
         finals += split_axes(sharp, finals[:1], 8)
+    if worth_splits:
+        finals += spread_axes(sharp, finals[:1], 8)
     plainer = [f for f in finals[1:] if is_plainer(finals[0], f)]  # judged beside it
     finals = _leading(finals, None)
     finals += [f for f in plainer if all(f is not other for other in finals)]

@@ -9,6 +9,7 @@ import numpy as np
 
 from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.effect import Instance
+from analyzer.gap.effects.long_link import long_links
 from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -28,6 +29,8 @@ __all__ = [
     "from_the_start",
     "not_hopeless",
     "split_axes",
+    "spread_axes",
+    "spread_of",
     "taken_out",
 ]
 
@@ -44,6 +47,7 @@ _WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER, _BETTER_AGAIN = 3, 9, 6, 9, 
 _CERTAIN = 0.1  # of the plain fit's cost: what leaves less is found
 _LONG, _LONG_START = ("link_bending", "link_torsion"), 0.03  # of the size's deviation
 _SHAPED = "gravity_compensator"
+_ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -356,3 +360,33 @@ def split_axes(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
             richer = replace(fit.hypothesis, instances=(*others, split))
             found.append(fit_hypothesis(stage, richer, start=start, max_iterations=steps))
     return found
+
+
+def spread_axes(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
+    """An axis in a long link may stand for a link that gives way all along."""
+    found = []
+    for fit in fits:
+        *others, axis = fit.hypothesis.instances
+        spread = spread_of(axis, fit)
+        if spread is not None:
+            richer = replace(fit.hypothesis, instances=(*others, spread[0]))
+            found.append(fit_hypothesis(stage, richer, start=spread[1], max_iterations=steps))
+    return found
+
+
+def spread_of(axis: Instance, fit: Fit) -> tuple[Instance, dict[str, float]] | None:
+    """What twists or bends a long link all along instead of about an axis in it; a start."""
+    ordinary = fit.hypothesis.ordinary
+    line = next((own for own in long_links(ordinary) if own.name == axis.place), None)
+    if axis.effect.name != "link_axis" or axis.describe is None or line is None:
+        return None
+    direction = np.asarray(axis.describe(fit.values)["direction"])
+    kind = "link_torsion" if abs(direction @ line.along) > _ALONG else "link_bending"
+    spread = next(
+        i for i in all_instances(ordinary) if (i.effect.name, i.place) == (kind, line.name)
+    )
+    others = [other for other in fit.hypothesis.instances if other is not axis]
+    if any(other.key == spread.key or spread.excludes(other) for other in others):
+        return None
+    start = {k: v for k, v in fit.values.items() if k not in axis.owned}
+    return spread, {**start, spread.size: fit.values[axis.size] / line.length_m}

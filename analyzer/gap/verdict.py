@@ -56,16 +56,21 @@ def verdict_of(
         )
     if _is_unfollowed(stage, final, found, standing, named=named, limits=limits):
         why.append("the response depends on the hits' level, and nothing that was named does")
-    if why or left > outside_misfit(stage, limits) or _is_unplaced(final, found, judged, limits):
+    unplaced = _is_unplaced(final, found, judged, named=named, limits=limits)
+    if why or unplaced or left > outside_misfit(stage, limits):
         return Verdict.OUTSIDE_LIBRARY, why
     if named:
         return Verdict.NAMED, why
     return Verdict.AMBIGUOUS if len(standing) > 1 else Verdict.NOTHING_DETECTABLE, why
 
 
-def _is_unplaced(final: Fit, found: Rivals, judged: Judged, limits: Thresholds) -> bool:
+def _is_unplaced(
+    final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
+) -> bool:
     """Whether much is told by what is too small to matter, or of uncertain size."""
-    beyond_doubt = limits.beside_level if final.hypothesis.by_level else limits.unplaced
+    beyond_doubt = limits.beside_name if named else limits.unplaced
+    if final.hypothesis.by_level:
+        beyond_doubt = limits.beside_level
     return not judged.standing and any(
         found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
     )

@@ -40,7 +40,7 @@ from analyzer.gap.records import (
 )
 from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import of_test, stages_of, with_test
-from analyzer.gap.starts import taken_out
+from analyzer.gap.starts import spread_of, taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from protocols.frf_records import FrequencyResponse
@@ -128,7 +128,7 @@ def find_gap(
             judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
         notes += _begins_elsewhere(better, found.rivals, limits.apart * judged.phi)
-        better, swapped = _joint_rather_than_axis(stages[-1], step, limits)
+        better, swapped = _rather_than_axes(stages[-1], step, limits)
         better, turned = _turned_once(better)
         named = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
         fitted, gone = _still_earning(stages[-1], better, limits, judged.phi)
@@ -251,12 +251,13 @@ def _last(fit: Fit) -> Instance:
     return fit.hypothesis.instances[-1]
 
 
-def _joint_rather_than_axis(
+def _rather_than_axes(
     stage: Stage, step: Step, limits: Thresholds
 ) -> tuple[Fit, dict[tuple[str, str], Instance]]:
-    """The better fit of a step with joints, believed rigid, in the place of axes in their links.
+    """The better fit of a step with likelier names in the place of axes; which stands for which.
 
-    Only where that explains as much; with which instance stands for which axis.
+    A joint believed rigid, where that explains as much. And a link that gives way all along, where
+    that explains more: for an axis of an earlier round, judged while something else was missing.
     """
     without, fit, _, _, judged = step
     ordinary = fit.hypothesis.ordinary
@@ -264,17 +265,31 @@ def _joint_rather_than_axis(
     joints = {joint.link.name: joint.name for joint in ordinary.arm.joints}
     swapped: dict[tuple[str, str], Instance] = {}
     for axis in fit.hypothesis.instances:
-        joint = released.get(joints.get(axis.place, ""))
-        if axis.effect.name != "link_axis" or joint is None:
+        if axis.effect.name != "link_axis":
             continue
-        instances = tuple(joint if i is axis else i for i in fit.hypothesis.instances)
-        start = {**fit.values, joint.size: fit.values[axis.size]}
-        plain = fit_hypothesis(stage, replace(fit.hypothesis, instances=instances), start=start)
-        # An axis of an earlier round has brought far more than is left now.
-        gain = without.evidence - fit.evidence if axis is _last(fit) else np.inf
-        if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
-            fit, swapped[axis.key] = plain, joint
+        is_last = axis is _last(fit)
+        joint = released.get(joints.get(axis.place, ""))
+        if joint is not None:
+            start = {**fit.values, joint.size: fit.values[axis.size]}
+            plain = _with_instead(stage, fit, axis, joint, start)
+            # An axis of an earlier round has brought far more than is left now.
+            gain = without.evidence - fit.evidence if is_last else np.inf
+            if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
+                fit, swapped[axis.key] = plain, joint
+                continue
+        spread = None if is_last else spread_of(axis, fit)
+        if spread is not None:
+            all_along = _with_instead(stage, fit, axis, *spread)
+            if all_along.evidence < fit.evidence:
+                fit, swapped[axis.key] = all_along, spread[0]
     return fit, swapped
+
+
+def _with_instead(
+    stage: Stage, fit: Fit, old: Instance, new: Instance, start: dict[str, float]
+) -> Fit:
+    instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
+    return fit_hypothesis(stage, replace(fit.hypothesis, instances=instances), start=start)
 
 
 def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:

@@ -108,6 +108,23 @@ def test_much_left_where_the_level_tells_needs_a_name_that_follows_it(
     assert bool(why) == (verdict is Verdict.OUTSIDE_LIBRARY)
 
 
+@pytest.mark.parametrize(
+    ("nats", "named", "verdict"),
+    [
+        (300.0, True, Verdict.OUTSIDE_LIBRARY),
+        (200.0, True, Verdict.NAMED),
+        (300.0, False, Verdict.NOTHING_DETECTABLE),
+    ],
+)
+def test_much_that_is_told_beside_a_name_and_has_none_is_outside(apart, nats, named, verdict):
+    stage = apart[0]
+    fit = fit_hypothesis(stage, of_session(apart), max_iterations=2)
+    final = replace(fit, cost=0.3 * sum(w.n for w in stage.weighings) / 2.0)
+    found = Rivals(present=final, rivals=(replace(final, cost=final.cost - nats),))
+    nothing = Judged(named=None, standing=(), phi=1.0)
+    assert verdict_of(stage, final, found, nothing, named=named, limits=Thresholds())[0] is verdict
+
+
 def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):
     hypothesis = of_session(apart)
     space = hypothesis.space()

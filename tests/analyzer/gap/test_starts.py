@@ -1,4 +1,4 @@
-"""Where fits begin when an effect is taken out."""
+"""Where fits begin when an effect is taken out, or another put in its place."""
 
 from types import SimpleNamespace
 
@@ -7,10 +7,11 @@ import pytest
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.effects import link_axis
+from analyzer.gap.effects.long_link import long_links
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.starts import taken_out
+from analyzer.gap.starts import spread_of, taken_out
 from hil_sim.study import study_arm
 
 
@@ -55,3 +56,34 @@ def test_bearings_elsewhere_and_other_effects_keep_their_values(ordinary):
     assert gone not in rest.instances
     kept = {name: v for name, v in fit.values.items() if name in start}
     assert kept == start
+
+
+def alone(ordinary, link, direction):
+    fit, axis, _ = fit_with(ordinary, link, direction / np.linalg.norm(direction))
+    return SimpleNamespace(
+        hypothesis=Hypothesis(ordinary=ordinary, instances=(axis,)), values=fit.values
+    ), axis
+
+
+def test_an_axis_along_a_long_link_starts_its_twist_and_one_across_its_bending(ordinary):
+    for line in long_links(ordinary):
+        across = np.cross(line.along, [0.3, 0.5, 0.7])
+        for direction, kind in ((line.along, "link_torsion"), (across, "link_bending")):
+            fit, axis = alone(ordinary, line.link, direction)
+            spread, start = spread_of(axis, fit)
+            assert (spread.effect.name, spread.place) == (kind, line.name)
+            # As soft from root to tip: per length times the length.
+            assert start[spread.size] * line.length_m == pytest.approx(fit.values[axis.size])
+            assert not set(start) & {p.name for p in axis.parameters}
+
+
+def test_a_short_link_and_one_that_gives_way_already_start_nothing(ordinary):
+    lines = {line.link: line for line in long_links(ordinary)}
+    short = next(i for i in range(len(ordinary.arm.joints)) if i not in lines)
+    fit, axis = alone(ordinary, short, np.array([0.0, 0.0, 1.0]))
+    assert spread_of(axis, fit) is None
+    line = next(iter(lines.values()))
+    fit, axis = alone(ordinary, line.link, line.along)
+    spread, _ = spread_of(axis, fit)
+    both = Hypothesis(ordinary=ordinary, instances=(spread, axis))
+    assert spread_of(axis, SimpleNamespace(hypothesis=both, values=fit.values)) is None
