@@ -101,13 +101,14 @@ def _is_unfollowed(
 ) -> bool:
     """Whether the level tells what nothing named follows, or where nothing is, nothing likely.
 
-    That it tells something is sure by what one joint's change with it promises, or where hits are
-    apart and much is left.
+    That it tells something is sure by what one joint's change with it promises; beside a name also
+    where hits are apart and much is left.
     """
     hypothesis = final.hypothesis
-    much = misfit_per_line(stage, final) > limits.unfollowed_misfit
     apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.by_level
-    if not (follows_no_level(hypothesis) or (apart and much)):
+    if named and apart and misfit_per_line(stage, final) > limits.unfollowed_misfit:
+        return True
+    if not follows_no_level(hypothesis):
         return False
     likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
     return named or not any(f.hypothesis.by_level for f in (*standing, *likely))
