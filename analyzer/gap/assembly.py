@@ -11,7 +11,7 @@ model. Frames: superset, linear first.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -275,12 +275,18 @@ class Assembly:
         self.compliance_loss_s.append(loss_s)
         return len(self.columns) - 1
 
-    def motion_of_pieces(self, link: int, motion: Array, n_pieces: int) -> Array:
-        """Return (..., P, 6, n): a piece stays where a hinge beyond it turns."""
+    def motion_of_pieces(
+        self, link: int, motion: Array, n_pieces: int, coordinates: Sequence[int]
+    ) -> Array:
+        """Return (..., P, 6, k): a piece stays where a hinge beyond it turns.
+
+        `motion` (..., 6, k) of the link, each column by one of the coordinates.
+        """
         found = np.repeat(motion[..., None, :, :], n_pieces, axis=-3)
-        for at, (own, before, _) in self.between.items():
+        for column, coordinate in enumerate(coordinates):
+            own, before, _ = self.between.get(coordinate, (None, 0, None))
             if own == link:
-                found[..., :before, :, at] = 0.0
+                found[..., :before, :, column] = 0.0
         return found
 
     @property

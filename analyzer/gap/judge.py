@@ -69,8 +69,7 @@ class Thresholds:
     unplaced: float = 1000.0
     # Likewise beside a name: of 260 right ones of sealed cases none left more than 202.
     beside_name: float = 250.0
-    # Likewise where soft and hard hits are apart, and what is wanted there beside an effect that
-    # follows the level: right names leave 207 at most.
+    # Wanted of another effect beside one that follows the level: right ones leave 207 at most.
     beside_level: float = 250.0
     held_out: float = 3.0  # nats that held-out postures must gain together
 

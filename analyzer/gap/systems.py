@@ -63,7 +63,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         link: Pieces(
             shares=shares,
             offsets_m=offsets,
-            motion=first.motion_of_pieces(link, link_motion[:, link], len(shares)),
+            motion=first.motion_of_pieces(link, link_motion[:, link], len(shares), range(n)),
         )
         for link, (shares, offsets) in first.pieces.items()
     }
@@ -146,7 +146,7 @@ def angle_slopes(
     pull = _pull(inertia[:, whole], system.link_motion[:, whole])
     half = _together(by_link[:, :, whole], pull[:, None])
     for link, piece in system.pieces.items():
-        turned = first.motion_of_pieces(link, by_link[:, :, link], len(piece.shares))
+        turned = first.motion_of_pieces(link, by_link[:, :, link], len(piece.shares), range(n))
         pull = _pull(_split(piece, inertia[:, link]), piece.motion)
         half += _together(turned, pull[:, None])
     where, hits = _mountings(assemblies)
@@ -184,11 +184,7 @@ def motion_slopes(
     pull = _pull(inertia[:, whole], system.link_motion[:, whole])
     mass = _together(by_link[:, whole], pull)
     for link, piece in system.pieces.items():
-        turned = np.repeat(by_link[:, link, None], len(piece.shares), axis=1)
-        for column, coordinate in enumerate(at):
-            own, before, _ = first.between.get(coordinate, (None, 0, None))
-            if own == link:
-                turned[:, :before, :, column] = 0.0
+        turned = first.motion_of_pieces(link, by_link[:, link], len(piece.shares), at)
         mass += _together(turned, _pull(_split(piece, inertia[:, link]), piece.motion))
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += dT[:, :6].swapaxes(1, 2) @ base_inertia @ T[:, :6]

@@ -68,9 +68,8 @@ def _is_unplaced(
     final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
 ) -> bool:
     """Whether much is told by what is too small to matter, or of uncertain size."""
-    beyond_doubt = limits.beside_name if named else limits.unplaced
-    if final.hypothesis.by_level:
-        beyond_doubt = limits.beside_level
+    beside = named or final.hypothesis.by_level
+    beyond_doubt = limits.beside_name if beside else limits.unplaced
     return not judged.standing and any(
         found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
     )
