@@ -126,6 +126,7 @@ def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:
     for row in (*found["effects"], *found["rivals"]):
         intervals = row.pop("parameters")
         row["parameters"] = {name: value["value"] for name, value in intervals.items()}
+        row["units"] = {name: value["unit"] for name, value in intervals.items()}
         row["std"] = {name: value["std"] for name, value in intervals.items()}
         row["interval_95"] = {name: [v["low"], v["high"]] for name, v in intervals.items()}
     files = {"arm_file": None, **{key: str(path) for key, path in written.items()}}
@@ -136,7 +137,9 @@ def gap_tables(result: GapResult) -> list[Table]:
     """The result as tables, what matters first."""
     tables = []
     if result.effects:
-        table = Table("effect", "place", "parameter", "value", "± std", "sure", title="Named")
+        table = Table(
+            "effect", "place", "parameter", "value", "± std", "unit", "sure", title="Named"
+        )
         for effect in result.effects:
             for name, value in effect.parameters.items():
                 table.add_row(
@@ -145,6 +148,7 @@ def gap_tables(result: GapResult) -> list[Table]:
                     name,
                     f"{value.value:.4g}",
                     f"{value.std:.2g}",
+                    value.unit,
                     f"{100 * effect.confidence:.0f} %",
                 )
         tables.append(table)

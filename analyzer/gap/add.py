@@ -61,7 +61,12 @@ def _added(effect: EffectFound, session_sha256: str, created: str) -> AddedEffec
         place=effect.place or "whole arm",
         parameters=tuple(
             EffectParameter(
-                name=file_key(name, effect.place), value=p.value, std=p.std, low=p.low, high=p.high
+                name=file_key(name, effect.place),
+                unit=p.unit,
+                value=p.value,
+                std=p.std,
+                low=p.low,
+                high=p.high,
             )
             for name, p in effect.parameters.items()
         ),
@@ -92,15 +97,22 @@ def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[st
     Raises
     ------
     ArmError
-        If an effect is not in the library, or not at that place of the arm.
+        If an effect is not in the library, or not at that place of the arm, or in another unit.
     """
     instances: list[Instance] = []
     values: dict[str, float] = {}
     for effect in ordinary.arm.effects:
         instance = _instance(ordinary, effect)
         known = {p.name: p.value for p in effect.parameters}
-        for name in instance.owned:
+        units = {p.name: p.unit for p in effect.parameters if p.unit}
+        own = {p.name: p.unit for p in (*instance.parameters, *instance.relaxes.values())}
+        for name, unit in own.items():
             key = file_key(name, instance.place)
+            if units.get(key, unit) != unit:
+                raise ArmError(
+                    f"arm '{ordinary.arm.name}': wanted '{key}' of effect '{effect.name}' in "
+                    f"'{unit}', got '{units[key]}'; correct the arm file's [[effects]]"
+                )
             moves = key.startswith(("axis_tilt", "axis_shift"))  # an axis begins where it was found
             if key in known and not moves:
                 values[name] = known[key]

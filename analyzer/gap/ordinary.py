@@ -90,12 +90,15 @@ class Ordinary:
             found.append(_log(f"ln k {joint.name}", joint.stiffness, _LEAST_LN_K_STD))
             found.append(_log(f"ln c {joint.name}", joint.damping, _LEAST_LN_C_STD))
         found.append(
-            Parameter(name="loss", mean=_LOSS_MEAN, std=_LOSS_STD, low=0.0, high=_LOSS_LIMIT)
+            Parameter(
+                name="loss", unit="", mean=_LOSS_MEAN, std=_LOSS_STD, low=0.0, high=_LOSS_LIMIT
+            )
         )
         for joint in arm.joints:
             found += [
                 Parameter(
                     name=f"bearing {side} {joint.name}",
+                    unit="rad/(N m)",
                     mean=_BEARING_MEAN * self.compliance,
                     std=_BEARING_STD * self.compliance,
                     low=0.0,
@@ -106,20 +109,33 @@ class Ordinary:
             link = joint.link.name
             std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
             found += [
-                Parameter(name=f"{what} {link}", mean=0.0, std=s)
+                Parameter(
+                    name=f"{what} {link}", unit="m" if what in _CENTER else "", mean=0.0, std=s
+                )
                 for what, s in zip(_INERTIAL, std, strict=True)
             ]
             found.append(
-                Parameter(name=f"encoder {joint.name}", mean=0.0, std=tolerances.encoder_offset_rad)
+                Parameter(
+                    name=f"encoder {joint.name}",
+                    unit="rad",
+                    mean=0.0,
+                    std=tolerances.encoder_offset_rad,
+                )
             )
         found += [
-            Parameter(name=f"ln gain {a}", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
+            Parameter(name=f"ln gain {a}", unit="", mean=0.0, std=tolerances.sensor_gain)
+            for a in "xyz"
         ]
-        found.append(Parameter(name="ln hammer", mean=0.0, std=tolerances.hammer_gain))
-        found.append(Parameter(name="delay", mean=0.0, std=_DELAY_STD_S))
+        found.append(Parameter(name="ln hammer", unit="", mean=0.0, std=tolerances.hammer_gain))
+        found.append(Parameter(name="delay", unit="s", mean=0.0, std=_DELAY_STD_S))
         for name in self.postures:
             found += [
-                Parameter(name=f"aim {side} {name}", mean=0.0, std=tolerances.hit_direction_rad)
+                Parameter(
+                    name=f"aim {side} {name}",
+                    unit="rad",
+                    mean=0.0,
+                    std=tolerances.hit_direction_rad,
+                )
                 for side in "ab"
             ]
         return tuple(_within_reason(p) for p in found)
@@ -198,7 +214,8 @@ class Ordinary:
 
 
 _FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
-_INERTIAL = ("mass", "cx", "cy", "cz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_CENTER = ("cx", "cy", "cz")
+_INERTIAL = ("mass", *_CENTER, "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _within_reason(parameter: Parameter) -> Parameter:
@@ -215,4 +232,4 @@ def _log(name: str, believed: Estimate | None, least: float) -> Parameter:
     """A positive quantity as its logarithm; the file's own uncertainty, but not below `least`."""
     value = 1.0 if believed is None or believed.value <= 0.0 else believed.value
     relative = 1.0 if believed is None else believed.std / value
-    return Parameter(name=name, mean=float(np.log(value)), std=max(relative, least))
+    return Parameter(name=name, unit="", mean=float(np.log(value)), std=max(relative, least))

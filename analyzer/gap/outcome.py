@@ -163,6 +163,7 @@ def _intervals(fit: Fit, names: Sequence[str], phi: float) -> dict[str, Interval
         p = fit.space.parameters[i]
         half = _TWO_SIDED_95 * float(std[i])
         found[name] = Interval(
+            unit=p.unit,
             value=values[name],
             std=float(std[i]),
             low=max(values[name] - half, p.low),
@@ -217,6 +218,7 @@ def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
             name=c.instance.effect.name,
             place=c.instance.place,
             parameter=c.instance.size,
+            unit=c.instance.unit,
             largest=_largest(c, phi),
         )
         for c in hiding

@@ -33,8 +33,9 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interval:
-    """A parameter with its standard deviation and 95 % interval, in the unit its name says."""
+    """A parameter with its standard deviation and 95 % interval."""
 
+    unit: str  # empty for a pure number and for a logarithm
     value: float
     std: float
     low: float
@@ -82,6 +83,7 @@ class Hidden:
     name: str
     place: str
     parameter: str
+    unit: str
     largest: float
 
 

@@ -251,7 +251,13 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
 
     words = EffectWords(name="probe", title="probe", changes="", signature="")
     parameters = tuple(
-        Parameter(name=name, mean=0.0, std=compliance_parameter("", ordinary).std) for name in names
+        Parameter(
+            name=name,
+            unit="rad/(N m)",
+            mean=0.0,
+            std=compliance_parameter("", ordinary).std,
+        )
+        for name in names
     )
     return Instance(effect=words, place="", parameters=parameters, builder=build), names
 

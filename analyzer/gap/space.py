@@ -18,6 +18,7 @@ class Parameter:
     """A number the fit may change: a Gaussian prior, and bounds that nature sets."""
 
     name: str
+    unit: str  # of the SI; empty for a pure number and for a logarithm
     mean: float
     std: float
     low: float = -np.inf

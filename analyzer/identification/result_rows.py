@@ -169,8 +169,11 @@ def fit_notes(
         )
     notes = [
         first,
-        "relative FRF residual by posture: "
-        + ", ".join(f"{value:.1%}" for value in fit.relative_residual),
+        "part of the FRFs (rms) that neither model nor noise explains: "
+        + ", ".join(
+            f"{frf.posture} {value:.1%}"
+            for frf, value in zip(fitted, fit.relative_residual, strict=True)
+        ),
     ]
     unexplained = [
         f"{frf.posture} {value:.0%}"

@@ -79,7 +79,16 @@ def indicator_figure(
     figure.update_layout(
         height=380,
         title=f"{frf.posture}: sums by group, CMIF, MIF",
-        yaxis2={"overlaying": "y", "side": "right", "range": [0, 1], "title": "MIF"},
+        yaxis2={
+            "overlaying": "y",
+            "side": "right",
+            "type": "linear",
+            "range": [0, 1],
+            "tickvals": [0, 0.5, 1],
+            "showgrid": False,
+            "title": "MIF",
+        },
+        legend={"x": 1.1},  # beside the second axis
     )
     return figure
 

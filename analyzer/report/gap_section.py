@@ -48,6 +48,7 @@ def gap_section(result: GapResult, *, with_plotly: bool) -> str:
         r=result,
         verdict_words=_WORDS[result.verdict],
         advice=_ADVICE[result.verdict],
+        told=_told,
         pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
         figures=[
             f.to_html(
@@ -58,6 +59,13 @@ def gap_section(result: GapResult, *, with_plotly: bool) -> str:
             for i, f in enumerate(figures)
         ],
     )
+
+
+def _told(value: object) -> str:
+    """An entry of an effect's description in words."""
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_told(part) for part in value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def gap_page(result: GapResult, summary: str) -> str:

@@ -25,8 +25,9 @@ Numbers = Annotated[list[Finite], Field(min_length=1, max_length=16)]
 
 
 class ParameterTable(FileModel):
-    """A parameter with one standard deviation and its 95 % interval, units as its name says."""
+    """A parameter with one standard deviation and its 95 % interval."""
 
+    unit: Annotated[str, Field(max_length=24)] = ""
     value: Finite
     std: Annotated[float, Field(ge=0.0, lt=1e15)]
     low: Finite
@@ -107,7 +108,9 @@ def added_effect(
         name=table.name,
         place=table.place,
         parameters=tuple(
-            EffectParameter(name=name, value=p.value, std=p.std, low=p.low, high=p.high)
+            EffectParameter(
+                name=name, unit=p.unit, value=p.value, std=p.std, low=p.low, high=p.high
+            )
             for name, p in table.parameters.items()
         ),
         description={

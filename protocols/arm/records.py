@@ -128,9 +128,10 @@ class CanMapping:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffectParameter:
-    """A parameter of an effect, in the unit its name says: value, one std, 95 % interval."""
+    """A parameter of an effect: value, one std, 95 % interval."""
 
     name: str
+    unit: str  # empty for a pure number, and where a file does not say
     value: float
     std: float
     low: float

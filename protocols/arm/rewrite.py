@@ -139,6 +139,8 @@ def _effect(effect: AddedEffect) -> Table:
     parameters = tomlkit.table()
     for p in effect.parameters:
         inline = tomlkit.inline_table()
+        if p.unit:
+            inline["unit"] = p.unit
         for key, value in (("value", p.value), ("std", p.std), ("low", p.low), ("high", p.high)):
             inline[key] = float(value)
         parameters[p.name] = inline

@@ -26,7 +26,12 @@ AXIS = AddedEffect(
     place="link_3",
     parameters=(
         EffectParameter(
-            name="axis compliance link_3", value=2.1e-5, std=1e-6, low=1.9e-5, high=2.3e-5
+            name="axis compliance link_3",
+            unit="rad/(N m)",
+            value=2.1e-5,
+            std=1e-6,
+            low=1.9e-5,
+            high=2.3e-5,
         ),
     ),
     description={"link": ARM.joints[2].link.name, "direction": (0.0, 0.6, 0.8), "count": 2.0},
@@ -53,7 +58,11 @@ def an_effect(draw):
     for name in names:
         low, value, high = sorted(draw(st.tuples(NUMBER, NUMBER, NUMBER)))
         std = abs(draw(NUMBER))
-        parameters.append(EffectParameter(name=name, value=value, std=std, low=low, high=high))
+        parameters.append(
+            EffectParameter(
+                name=name, unit=draw(st.just("") | TEXT), value=value, std=std, low=low, high=high
+            )
+        )
     keys = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True).filter(
         lambda key: key not in {"link", "direction", "point_m"}
     )

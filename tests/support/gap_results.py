@@ -8,7 +8,7 @@ def _effect(name):
         name=name,
         title=name,
         place="knuckle",
-        parameters={"size": Interval(value=1.0, std=0.1, low=0.8, high=1.2)},
+        parameters={"size": Interval(unit="kg", value=1.0, std=0.1, low=0.8, high=1.2)},
         size="size",
         description={},
         confidence=0.99,

@@ -29,7 +29,9 @@ def session(tmp_path_factory):
         session_sha256="0" * 64,
         created="2026-01-01T00:00:00+00:00",
     )
-    parameter = EffectParameter(name="size", value=0.5, std=0.1, low=0.3, high=0.7)
+    parameter = EffectParameter(
+        name="size", unit="rad/(N m)", value=0.5, std=0.1, low=0.3, high=0.7
+    )
     before = tuple(
         AddedEffect(
             name=name,
@@ -47,7 +49,7 @@ def session(tmp_path_factory):
 
 
 def named(name, place):
-    size = Interval(value=1e-5, std=1e-6, low=8e-6, high=1.2e-5)
+    size = Interval(unit="rad/(N m)", value=1e-5, std=1e-6, low=8e-6, high=1.2e-5)
     effect = EffectFound(
         name=name,
         title=name,

@@ -52,17 +52,12 @@ def _number(value: object, digits: int = 4) -> str:
 
 def _parameters(row: Mapping[str, Any]) -> list[str]:
     told = []
-    std = row.get("std", {})
+    std, units = row.get("std", {}), row.get("units", {})
     for name, value in row.get("parameters", {}).items():
-        if isinstance(value, Mapping):
-            low, high = _number(value.get("low")), _number(value.get("high"))
-            told.append(f"{name} {_number(value.get('value'))} (95 %: {low} to {high})")
-        elif isinstance(value, list):
-            told.append(f"{name} " + " ".join(_number(part, 3) for part in value))
-        else:
-            spread = std.get(name) if isinstance(std, Mapping) else None
-            beside = "" if spread is None else f" ± {_number(spread, 2)}"
-            told.append(f"{name} {_number(value)}{beside}")
+        unit = f" {units.get(name, '')}".rstrip() if isinstance(units, Mapping) else ""
+        spread = std.get(name) if isinstance(std, Mapping) else None
+        beside = "" if spread is None else f" ± {_number(spread, 2)}"
+        told.append(f"{name} {_number(value)}{beside}{unit}")
     return told
 
 
@@ -253,10 +248,10 @@ def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
     rows = _rows(found, "hidden")
     if not rows:
         return None
-    table = _table("effect", "place", "parameter", "at most")
+    table = _table("effect", "place", "parameter", "at most", "")
     for row in rows:
         cells = (str(row.get(key, "?")) for key in ("name", "place", "parameter"))
-        table.add_row(*cells, _number(row.get("largest")))
+        table.add_row(*cells, _number(row.get("largest")), str(row.get("unit", "")))
     return _titled("Could still hide, 95 %", table)
 
 

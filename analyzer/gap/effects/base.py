@@ -54,6 +54,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     parameters = [
         Parameter(
             name=name,
+            unit="rad/(N m)" if i >= 3 else "m/N",
             mean=0.0,
             low=0.0,
             std=rock.std * (1.0 if i >= 3 else _METRE**2),
@@ -69,9 +70,20 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             parameters=(
                 *parameters,
                 loss_parameter(loss),
-                Parameter(name=mass, mean=0.25 * total, std=0.2 * total, low=0.0, high=2.0 * total),
-                Parameter(name=height, mean=0.08, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M),
-                Parameter(name=pivot, mean=0.0, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M),
+                Parameter(
+                    name=mass,
+                    unit="kg",
+                    mean=0.25 * total,
+                    std=0.2 * total,
+                    low=0.0,
+                    high=2.0 * total,
+                ),
+                Parameter(
+                    name=height, unit="m", mean=0.08, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M
+                ),
+                Parameter(
+                    name=pivot, unit="m", mean=0.0, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M
+                ),
             ),
             builder=build,
             size=names[3],

@@ -33,7 +33,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         Instance(
             effect=WORDS,
             place=f"axis {axis}",
-            relaxes={f"ln gain {axis}": Parameter(name=f"ln gain {axis}", mean=0.0, std=_WIDE)},
+            relaxes={
+                f"ln gain {axis}": Parameter(name=f"ln gain {axis}", unit="", mean=0.0, std=_WIDE)
+            },
             size=f"ln gain {axis}",
             material=_MATERIAL,
         )
@@ -61,7 +63,7 @@ def at_point(ordinary: Ordinary, axis: str, point: str) -> Instance:
     return Instance(
         effect=WORDS,
         place=f"axis {axis} at point {point}",
-        parameters=(Parameter(name=name, mean=0.0, std=_WIDE),),
+        parameters=(Parameter(name=name, unit="", mean=0.0, std=_WIDE),),
         builder=build,
         describe=describe,
         size=name,

@@ -61,8 +61,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     effect=WORDS,
                     place=f"{a} and {b}",
                     parameters=(
-                        Parameter(name=stiff, mean=0.0, std=0.3),
-                        Parameter(name=lossy, mean=0.0, std=1.0),
+                        Parameter(name=stiff, unit="", mean=0.0, std=0.3),
+                        Parameter(name=lossy, unit="", mean=0.0, std=1.0),
                     ),
                     builder=build,
                     size=stiff,

@@ -23,7 +23,7 @@ _MATERIAL_S = 1.0e-4
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one delay."""
     del ordinary
-    wide = Parameter(name="delay", mean=0.0, std=1e-3)
+    wide = Parameter(name="delay", unit="s", mean=0.0, std=1e-3)
     return (
         Instance(
             effect=WORDS, place="", relaxes={"delay": wide}, size="delay", material=_MATERIAL_S

@@ -87,6 +87,12 @@ class Instance:
         return tuple(p for name, p in self.relaxes.items() if name in space.index)
 
     @property
+    def unit(self) -> str:
+        """Return the unit of its size; empty for a pure number."""
+        every = (*self.parameters, *self.relaxes.values())
+        return next((p.unit for p in every if p.name == self.size), "")
+
+    @property
     def owned(self) -> tuple[str, ...]:
         """Return the names of all parameters it brings or frees."""
         return (*(p.name for p in self.parameters), *self.relaxes)

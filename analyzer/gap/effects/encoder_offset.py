@@ -29,7 +29,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                relaxes={name: Parameter(name=name, mean=0.0, std=0.15)},
+                relaxes={name: Parameter(name=name, unit="rad", mean=0.0, std=0.15)},
                 size=name,
                 material=_MATERIAL_RAD,
             )

@@ -35,7 +35,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         Instance(
             effect=WORDS,
             place="",
-            parameters=(Parameter(name=name, mean=0.0, std=_STD, low=0.0),),
+            parameters=(Parameter(name=name, unit="1/s", mean=0.0, std=_STD, low=0.0),),
             builder=build,
             size=name,
             material=_MATERIAL,

@@ -98,10 +98,10 @@ def _beside(ordinary: Ordinary, i: int) -> Instance:
         effect=WORDS,
         place=joint.name,
         parameters=(
-            Parameter(name=stiff, mean=0.0, std=STD, low=0.0),
+            Parameter(name=stiff, unit="", mean=0.0, std=STD, low=0.0),
             loss_parameter(loss),
-            Parameter(name=angle, mean=0.0, std=_ANY_ANGLE),
-            Parameter(name=ratio, mean=float(np.log(_RATIO)), std=_LN_RATIO_STD),
+            Parameter(name=angle, unit="rad", mean=0.0, std=_ANY_ANGLE),
+            Parameter(name=ratio, unit="", mean=float(np.log(_RATIO)), std=_LN_RATIO_STD),
         ),
         builder=build,
         size=stiff,

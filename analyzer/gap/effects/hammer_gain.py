@@ -23,7 +23,7 @@ _MATERIAL = 0.03
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one hammer."""
     del ordinary
-    wide = Parameter(name="ln hammer", mean=0.0, std=0.4)
+    wide = Parameter(name="ln hammer", unit="", mean=0.0, std=0.4)
     return (
         Instance(
             effect=WORDS,

@@ -36,7 +36,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     common = Instance(
         effect=WORDS,
         place="hammer",
-        parameters=tuple(Parameter(name=name, mean=0.0, std=_TURN_STD) for name in turns),
+        parameters=tuple(
+            Parameter(name=name, unit="rad", mean=0.0, std=_TURN_STD) for name in turns
+        ),
         builder=build,
         size=turns[0],
         sizes=tuple(turns),
@@ -49,7 +51,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=f"posture {posture}",
-                relaxes={n: Parameter(name=n, mean=0.0, std=_TURN_STD) for n in names},
+                relaxes={n: Parameter(name=n, unit="rad", mean=0.0, std=_TURN_STD) for n in names},
                 size=names[0],
                 sizes=tuple(names),
                 material=_MATERIAL,

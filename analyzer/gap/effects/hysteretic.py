@@ -30,7 +30,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """
     believed = {p.name: p for p in ordinary.parameters() if p.name.startswith("ln c ")}
     gone = {name: replace(p, std=_ANY_LN_C) for name, p in believed.items()}
-    wide = Parameter(name="loss", mean=0.0, std=0.15, low=0.0, high=0.6, start=0.04)
+    wide = Parameter(name="loss", unit="", mean=0.0, std=0.15, low=0.0, high=0.6, start=0.04)
     return (
         Instance(
             effect=WORDS,

@@ -92,7 +92,9 @@ def level_instances(
             assembly.log_slopes[names["c"]] = (joint, 0.0, by_c_unit)
 
         parameters = tuple(
-            Parameter(name=names[what], mean=0.0, std=slope.std, low=slope.low, high=slope.high)
+            Parameter(
+                name=names[what], unit="", mean=0.0, std=slope.std, low=slope.low, high=slope.high
+            )
             for what, slope in slopes.items()
         )
         found.append(

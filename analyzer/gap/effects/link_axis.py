@@ -87,15 +87,18 @@ def at_axis(
         found = {"link": name, "direction": u.tolist(), "point_m": p.tolist()}
         return {**found, "points_before": " ".join(before)} if before else found
 
-    stds = (_TILT_STD, _TILT_STD, _SHIFT_STD_M, _SHIFT_STD_M)
-    split = Parameter(name=part, mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
+    freedoms = [("", _TILT_STD)] * 2 + [("m", _SHIFT_STD_M)] * 2
+    split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
     return Instance(
         effect=WORDS,
         place=name,
         parameters=(
             compliance_parameter(gamma, ordinary),
             loss_parameter(loss),
-            *(Parameter(name=m, mean=0.0, std=s) for m, s in zip(moves, stds, strict=True)),
+            *(
+                Parameter(name=move, unit=unit, mean=0.0, std=std)
+                for move, (unit, std) in zip(moves, freedoms, strict=True)
+            ),
             *((split,) if before else ()),
         ),
         builder=build,

@@ -71,7 +71,7 @@ def _at(ordinary: Ordinary, i: int) -> Instance:
     return Instance(
         effect=WORDS,
         place=joint,
-        parameters=(Parameter(name=name, mean=0.0, std=_MOST / largest, low=0.0),),
+        parameters=(Parameter(name=name, unit="1/(N m)", mean=0.0, std=_MOST / largest, low=0.0),),
         builder=build,
         size=name,
         material=_MATERIAL / largest,

@@ -117,9 +117,9 @@ def given_way(
         effect=words,
         place=line.name,
         parameters=(
-            compliance_parameter(gamma, ordinary, scale=1.0 / line.length_m),
+            compliance_parameter(gamma, ordinary, length_m=line.length_m),
             loss_parameter(loss),
-            Parameter(name=spread, mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
+            Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
         ),
         builder=build,
         size=gamma,

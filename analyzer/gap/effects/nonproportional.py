@@ -95,13 +95,16 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
     def place(names: list[str], link: int) -> list[Parameter]:
         std_m = _FLOOR_STD_M if link == FLOOR else _STD_M
         middle = middle_of(ordinary, link).tolist()
-        return [Parameter(name=n, mean=m, std=std_m) for n, m in zip(names, middle, strict=True)]
+        return [
+            Parameter(name=n, unit="m", mean=m, std=std_m)
+            for n, m in zip(names, middle, strict=True)
+        ]
 
     return Instance(
         effect=WORDS,
         place=f"{from_link} and {to_link}",
         parameters=(
-            Parameter(name=name, mean=0.0, std=std, low=0.0),
+            Parameter(name=name, unit="N s/m", mean=0.0, std=std, low=0.0),
             *place(starts, near),
             *place(ends, far),
         ),

@@ -67,8 +67,13 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         effect=WORDS,
         place=name,
         parameters=(
-            Parameter(name=mass, mean=0.0, std=_STD * total, low=0.0, start=_START * total),
-            *(Parameter(name=m, mean=0.0, std=_LEVER_STD_M * _STD * total) for m in moments),
+            Parameter(
+                name=mass, unit="kg", mean=0.0, std=_STD * total, low=0.0, start=_START * total
+            ),
+            *(
+                Parameter(name=m, unit="kg m", mean=0.0, std=_LEVER_STD_M * _STD * total)
+                for m in moments
+            ),
         ),
         builder=build,
         describe=describe,

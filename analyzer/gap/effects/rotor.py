@@ -73,7 +73,13 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 effect=WORDS,
                 place=joint,
                 parameters=(
-                    Parameter(name=name, mean=0.0, std=_STD * carried_moment(ordinary, i), low=0.0),
+                    Parameter(
+                        name=name,
+                        unit="kg m²",
+                        mean=0.0,
+                        std=_STD * carried_moment(ordinary, i),
+                        low=0.0,
+                    ),
                 ),
                 builder=build,
                 size=name,

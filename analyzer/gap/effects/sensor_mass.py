@@ -36,7 +36,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         Instance(
             effect=WORDS,
             place="",
-            parameters=(Parameter(name=name, mean=0.0, std=_STD_KG, low=0.0),),
+            parameters=(Parameter(name=name, unit="kg", mean=0.0, std=_STD_KG, low=0.0),),
             builder=build,
             size=name,
             material=_MATERIAL_KG,

@@ -69,9 +69,15 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 effect=WORDS,
                 place=joint,
                 parameters=(
-                    Parameter(name=soft, mean=0.0, std=gamma, low=0.0),
-                    Parameter(name=loss, mean=3e-4, std=3e-4, low=0.0),
-                    Parameter(name=inertia, mean=_ROTOR * moment, std=_ROTOR * moment, low=0.0),
+                    Parameter(name=soft, unit="rad/(N m)", mean=0.0, std=gamma, low=0.0),
+                    Parameter(name=loss, unit="s", mean=3e-4, std=3e-4, low=0.0),
+                    Parameter(
+                        name=inertia,
+                        unit="kg m²",
+                        mean=_ROTOR * moment,
+                        std=_ROTOR * moment,
+                        low=0.0,
+                    ),
                 ),
                 builder=build,
                 size=soft,

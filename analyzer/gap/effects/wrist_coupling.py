@@ -55,7 +55,7 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
         effect=WORDS,
         place=f"{a} and {b}",
         parameters=(
-            Parameter(name=name, mean=0.0, std=_STD),
+            Parameter(name=name, unit="", mean=0.0, std=_STD),
             compliance_parameter(own, ordinary),
             loss_parameter(loss),
         ),

@@ -90,7 +90,7 @@ def beside(ordinary: Ordinary, point: str) -> Instance:
     return Instance(
         effect=WORDS,
         place=f"point {point}",
-        parameters=tuple(Parameter(name=name, mean=0.0, std=_FAR_M) for name in names),
+        parameters=tuple(Parameter(name=name, unit="m", mean=0.0, std=_FAR_M) for name in names),
         builder=build,
         describe=describe,
         size=names[0],

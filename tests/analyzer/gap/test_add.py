@@ -12,9 +12,10 @@ from analyzer.gap.add import instances_of_file
 from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.channel_gain import at_point
 from analyzer.gap.effects.sensor_axes import turned_sensor
+from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
 from protocols.arm.files import load_arm
-from protocols.arm.records import AddedEffect, EffectEvidence
+from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 from protocols.errors import ArmError
 
 EVIDENCE = EffectEvidence(
@@ -73,6 +74,30 @@ def test_an_axis_comes_back_with_the_points_before_it(ordinary, before):
     assert described.describe(values).get("points_before") == where.get("points_before")
     np.testing.assert_allclose(described.describe(values)["direction"], direction, atol=1e-12)
     np.testing.assert_allclose(described.describe(values)["point_m"], point, atol=1e-12)
+
+
+def test_a_parameter_in_another_unit_is_refused(ordinary):
+    """A file may leave the unit out; one that says degrees would be read as radians."""
+    offset = next(i for i in all_instances(ordinary) if i.effect.name == "encoder_offset")
+    parameter = EffectParameter(name="encoder", unit="", value=0.5, std=0.1, low=0.3, high=0.7)
+    plain = AddedEffect(
+        name=offset.effect.name,
+        place=offset.place,
+        parameters=(parameter,),
+        description={},
+        evidence=EVIDENCE,
+    )
+    said = replace(plain, parameters=(replace(parameter, unit="rad"),))
+    for effect in (plain, said):
+        arm = replace(ordinary.arm, effects=(effect,))
+        _, values = instances_of_file(Ordinary(superset=Superset(arm), postures=("p",)))
+        assert values == {offset.size: 0.5}
+    arm = replace(
+        ordinary.arm,
+        effects=(replace(plain, parameters=(replace(parameter, unit="deg"),)),),
+    )
+    with pytest.raises(ArmError, match=r"wanted 'encoder' .* in 'rad', got 'deg'"):
+        instances_of_file(Ordinary(superset=Superset(arm), postures=("p",)))
 
 
 def test_a_point_the_arm_does_not_have_is_refused(ordinary):

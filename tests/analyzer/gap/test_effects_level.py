@@ -178,7 +178,7 @@ def test_named_in_an_arm_file_it_comes_back_without_levels_too(ordinary, superse
     instance = microslip.instances(ordinary)[0]
     values = dict.fromkeys(instance.owned, 0.1)
     parameters = tuple(
-        EffectParameter(name=file_key(n, instance.place), value=v, std=0.0, low=v, high=v)
+        EffectParameter(name=file_key(n, instance.place), unit="", value=v, std=0.0, low=v, high=v)
         for n, v in values.items()
     )
     evidence = EffectEvidence(

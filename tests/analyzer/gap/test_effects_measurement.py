@@ -194,7 +194,9 @@ def test_named_in_an_arm_file_it_comes_back(make, ordinary, superset):
         name=instance.effect.name,
         place=instance.place or "whole arm",
         parameters=tuple(
-            EffectParameter(name=file_key(n, instance.place), value=v, std=0.0, low=v, high=v)
+            EffectParameter(
+                name=file_key(n, instance.place), unit="", value=v, std=0.0, low=v, high=v
+            )
             for n, v in values.items()
         ),
         description={k: tuple(v) if isinstance(v, list) else v for k, v in description.items()},

@@ -277,12 +277,13 @@ def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
         space = Hypothesis(ordinary=ordinary, instances=(instance,)).space()
         start = space.values(space.start())
         found = {n: 0.9 * start[n] + 0.02 for n in instance.owned}
+        units = {p.name: p.unit for p in space.parameters}
         effect = EffectFound(
             name=instance.effect.name,
             title=instance.effect.title,
             place=instance.place,
             parameters={
-                n: Interval(value=v, std=0.01, low=v - 0.02, high=v + 0.02)
+                n: Interval(unit=units[n], value=v, std=0.01, low=v - 0.02, high=v + 0.02)
                 for n, v in found.items()
             },
             size=instance.size,

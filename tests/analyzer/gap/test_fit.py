@@ -37,7 +37,9 @@ def hypothesis_of(*parameters):
 def test_a_linear_problem_within_bounds_takes_a_step():
     rng = np.random.default_rng(4)
     J, r = rng.standard_normal((50, 12)), 20.0 * rng.standard_normal(50)
-    parameters = [Parameter(name=f"p{i}", mean=0.0, std=1.0, low=-0.3, high=0.5) for i in range(12)]
+    parameters = [
+        Parameter(name=f"p{i}", unit="", mean=0.0, std=1.0, low=-0.3, high=0.5) for i in range(12)
+    ]
     stage = Residuals(lambda x: J @ x - r, lambda x: J)
     fit = fit_hypothesis(stage, hypothesis_of(*parameters))
     with_prior = np.vstack([J, np.eye(12)]), np.concatenate([r, np.zeros(12)])
@@ -59,8 +61,8 @@ def test_far_from_a_curved_valley_it_finds_the_bottom():
         return 30.0 * np.array([[-20.0 * x[0], 10.0], [-1.0, 0.0]])
 
     parameters = (
-        Parameter(name="x", mean=0.0, std=3.0, low=-2.0, high=0.8, start=-1.9),
-        Parameter(name="y", mean=0.0, std=3.0, low=-2.0, high=2.0, start=-1.5),
+        Parameter(name="x", unit="", mean=0.0, std=3.0, low=-2.0, high=0.8, start=-1.9),
+        Parameter(name="y", unit="", mean=0.0, std=3.0, low=-2.0, high=2.0, start=-1.5),
     )
     fit = fit_hypothesis(Residuals(of, slopes), hypothesis_of(*parameters), max_iterations=60)
     theirs = least_squares(

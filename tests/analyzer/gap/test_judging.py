@@ -28,8 +28,8 @@ from tests.support.gap_results import made_result
 def test_vectors_count_deviations_and_keep_to_bounds():
     space = Space(
         [
-            Parameter(name="a", mean=1.0, std=0.5),
-            Parameter(name="b", mean=0.0, std=2.0, low=0.0, start=4.0),
+            Parameter(name="a", unit="", mean=1.0, std=0.5),
+            Parameter(name="b", unit="", mean=0.0, std=2.0, low=0.0, start=4.0),
         ]
     )
     np.testing.assert_allclose(space.start(), [0.0, 2.0])
@@ -132,7 +132,7 @@ def test_an_axis_in_a_link_and_a_slip_at_one_of_its_joints_are_a_crack_nobody_li
 
 def fitted(value, std):
     """A fit of an axis whose size is known to a standard deviation, given in the prior's."""
-    size = Parameter(name="size", mean=0.0, std=1.0, low=0.0)
+    size = Parameter(name="size", unit="", mean=0.0, std=1.0, low=0.0)
     axis = Instance(
         effect=link_axis.WORDS, place="l", parameters=(size,), size="size", least_certain=15.0
     )
@@ -154,7 +154,7 @@ def fitted(value, std):
 
 def rival(words, place, cost):
     """A fit with a material effect at a place of an arm of two joints; its evidence is its cost."""
-    size = Parameter(name="size", mean=0.0, std=1.0)
+    size = Parameter(name="size", unit="", mean=0.0, std=1.0)
     ordinary = SimpleNamespace(arm=SimpleNamespace(joints=JOINTS), level_span=0.0)
     instance = Instance(effect=words, place=place, parameters=(size,), size="size", material=0.1)
     return Fit(

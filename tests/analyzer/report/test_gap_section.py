@@ -25,7 +25,11 @@ from analyzer.report.gap_file import gap_from_json, gap_to_json
 from analyzer.report.gap_section import gap_page
 from protocols.errors import EstimateError
 
-P = {"axis compliance link_3": Interval(value=2.1e-5, std=1e-6, low=1.9e-5, high=2.3e-5)}
+P = {
+    "axis compliance link_3": Interval(
+        unit="rad/(N m)", value=2.1e-5, std=1e-6, low=1.9e-5, high=2.3e-5
+    )
+}
 MODE = ModeMatch(
     measured_hz=12.34,
     model_hz=13.5,
@@ -70,7 +74,7 @@ NAMED = GapResult(
             told_by="another posture",
         ),
     ),
-    hidden=(Hidden(name="payload", place="link_6", parameter="payload", largest=0.4),),
+    hidden=(Hidden(name="payload", place="link_6", parameter="payload", unit="kg", largest=0.4),),
     joint_stiffness_ranges=(
         StiffnessRange(joint="joint_1", k_n_m_per_rad=14000.0, k_std=90.0, low=13800, high=14200),
     ),
@@ -110,7 +114,16 @@ def test_every_verdict_has_its_page_and_its_file(verdict) -> None:
 
 def test_the_page_says_what_to_do_and_how_sure() -> None:
     page = gap_page(NAMED, "session 1")
-    for said in ("99.8 %", "tighten the flange", "30.0 %", "6.0 %", "between link 3", "13800"):
+    for said in (
+        "99.8 %",
+        "rad/(N m)",
+        "direction: 0, 0, 1",
+        "tighten the flange",
+        "30.0 %",
+        "6.0 %",
+        "between link 3",
+        "13800",
+    ):
         assert said in page
 
 
