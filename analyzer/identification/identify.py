@@ -30,7 +30,7 @@ from analyzer.identification.result_rows import (
     mode_results,
     validation_results,
 )
-from analyzer.identification.structural import joint_share
+from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from analyzer.modal import ModalModel, fit_modes, fit_modes_at, posture_frf
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
@@ -207,7 +207,8 @@ def _fit(
     baseline = fit_to_frequencies(superset, believed, tuple(measured))
     full = _data(superset, banded, mass_kg, 1)
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
-    if _explained_by_joints(superset, baseline, coarse):
+    suspected = any(share < STRUCTURAL_SHARE for posture in shares for share in posture)
+    if not suspected or _explained_by_joints(superset, baseline, coarse):
         say("model fit, all lines")
         return fit_frfs(superset, full, start_state(baseline, len(full))), ()
     _, at, mode = min(

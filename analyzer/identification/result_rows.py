@@ -161,7 +161,7 @@ def fit_notes(
     if fit.state.structure.axes:
         first = f"{flagged} measured mode(s) are not explained by joint rotations"
     elif not flagged:
-        first = "every measured mode is explained by joint rotations; no structural axis was sought"
+        first = "joint rotations make the shape of every measured mode; no structural axis was sought"
     else:
         first = (
             f"{flagged} measured mode(s) have a low joint share, yet the joints alone explain the "

@@ -1,4 +1,5 @@
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,13 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 from offline_lab import simulate_session
 
 from analyzer.identification.identify import identify
+from analyzer.identification.structural import STRUCTURAL_SHARE
 from analyzer.report import write_report
 from analyzer.screws import line_angle_rad, line_distance_m
-from hil_sim.plant import load_plant
+from hil_sim.plant import build_plant, load_plant
+from protocols.arm.files import load_arm
 from protocols.errors import EstimateError
+from protocols.plan import load_plan
 
 
 @pytest.fixture(scope="module")
@@ -102,3 +106,19 @@ def test_poles_picked_by_hand_take_the_place_of_the_automatic_modes(session, res
 def test_poles_of_a_posture_that_was_not_measured_are_refused(session):
     with pytest.raises(EstimateError, match="got poles of elsewhere"):
         identify(session, picked={"elsewhere": [-1.0 + 60.0j]})
+
+
+def test_a_tool_the_file_does_not_know_is_no_axis(plant):
+    """Joints make every shape: what is missing is said, and no line in a link is put for it."""
+    last = plant.truth.links[-1]
+    heavier = last.model_copy(update={"mass_kg": last.mass_kg + 2.0})
+    truth = plant.truth.model_copy(
+        update={"hidden_axis": None, "links": [*plant.truth.links[:-1], heavier]}
+    )
+    plan = load_plan("rv4frl-three-postures", load_arm("rv4frl"))
+    plan = replace(plan, postures=plan.postures[:2])
+    session = simulate_session(11, plan=plan, plant=build_plant(truth), hits_per_point=1)
+    result = identify(session)
+    assert min(mode.joint_share for mode in result.modes) > STRUCTURAL_SHARE
+    assert result.axes == ()
+    assert any("it lacks an effect" in note for note in result.notes)
