@@ -12,12 +12,13 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from analyzer.gap.add import is_of_one_posture
 from analyzer.gap.workflow import GapOutcome, find_gap
 from analyzer.report import gap_page
 from hil_sim.study import CaseSpec, draw_study, make_case
 from hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
 from protocols.arm.files import load_arm
-from protocols.errors import SessionError
+from protocols.errors import ArmError, SessionError
 from protocols.session.hdf5 import read_session
 from tui.console import Json, out, print_json, say
 from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
@@ -74,6 +75,8 @@ def gap_command(
             "wanted either a session or --lab, got "
             f"{'both' if lab else 'neither'}; give one, such as `armodal gap demo/demo.h5`"
         )
+    if arm_out is not None and arm_out.exists():
+        raise ArmError(f"{arm_out} is there already; give --arm-out another name")
     beside: dict[str, Any] = {}
     if session is None:
         session, outcome, beside = _with_laboratory(lab_arm, hide, magnitude, seed, budget, folder)
@@ -85,6 +88,9 @@ def gap_command(
         further = [read_session(path) for path in more or ()]
         outcome = find_gap(measured, more=further, tell=say)
     written = keep_gap(measured, session, outcome, arm_out)
+    for effect in outcome.result.effects:
+        if "arm_file" in written and is_of_one_posture(effect):
+            say(f"{effect.title} ({effect.place}) is not in the arm file: no other session has it")
     if html is not None:
         replace_text(html, gap_page(outcome.result, session.name))
     if as_json:

@@ -20,6 +20,7 @@ from protocols.plan import plan_from_text
 from protocols.plan_records import Plan
 from protocols.session.hdf5 import read_session, write_session
 from protocols.session.records import Session
+from tui.gap import replace_text
 
 __all__ = ["ClosedLoop", "Laboratory", "SimulatedLaboratory", "run_loop"]
 
@@ -30,6 +31,10 @@ class Laboratory(Protocol):
     @property
     def arm(self) -> Arm:
         """The arm as its user believes it."""
+
+    @property
+    def identity(self) -> str:
+        """One line that no other laboratory or arm on its floor has."""
 
     def measure(self, plan: Plan | None, number: int) -> Session:
         """Measure by a plan, or by the laboratory's own for the first test."""
@@ -45,6 +50,11 @@ class SimulatedLaboratory:
     def arm(self) -> Arm:
         """The arm as its user believes it."""
         return self.case.arm
+
+    @property
+    def identity(self) -> str:
+        """The hash of the sealed truth."""
+        return f"sealed case {self.case.truth_sha256}"
 
     def measure(self, plan: Plan | None, number: int) -> Session:
         """Measure by a plan of one posture; brakes and masses as it tells."""
@@ -89,18 +99,20 @@ def run_loop(
     Parameters
     ----------
     folder
-        Of `test-1.h5`, `test-2.h5`, ...: what is there already is not measured again.
+        Of `test-1.h5`, `test-2.h5`, ...: what is there already is not measured again. Its file
+        `laboratory` tells whose they are.
     budget
         Further tests at most, beside the first.
 
     Raises
     ------
     SessionError
-        If a session of the folder is not of this laboratory's arm.
+        If the folder is another laboratory's, or a session in it is of another arm or plan.
     EstimateError
         If the first session cannot carry the judgement.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    _claim(folder, laboratory.identity)
     sessions = [_test(laboratory, folder, 1, None, tell)]
     tests: list[dict[str, Any]] = []
     while True:
@@ -116,6 +128,23 @@ def run_loop(
         plan = plan_from_text(advice.plan_toml, laboratory.arm, origin="proposed plan")
         sessions.append(_test(laboratory, folder, number, plan, tell))
     return ClosedLoop(outcome=outcome, first_session=folder / "test-1.h5", tests=tuple(tests))
+
+
+def _claim(folder: Path, identity: str) -> None:
+    """Put the laboratory's name on an empty folder; refuse another's."""
+    name = folder / "laboratory"
+    if name.exists():
+        came = name.read_text(encoding="utf-8", errors="replace").strip()
+    elif (folder / "test-1.h5").exists():
+        came = "one that is not told"
+    else:
+        replace_text(name, f"{identity}\n")
+        return
+    if came != identity:
+        raise SessionError(
+            f"{folder} holds sessions of another laboratory: wanted {identity}, got {came[:100]}; "
+            "give another folder"
+        )
 
 
 def _judged(sessions: Sequence[Session], tell: Callable[[str], None], *, gates: bool) -> GapOutcome:

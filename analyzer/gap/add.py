@@ -13,7 +13,13 @@ from analyzer.gap.records import EffectFound, GapResult
 from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
 from protocols.errors import ArmError
 
-__all__ = ["added_effects", "file_key", "instances_of_file", "joint_estimates"]
+__all__ = [
+    "added_effects",
+    "file_key",
+    "instances_of_file",
+    "is_of_one_posture",
+    "joint_estimates",
+]
 
 
 # Effects that stand where a scan found them: the file describes the place.
@@ -44,7 +50,16 @@ def added_effects(
     created
         ISO 8601 time with its zone.
     """
-    return tuple(_added(effect, session_sha256, created) for effect in result.effects)
+    return tuple(
+        _added(effect, session_sha256, created)
+        for effect in result.effects
+        if not is_of_one_posture(effect)
+    )
+
+
+def is_of_one_posture(effect: EffectFound) -> bool:
+    """Return whether an error was made in one posture of a session: no other session has it."""
+    return "posture " in effect.place
 
 
 def _added(effect: EffectFound, session_sha256: str, created: str) -> AddedEffect:

@@ -44,6 +44,6 @@ class Hypothesis:
         if not self.instances:
             return ordinary
         assembly = ordinary.copied()
-        for instance in self.instances:
+        for instance in sorted(self.instances, key=lambda instance: instance.last):
             instance.add(assembly, values)
         return assembly

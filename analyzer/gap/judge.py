@@ -240,9 +240,7 @@ def _same(one: Fit, other: Fit) -> bool:
     a, b = _added(one), _added(other)
     if a.key == b.key or _one_line(one, other) or _one_line(other, one):
         return True
-    if ends_alike(a, b):
-        return True
-    return b.effect.name in a.effect.equivalent or a.effect.name in b.effect.equivalent
+    return ends_alike(a, b)
 
 
 def ends_alike(one: Instance, other: Instance) -> bool:

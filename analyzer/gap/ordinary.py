@@ -33,6 +33,7 @@ _BEARING_LOSS_S = 2e-5
 _LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
 _DELAY_STD_S = 20e-6
 _FARTHEST = 5.0  # prior deviations
+_UPRIGHT = 0.99  # cosine between an axis and gravity
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
 
@@ -158,6 +159,14 @@ class Ordinary:
         inertia = (own + size * z[:, 4:][:, _FULL]) * (1.0 + z[:, 0])[:, None, None]
         moments = mass[:, None] * np.concatenate([np.ones((len(z), 1)), center], axis=1)
         return spatial_inertia(mass, center, inertia), moments
+
+    @property
+    def loaded(self) -> tuple[int, ...]:
+        """Return the elastic joints that weight can load: all but a first that stands upright."""
+        gravity = self.arm.gravity_m_s2 / np.linalg.norm(self.arm.gravity_m_s2)
+        first = self.arm.joints[0]
+        upright = abs(gravity @ first.T_parent_joint[:3, :3] @ first.axis) > _UPRIGHT
+        return tuple(i for i in self.elastic if i > 0 or not upright)
 
     def inertia_names(self, link: int) -> tuple[str, ...]:
         """Return the names of a link's ten inertial parameters."""

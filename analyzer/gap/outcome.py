@@ -14,6 +14,7 @@ from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
+from analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
 from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
 from analyzer.gap.looks import look_at_others
 from analyzer.gap.records import (
@@ -22,7 +23,6 @@ from analyzer.gap.records import (
     GapResult,
     Gate,
     Hidden,
-    Interval,
     PostureGap,
     RivalRow,
     StiffnessRange,
@@ -39,7 +39,6 @@ from protocols.plan_records import Plan
 
 __all__ = ["GapOutcome", "Step", "conclude"]
 
-_TWO_SIDED_95, _ONE_SIDED_95 = 1.96, 1.645
 _WIDEST = 0.7  # of ln k
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
 # of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
@@ -105,23 +104,23 @@ def conclude(
             standing,
             found.rivals,
             hiding,
-            partial(_extremes, final=final, phi=phi),
+            partial(_extremes, final=final, phi=spread),
             plan,
             tell,
         )
         notes += [advice.why_none] if advice.why_none else []
-    where = disagreement_map(
-        sharp, before, [point.id for point in final.hypothesis.ordinary.arm.points]
-    )
+    points = [point.id for point in final.hypothesis.ordinary.arm.points]
+    where = disagreement_map(sharp, before, points)
+    left = disagreement_map(sharp, final, points)
     measured = _measured_modes(modes_of, sharp)
     first = named[0][2] if named else held_out(sharp, before, test)
     last = named[-1][3] if named else first
     result = GapResult(
         verdict=verdict,
-        summary=_summary(verdict, effects, standing, misfit, where),
+        summary=_summary(verdict, effects, standing, misfit, left),
         effects=effects,
-        rivals=tuple(_rival(f, found, standing, phi) for f in found.rivals),
-        hidden=_hidden(hiding, phi),
+        rivals=tuple(_rival(f, found, standing, _COMMON * spread) for f in found.rivals),
+        hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=_ranges(
             alive,
             hiding,
@@ -152,26 +151,6 @@ def _title(fit: Fit) -> str:
     return fit.hypothesis.instances[-1].title if fit.hypothesis.instances else "nothing missing"
 
 
-def _intervals(fit: Fit, names: Sequence[str], phi: float) -> dict[str, Interval]:
-    values = fit.values
-    std = np.sqrt(np.diag(fit.covariance(phi))) * fit.space.std
-    found = {}
-    for name in names:
-        if name not in fit.space.index:
-            continue
-        i = fit.space.index[name]
-        p = fit.space.parameters[i]
-        half = _TWO_SIDED_95 * float(std[i])
-        found[name] = Interval(
-            unit=p.unit,
-            value=values[name],
-            std=float(std[i]),
-            low=max(values[name] - half, p.low),
-            high=min(values[name] + half, p.high),
-        )
-    return found
-
-
 def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
     present, fit, without, with_it, judged = step
     instance = fit.hypothesis.instances[-1]
@@ -182,7 +161,7 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         name=words.name,
         title=words.title,
         place=instance.place,
-        parameters=_intervals(final, instance.owned, phi),
+        parameters=intervals(final, instance.owned, phi),
         size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
         confidence=1.0 / (1.0 + odds),
@@ -206,7 +185,7 @@ def _rival(fit: Fit, found: Rivals, standing: tuple[Fit, ...], phi: float) -> Ri
         behind=fit.evidence - best.evidence,
         standing=any(f is fit for f in standing),
         material=instance.is_material(fit.values),
-        parameters=_intervals(fit, instance.owned, phi),
+        parameters=intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
     )
 
@@ -227,7 +206,7 @@ def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
 
 
 def _largest(candidate: Candidate, phi: float) -> float:
-    return float(abs(candidate.size) + _ONE_SIDED_95 * candidate.size_std * np.sqrt(phi))
+    return float(abs(candidate.size) + ONE_SIDED_95 * candidate.size_std * np.sqrt(phi))
 
 
 def _extremes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]:
@@ -235,7 +214,7 @@ def _extremes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]
     instance = candidate.instance
     if instance.relaxes:
         middle = candidate.size - final.values[instance.size]
-        reach = _TWO_SIDED_95 * candidate.size_std * float(np.sqrt(phi))
+        reach = TWO_SIDED_95 * candidate.size_std * float(np.sqrt(phi))
         return middle - reach, middle + reach
     largest = _largest(candidate, phi)
     one_sided = not instance.parameters or instance.parameters[0].low >= 0.0
@@ -256,9 +235,9 @@ def _ranges(
     for i in best.hypothesis.ordinary.elastic:
         joint = best.hypothesis.ordinary.arm.joints[i].name
         name = f"ln k {joint}"
-        found = [_intervals(f, [name], phi)[name] for f in alive]
+        found = [intervals(f, [name], phi)[name] for f in alive]
         k = float(np.exp(found[0].value))
-        half = found[0].high - found[0].value
+        half = max(found[0].high - found[0].value, found[0].value - found[0].low)
         moved = [_reach(f, name) for f in alive]
         low = min(f.low - r for f, r in zip(found, moved, strict=True))
         high = max(f.high + r for f, r in zip(found, moved, strict=True))
@@ -272,7 +251,7 @@ def _ranges(
                     low = min(low, found[0].value - spread)
                 else:
                     high = max(high, found[0].value + spread)
-        std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * _TWO_SIDED_95))
+        std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * TWO_SIDED_95))
         rows.append(
             StiffnessRange(
                 joint=joint,
@@ -336,7 +315,7 @@ def _summary(
     effects: Sequence[EffectFound],
     standing: Sequence[Fit],
     misfit: float,
-    where: Sequence[Disagreement],
+    left: Sequence[Disagreement],
 ) -> str:
     if verdict is Verdict.NAMED:
         words = "; ".join(f"{e.title} ({e.place})" if e.place else e.title for e in effects)
@@ -346,7 +325,7 @@ def _summary(
             _title(f) for f in standing
         )
     if verdict is Verdict.OUTSIDE_LIBRARY:
-        worst = max(where, key=lambda d: d.ratio)
+        worst = max(left, key=lambda d: d.ratio)
         return (
             "Something is missing that the library does not know: a misfit of "
             f"{misfit:.1f} is left, most at point {worst.point} {worst.axis} in posture "

@@ -1,12 +1,10 @@
 """How a study's verdicts compare with the truth: counts, rates with their intervals, errors.
 
-A name is wrong when it is neither true nor declared equivalent beforehand in its effect's words.
+A name is wrong when it is not true.
 """
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,9 +12,8 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from analyzer.gap import effects
 from analyzer.gap.effects import channel_gain, link_axis
-from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.records import EffectFound, GapResult, Verdict
@@ -24,7 +21,6 @@ from analyzer.gap.records import EffectFound, GapResult, Verdict
 __all__ = [
     "Marked",
     "Rate",
-    "equivalents",
     "instance_of_truth",
     "mark",
     "ordinary_beside",
@@ -65,20 +61,6 @@ def rate(k: int, n: int) -> Rate:
     return Rate(k=k, n=n, low=low, high=high)
 
 
-def equivalents() -> dict[str, frozenset[str]]:
-    """Return what every name of the library is declared equivalent to, itself included."""
-    found: dict[str, set[str]] = {}
-    for module in pkgutil.iter_modules(effects.__path__):
-        code = importlib.import_module(f"{effects.__name__}.{module.name}")
-        for words in vars(code).values():
-            if isinstance(words, EffectWords):
-                found.setdefault(words.name, {words.name}).update(words.equivalent)
-    for name, others in list(found.items()):
-        for other in others:
-            found.setdefault(other, {other}).add(name)
-    return {name: frozenset(others) for name, others in found.items()}
-
-
 def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
     """Mark a verdict.
 
@@ -87,24 +69,22 @@ def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
     truth
         `verdict` and `effects`, a list of `{name, place, parameters}`.
     """
-    same = equivalents()
     true = [effect["name"] for effect in truth["effects"]]
     named = [effect.name for effect in result.effects]
     counted = named if result.verdict is Verdict.NAMED else []
     standing = tuple(r.name for r in result.rivals if r.standing)
     hits, wrong = [], list(counted)
     for t in true:  # each for itself: a true name said twice is once too often
-        found = next((n for n in wrong if n in same.get(t, {t})), None)
-        if found is not None:
+        if t in wrong:
             hits.append(t)
-            wrong.remove(found)
+            wrong.remove(t)
     is_outside = truth["verdict"] == "outside_library"
     if wrong:
         outcome = "wrong name"
     elif result.verdict is Verdict.OUTSIDE_LIBRARY:
         outcome = "right" if is_outside else "outside"
     elif result.verdict is Verdict.AMBIGUOUS:
-        inside = any(s in same.get(t, {t}) for t in true for s in standing)
+        inside = any(t in standing for t in true)
         outcome = "ambiguous with the truth" if inside else "unsure"
     elif not counted:
         outcome = "missed" if true else "right"
@@ -112,7 +92,7 @@ def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
         outcome = "right" if len(hits) == len(true) else "missed"
     place = None
     if outcome == "right" and len(true) == 1 and counted:
-        first = next(e for e in result.effects if e.name in same.get(true[0], {true[0]}))
+        first = next(e for e in result.effects if e.name == true[0])
         place = _same_place(truth["effects"][0]["place"], first.place)
     return Marked(
         outcome=outcome,

@@ -44,6 +44,7 @@ from analyzer.gap.starts import spread_of, taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from protocols.frf_records import FrequencyResponse
+from protocols.plan_records import Mode, Plan
 from protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
@@ -117,8 +118,8 @@ def find_gap(
     for rounds in count(1):
         found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
-        judged = judge(stages[-1], found.present, found.rivals, limits)
-        if judged.named is None or len(named) == _MOST_EFFECTS or rounds > _MOST_ROUNDS:
+        judged = _judged(stages[-1], found, limits, len(named), rounds, notes)
+        if judged.named is None:
             break
         better = judged.named
         step, doubt = _foretold(stages[-1], found.present, judged, better, test, limits, tell)
@@ -155,9 +156,29 @@ def find_gap(
         gates=gate_rows,
         notes=notes,
         limits=limits,
-        plan=session.header.plan if advice and single_hits else None,
+        plan=_plan_to_go_on(session, notes) if advice and single_hits else None,
         tell=tell,
     )
+
+
+def _judged(
+    stage: Stage, found: Rivals, limits: Thresholds, n_named: int, rounds: int, notes: list[str]
+) -> Judged:
+    """What stands; nothing where as many are named as are looked for: then it is what is left."""
+    judged = judge(stage, found.present, found.rivals, limits)
+    if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
+        return judged
+    notes.append(f"{_last(judged.named).title} earns a name too; no more are looked for")
+    return Judged(named=None, standing=(), phi=judged.phi)
+
+
+def _plan_to_go_on(session: Session, notes: list[str]) -> Plan | None:
+    """The plan that a next test is like."""
+    plan = session.header.plan
+    if plan.mode is Mode.ROVING_HAMMER:
+        notes.append("no further test is proposed where the hammer moves and the sensor stays")
+        return None
+    return plan
 
 
 def _with_tests(

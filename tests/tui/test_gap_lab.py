@@ -62,6 +62,7 @@ class Counting:
         self.session = read_session(folder / "test-1.h5")
         self.further = read_session(folder / "test-2.h5")
         self.arm = self.session.header.arm
+        self.identity = "the only one"
         self.numbers = []
 
     def measure(self, plan, number):
@@ -97,6 +98,22 @@ def test_a_folder_of_another_test_is_refused(loop, tmp_path, monkeypatch):
     monkeypatch.setattr(tui.gap_lab, "find_gap", lambda *_, **__: canned(other))
     with pytest.raises(SessionError, match="measured by another plan"):
         run_loop(lab, tmp_path, budget=1)
+
+
+def test_a_folder_of_another_laboratory_is_refused_before_anything_is_measured(
+    loop, tmp_path, monkeypatch
+):
+    folder, _ = loop
+    monkeypatch.setattr(tui.gap_lab, "find_gap", lambda *_, **__: canned(None))
+    one, other = Counting(folder), Counting(folder)
+    run_loop(one, tmp_path, budget=0)
+    other.identity = "another"
+    with pytest.raises(SessionError, match="wanted another, got the only one"):
+        run_loop(other, tmp_path, budget=0)
+    (tmp_path / "laboratory").unlink()
+    with pytest.raises(SessionError, match="got one that is not told"):
+        run_loop(one, tmp_path, budget=0)
+    assert (one.numbers, other.numbers) == ([1], [])
 
 
 def test_a_session_and_a_laboratory_at_once_or_neither_are_refused():

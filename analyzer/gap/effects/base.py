@@ -87,7 +87,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             ),
             builder=build,
             size=names[3],
-            sizes=(names[3], names[4]),
+            sizes=tuple(names[3:6]),
             side_sizes=tuple((name, _SHIFT_MATERIAL * ordinary.compliance) for name in names[:3]),
             material=_MATERIAL * ordinary.compliance,
         ),

@@ -23,7 +23,6 @@ class EffectWords:
     changes: str  # degrees of freedom released, terms of M, C, K, input, sensors
     signature: str
     confused_with: tuple[str, ...] = ()  # names of effects
-    equivalent: tuple[str, ...] = ()  # cannot be told apart by these tests: not a wrong name
     contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
     # With one of these at one of the same joints it is a single mechanism that nobody listed.
     one_with: tuple[str, ...] = ()
@@ -65,10 +64,11 @@ class Instance:
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
     least_certain: float = 0.0  # size over its deviation, below which it is only a patch
-    size_offset: float = 0.0  # of the size: what the null has anyway
+    size_offset: float = 0.0  # of the size: what the null has anyway; only more is an effect
     # By ordinary parameter: what else it may be, either way, per unit of an own one.
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
+    last: bool = False  # built after the others: reads every coordinate they bring
     by_level: bool = False  # soft and hard hits of a posture are answered otherwise
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
@@ -102,7 +102,10 @@ class Instance:
         names = self.sizes or ((self.size,) if self.size else ())
         if not names:
             return True
-        largest = max(abs(values[name] - self.size_offset) for name in names)
+        if self.size_offset:
+            largest = max(values[name] - self.size_offset for name in names)
+        else:
+            largest = max(abs(values[name]) for name in names)
         beside = any(abs(values[name]) >= least for name, least in self.side_sizes)
         return largest >= self.material or beside
 

@@ -58,11 +58,11 @@ def share(angle_rad: npt.ArrayLike, ratio: float) -> Array:
 
 
 def lifting_joints(ordinary: Ordinary) -> tuple[int, ...]:
-    """Return the joints that such a cylinder may stand beside: the second and third with a spring.
+    """Return the joints that such a cylinder may stand beside: the first two that weight loads.
 
-    The first turns about the vertical, and further ones have no room.
+    Further ones have no room.
     """
-    return ordinary.elastic[1:3]
+    return ordinary.loaded[:2]
 
 
 def names_at(joint: str) -> tuple[str, str, str, str]:

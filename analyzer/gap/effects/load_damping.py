@@ -29,7 +29,6 @@ WORDS = EffectWords(
 )
 _MOST = 3.0  # more damping at the largest load, one standard deviation
 _MATERIAL = 0.3  # more damping at the largest load
-_VERTICAL = 0.99
 
 
 def gravity_load(geometry: PostureGeometry, links: tuple[InertialLink, ...], column: int) -> float:
@@ -43,10 +42,7 @@ def gravity_load(geometry: PostureGeometry, links: tuple[InertialLink, ...], col
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each elastic joint that weight can load."""
-    gravity = ordinary.arm.gravity_m_s2 / np.linalg.norm(ordinary.arm.gravity_m_s2)
-    first = ordinary.arm.joints[0]
-    upright = abs(gravity @ first.T_parent_joint[:3, :3] @ first.axis) > _VERTICAL
-    return tuple(_at(ordinary, i) for i in ordinary.elastic if i > 0 or not upright)
+    return tuple(_at(ordinary, i) for i in ordinary.loaded)
 
 
 def _at(ordinary: Ordinary, i: int) -> Instance:
@@ -75,6 +71,7 @@ def _at(ordinary: Ordinary, i: int) -> Instance:
         builder=build,
         size=name,
         material=_MATERIAL / largest,
+        last=True,
     )
 
 

@@ -113,6 +113,7 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
         size=name,
         shapes=(*starts, *ends),
         material=_MATERIAL * std,
+        last=True,
     )
 
 

@@ -26,6 +26,7 @@ WORDS = EffectWords(
     remedy="weigh what the link carries: tool, valves, cables; put it into the arm file",
 )
 _MATERIAL_KG, _MATERIAL = 0.2, 0.003  # or of the arm's mass, whichever is less
+_WRIST_FROM = 5  # the last joint of an arm of six or more
 _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of no mass
 _STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
@@ -33,9 +34,13 @@ _RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's o
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each link from the third on: what hangs on the others changes little."""
+    """One for each link from the third on: what hangs on the others changes little.
+
+    Of a wrist of three axes the middle link moves nearly as the last one does, and is left out.
+    """
     last = len(ordinary.arm.joints) - 1
-    links = [i for i in range(2, last + 1) if i != last - 1]
+    middle = last - 1 if last >= _WRIST_FROM else None
+    links = [i for i in range(min(2, last), last + 1) if i != middle]
     return tuple(_on(ordinary, link) for link in links)
 
 

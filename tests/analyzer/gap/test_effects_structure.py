@@ -1,6 +1,7 @@
 """Effects of links, drives and dampers beside small models that share nothing with them."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -298,6 +299,9 @@ def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
         )
         result = replace(made_result("named", []), effects=(effect,))
         added = added_effects(result, session_sha256="0" * 64, created="2026-01-31T12:00:00+00:00")
+        if instance.place == "posture p":  # no other session has that posture's aim
+            assert added == ()
+            continue
         again = arm_from_texts(
             text_with_effects(arm, added),
             urdf_text=arm.urdf_text,
@@ -309,6 +313,47 @@ def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
         assert [i.key for i in instances] == [instance.key]
         for name, value in found.items():
             assert values[name] == pytest.approx(value, rel=1e-4), instance.title
+
+
+def test_the_order_of_effects_changes_nothing(ordinary, lines, posed):
+    """A damper between links or by load sees every freedom, whichever was named first."""
+    every = all_instances(ordinary)
+    kinds = {"base", "servo", "link_torsion", "nonproportional", "load_damping", "bearing"}
+    one_each = list({i.effect.name: i for i in every if i.effect.name in kinds}.values())
+    assert len(one_each) == len(kinds)
+    for one, other in combinations(one_each, 2):
+        first, second = (
+            Hypothesis(ordinary=ordinary, instances=pair) for pair in ((one, other), (other, one))
+        )
+        values = off_zero(first, np.random.default_rng(7))
+        np.testing.assert_allclose(
+            posed.values(first, lines, values),
+            posed.values(second, lines, values),
+            rtol=1e-9,  # a sum in another order, and a solution of it
+            err_msg=f"{one.title}, {other.title}",
+        )
+
+
+@pytest.mark.parametrize(("n_joints", "links"), [(2, [1]), (4, [2, 3]), (5, [2, 3, 4])])
+def test_short_arms_have_payloads_on_their_links_too(n_joints, links):
+    arm = load_arm("bench57")
+    joints = arm.joints[:n_joints]
+    kept = {joint.link.name for joint in joints} | {"base"}
+    points = tuple(point for point in arm.points if point.link in kept)
+    short = Ordinary(superset=Superset(replace(arm, joints=joints, points=points)), postures=("p",))
+    places = [i.place for i in all_instances(short) if i.effect.name == "payload"]
+    assert places == [joints[i].link.name for i in links]
+
+
+def test_a_compensator_stands_at_the_joints_that_lift_whether_or_not_the_first_is_rigid():
+    arm = load_arm("bench57")
+    rigid = replace(arm.joints[0], stiffness=None, damping=None)
+    held = replace(arm, joints=(rigid, *arm.joints[1:]))
+    lifting = [joint.name for joint in arm.joints[1:3]]
+    for own in (arm, held):
+        ordinary = Ordinary(superset=Superset(own), postures=("p",))
+        places = [i.place for i in all_instances(ordinary) if i.effect.name.startswith("gravity")]
+        assert places == lifting
 
 
 def test_shapes_do_nothing_while_there_is_nothing(ordinary, lines, posed):

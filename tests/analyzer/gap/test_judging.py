@@ -6,12 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analyzer.gap import score
+from analyzer.arm.superset import Superset
 from analyzer.gap.effects import (
+    base,
     bearing,
     coupling,
     friction,
     gravity_compensator,
+    hysteretic,
     link_axis,
     released_joint,
     wrist_coupling,
@@ -19,9 +21,14 @@ from analyzer.gap.effects import (
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit
 from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.intervals import intervals
 from analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
-from analyzer.gap.score import equivalents, mark, rate, size_of_truth
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.rivals import Rivals
+from analyzer.gap.score import mark, rate, size_of_truth
 from analyzer.gap.space import Parameter, Space
+from analyzer.gap.workflow import _judged
+from protocols.arm.files import load_arm
 from tests.support.gap_results import made_result
 
 
@@ -55,18 +62,6 @@ def test_a_true_name_is_right_and_another_wrong():
     assert mark(truth("link_axis"), named).outcome == "right"
     assert mark(truth("payload"), named).outcome == "wrong name"
     assert mark(truth(verdict="nothing_detectable"), named).outcome == "wrong name"
-
-
-def test_a_declared_equivalent_is_no_wrong_name(monkeypatch):
-    same = frozenset({"link_axis", "torsion_like"})
-    monkeypatch.setattr(score, "equivalents", lambda: dict.fromkeys(same, same))
-    assert mark(truth("torsion_like"), made_result("named", ["link_axis"])).outcome == "right"
-
-
-def test_every_effect_is_its_own_equivalent_both_ways():
-    same = equivalents()
-    assert all(name in others for name, others in same.items())
-    assert all(name in same[other] for name, others in same.items() for other in others)
 
 
 def test_one_of_two_is_not_yet_right_and_no_wrong_name():
@@ -150,6 +145,68 @@ def fitted(value, std):
         converged=True,
         n_iterations=1,
     )
+
+
+def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_rests_on():
+    """Else what it explains would count as explained, and nobody would be told."""
+    limits, notes = Thresholds(), []
+    present, better = rival(link_axis.WORDS, "l1", 1e4), rival(bearing.WORDS, "j0", 5e3)
+    stage = SimpleNamespace(weighings=[SimpleNamespace(n=40000)])
+    found = Rivals(present=present, rivals=(better,))
+    assert _judged(stage, found, limits, 2, 3, notes).named is better
+    assert notes == []
+    for n_named, rounds in ((3, 4), (2, 6)):
+        last = _judged(stage, found, limits, n_named, rounds, notes)
+        assert (last.named, last.standing) == (None, ())
+        assert notes.pop() == f"{bearing.WORDS.title} (j0) earns a name too; no more are looked for"
+
+
+def test_a_loss_below_the_ordinary_one_is_no_hysteretic_damping():
+    """Its prior's wide damping may fit better; the loss itself is what the name says."""
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    (instance,) = hysteretic.instances(ordinary)
+    assert not instance.is_material({"loss": 0.0})
+    assert not instance.is_material({"loss": instance.size_offset})
+    assert instance.is_material({"loss": 3.0 * instance.size_offset})
+
+
+def test_a_base_that_turns_about_the_vertical_alone_is_worth_a_name():
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    (instance,) = base.instances(ordinary)
+    nothing = {p.name: 0.0 for p in instance.parameters}
+    turns = next(p.name for p in instance.parameters if p.name.endswith("rock z"))
+    assert not instance.is_material(nothing)
+    assert instance.is_material({**nothing, turns: 2.0 * instance.material})
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_parameter_at_its_bound_has_a_one_sided_interval(side):
+    """95 % of the draws of such a density lie inside, another parameter free beside it."""
+    rng = np.random.default_rng(5)
+    H = np.array([[9.0, 4.0], [4.0, 5.0]])
+    low, high = (0.0, np.inf) if side > 0.0 else (-np.inf, 0.0)
+    priors = (
+        Parameter(name="size", unit="kg", mean=0.0, std=2.0, low=low, high=high),
+        Parameter(name="other", unit="", mean=0.0, std=1.0),
+    )
+    fit = replace(
+        fitted(0.0, 1.0),
+        space=Space(priors),
+        u=np.zeros(2),
+        curvature=H - np.eye(2),  # the prior adds its own
+        slope=np.array([side * 1.5, 0.0]),
+        free=np.array([False, True]),
+    )
+    found = intervals(fit, ["size"], 1.0)["size"]
+    u = rng.uniform([0.0, -4.0], [3.0, 4.0], (1_000_000, 2)) * [side, 1.0]
+    cost = 1.5 * np.abs(u[:, 0]) + 0.5 * np.einsum("ni,ij,nj->n", u, H, u)
+    drawn = 2.0 * u[rng.random(len(u)) < np.exp(-cost), 0]
+    inside = np.mean((drawn >= found.low) & (drawn <= found.high))
+    # Of n draws the rate has a deviation of sqrt(0.05 * 0.95 / n): four of them.
+    assert abs(inside - 0.95) < 4.0 * np.sqrt(0.05 * 0.95 / drawn.size)
+    assert drawn.size > 10_000
+    assert found.value == 0.0
+    assert min(abs(found.low), abs(found.high)) == 0.0
 
 
 def rival(words, place, cost):

@@ -22,6 +22,7 @@ from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
 from protocols.arm.files import load_arm
+from protocols.errors import EstimateError
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,16 @@ def apart(linear):
     about = middle_level(linear)
     stages = stages_of(superset, linear, frfs, level_about=about)
     return with_test(stages, superset, linear, 2, level_about=about)
+
+
+def test_a_further_test_of_an_arm_with_other_points_is_refused(linear):
+    superset = Superset(linear.header.arm)
+    stages = stages_of(superset, linear, estimate_frfs(linear, superset))
+    arm = linear.header.arm
+    more = replace(arm, points=(*arm.points, replace(arm.points[0], id="new")))
+    other = replace(linear, header=replace(linear.header, arm=more))
+    with pytest.raises(EstimateError, match=r"the same points, .* new on"):
+        with_test(stages, superset, other, 2)
 
 
 def of_session(apart, *instances):
