@@ -63,10 +63,10 @@ def advise(
     weak = _weak(final, rivals)
     if len(standing) > 1:
         compared = list(standing[:_MOST_RIVALS])
-        why = f"tells apart: {', or '.join(_title(fit) for fit in compared)}"
+        why = f"tells apart: {', or '.join(fit.title for fit in compared)}"
     elif weak is not None:
         compared = [final, weak]
-        why = f"shows whether {_title(weak)} is there: little speaks for it so far"
+        why = f"shows whether {weak.title} is there: little speaks for it so far"
     else:
         found = _widest(final, hiding, changes)
         if found is None:
@@ -79,7 +79,7 @@ def advise(
         return Advice()
     test, gain = best
     if gain < _WORTH:
-        alike = ", or ".join(_title(fit) for fit in standing[:_MOST_RIVALS])
+        alike = ", or ".join(fit.title for fit in standing[:_MOST_RIVALS])
         words = f"no further test here is expected to tell apart: {alike}"
         return Advice(why_none=words if len(standing) > 1 else "")
     much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
@@ -124,10 +124,6 @@ def _widest(
 
 def _elastic(final: Fit) -> tuple[int, ...]:
     return final.hypothesis.ordinary.elastic
-
-
-def _title(fit: Fit) -> str:
-    return fit.hypothesis.instances[-1].title if fit.hypothesis.instances else "nothing missing"
 
 
 def _posture(plan: Plan, test: Test) -> PlannedPosture:

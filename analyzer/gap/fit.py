@@ -57,6 +57,12 @@ class Fit:
         return self.space.values(self.u)
 
     @property
+    def title(self) -> str:
+        """Return the effect it has beside the model before, in words."""
+        instances = self.hypothesis.instances
+        return instances[-1].title if instances else "nothing missing"
+
+    @property
     def farthest(self) -> float:
         """Return how far any ordinary parameter is from its prior's mean, in prior deviations."""
         own = {name for instance in self.hypothesis.instances for name in instance.owned}

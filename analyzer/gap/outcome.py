@@ -91,7 +91,7 @@ def conclude(
     verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
     notes += why
     if effects and len(standing) > 1:
-        titles = " or ".join(_title(f) for f in standing)
+        titles = " or ".join(f.title for f in standing)
         notes.append(f"something more is there that cannot be told: {titles}")
     alive = standing or (final,)
     others = found.others if found.others is not None else look_at_others(sharp, final)
@@ -145,10 +145,6 @@ def conclude(
         scale=phi,
         compared=advice.compared,
     )
-
-
-def _title(fit: Fit) -> str:
-    return fit.hypothesis.instances[-1].title if fit.hypothesis.instances else "nothing missing"
 
 
 def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
@@ -322,7 +318,7 @@ def _summary(
         return f"Missing in the model: {words}."
     if verdict is Verdict.AMBIGUOUS:
         return "Something is missing, but it cannot be told which: " + " or ".join(
-            _title(f) for f in standing
+            f.title for f in standing
         )
     if verdict is Verdict.OUTSIDE_LIBRARY:
         worst = max(left, key=lambda d: d.ratio)
