@@ -63,7 +63,8 @@ def _judged(session: Session) -> Session:
     """Return the session with every hit judged as one of our own would be.
 
     Imported counts are finer than the board's 24 bits, and their range is not told: the judge gets
-    them at half of its range, so that no hit is an overload.
+    them at half of its range, so that no hit is an overload. Records may begin at any time before
+    their pulse: each is judged with its own pre-trigger.
     """
     header = session.header
     channels = tuple(
@@ -89,7 +90,9 @@ def _judged(session: Session) -> Session:
             last_data_s=hit.trigger_host_s,
             announced_s=hit.trigger_host_s,
         )
-        verdict = judge_record(block, channels, header.plan.sampling, header.plan.trigger)
+        pretrigger = hit.trigger_sample - hit.first_sample
+        sampling = replace(header.plan.sampling, pretrigger=pretrigger)
+        verdict = judge_record(block, channels, sampling, header.plan.trigger)
         notes = (*hit.verdict.notes, *verdict.notes)
         hits.append(replace(hit, verdict=replace(verdict, notes=notes)))
         if not verdict.accepted:

@@ -32,7 +32,7 @@ from protocols.foreign.measured import (
 )
 from protocols.foreign.uff_blocks import read_foreign_bytes
 from protocols.foreign.uff_records import DataKind
-from protocols.foreign.units import signal_scale
+from protocols.foreign.units import seconds, signal_scale
 from protocols.frf_records import FrfForm
 
 __all__ = ["array_content", "npy_array", "signals_content"]
@@ -66,7 +66,7 @@ _ZIP_ERRORS = (
     OverflowError,
 )
 _NAME_UNIT = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
-_TIME = ("time", "t", "time_s")
+_TIME = ("time", "t", "time_s", "t_s", "time_ms", "t_ms", "time_us", "t_us")
 _FORCE = ("force", "hammer", "force_n", "f")
 
 
@@ -151,7 +151,7 @@ def signals_content(
         _in_si(signals[name], name, DataKind.ACCELERATION, hints, origin, said)
         for name in responses
     ]
-    times = np.asarray(signals[time])
+    times = np.asarray(signals[time]) * _seconds(time, origin)
     if any(row.shape != times.shape or row.ndim != 1 for row in rows):
         raise ForeignFileError(f"{origin}: wanted signals of one length, got several")
     if not all(np.isfinite(row).all() for row in rows):
@@ -184,11 +184,27 @@ def _in_si(
     label = label or _unit_of(name)
     if label is None:
         said.append(
-            f"{origin}: the units are not told; the numbers are taken as SI (s, N, m/s^2). "
+            f"{origin}: the units are not told; the numbers are taken as SI (N, m/s^2). "
             "Say `units` in the manifest"
         )
         return np.asarray(values, dtype=np.float64)
     return np.asarray(values, dtype=np.float64) * signal_scale(kind, label, None, origin).factor
+
+
+def _seconds(name: str, origin: str) -> float:
+    """Return seconds per unit of a time column: `time`, `time [ms]`, `t_us`."""
+    match = _NAME_UNIT.search(name)
+    told = match[1].strip() if match else ""
+    bare = _NAME_UNIT.sub("", name).strip().lower()
+    if not told and bare in {"time", "t"}:
+        return 1.0
+    factor = seconds(told or bare.rpartition("_")[2])
+    if factor is None:
+        raise ForeignFileError(
+            f"{origin}: wanted a time in s, ms or us, such as 'time [ms]' or 'time_s', got "
+            f"{name[:40]!r}; convert it, or rename it"
+        )
+    return factor
 
 
 def _unit_of(name: str) -> str | None:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from protocols.arrays import frozen_array
 from protocols.errors import ForeignFileError
-from protocols.foreign.manifest import PostureTable
+from protocols.foreign.manifest import MOST_AVERAGES, PostureTable
 from protocols.foreign.measured import Content, ForeignFrf
 from protocols.foreign.placement import HIT, RESPONSE, SCALAR, Placement
 from protocols.frf_records import Dof, FrequencyResponse
@@ -82,6 +82,11 @@ def frf_matrix(
                 coherence[i, j] = frf.coherence
     averages = _one(contents, "averages", table.averages, what)
     decay = _one(contents, "decay_rad_s", table.window_decay_rad_s, what)
+    if averages is not None and averages > MOST_AVERAGES:
+        raise ForeignFileError(
+            f"{what}: wanted up to {MOST_AVERAGES} averages, the files tell {averages:g}; say "
+            "`averages` in the manifest"
+        )
     n_hits = 0 if averages is None else int(averages)
     _say_uncertainty(coherence, n_hits, what, said)
     return FrequencyResponse(
@@ -140,10 +145,7 @@ def _references(
         )
     dofs = []
     for frf in frfs:
-        if table.hit_point is not None:
-            point = table.hit_point
-        else:
-            point = placement.point(frf.reference, HIT, frf.origin)
+        point = placement.hit_point(table.hit_point, frf.reference, frf.origin)
         if table.hit_direction is not None:
             vector = np.array(table.hit_direction)
             direction = frozen_array(vector / np.linalg.norm(vector), np.float64)

@@ -46,8 +46,10 @@ def place_hits(
     Raises
     ------
     ForeignFileError
-        If a hit's channels are at several points, or directions are missing or not square.
+        If the manifest tells what only averaged FRFs have, a hit's channels are at several points
+        or of more than one sensor, or directions are missing or not square.
     """
+    _check_single(table)
     placed = []
     for hit in hits:
         points = {placement.point(dof, RESPONSE, hit.origin) for dof in hit.responses}
@@ -56,8 +58,13 @@ def place_hits(
                 f"{hit.origin}: wanted responses at one point, got {', '.join(sorted(points))}; "
                 "split the file"
             )
+        if len(hit.responses) > len(AXES):
+            raise ForeignFileError(
+                f"{hit.origin}: wanted the accelerations of one sensor, up to {len(AXES)}, got "
+                f"{len(hit.responses)}; make a file of each sensor's"
+            )
         point = points.pop()
-        hit_point = table.hit_point or placement.point(hit.hit, HIT, hit.origin)
+        hit_point = placement.hit_point(table.hit_point, hit.hit, hit.origin)
         if table.hit_direction is not None:
             vector = np.array(table.hit_direction)
             direction = frozen_array(vector / np.linalg.norm(vector), np.float64)
@@ -82,6 +89,22 @@ def place_hits(
             )
         )
     return placed
+
+
+def _check_single(table: PostureTable) -> None:
+    """Refuse what a manifest may tell of averaged FRFs: a session's hits cannot carry it."""
+    what = f"posture {table.name!r}"
+    if table.averages is not None:
+        raise ForeignFileError(
+            f"{what}: averages: wanted none for single hits, got {table.averages}; leave it out: "
+            "hits are averaged when FRFs are made of them"
+        )
+    if table.window_decay_rad_s is not None:
+        raise ForeignFileError(
+            f"{what}: window_decay_rad_s: wanted none for single hits, got "
+            f"{table.window_decay_rad_s:g}: a window in their records cannot be carried on; export "
+            "them without one, or import FRFs"
+        )
 
 
 def _along_sensor_axes(
@@ -124,7 +147,14 @@ def pretrigger(signals: npt.NDArray[np.float64]) -> int:
 
 
 def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
-    """Return the channels of imported hits (or, without any, of imported FRFs)."""
+    """Return the channels of imported hits (or, without any, of imported FRFs).
+
+    Raises
+    ------
+    ForeignFileError
+        If hits differ in length, rate or number of channels.
+    """
+    _check_alike(hits)
     n_axes = hits[0].signals.shape[0] - 1 if hits else 3
     largest = np.ones(1 + n_axes)
     if hits:
@@ -156,17 +186,8 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
     )
 
 
-def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple[Hit, ...]:
-    """Return the hits of a session, not yet judged; all must share length, rate and channels.
-
-    Raises
-    ------
-    ForeignFileError
-        If one differs.
-    """
-    scale = np.array([channel.scale for channel in dictionary.channels])
-    records: list[Hit] = []
-    for i, hit in enumerate(hits):
+def _check_alike(hits: Sequence[PlacedHit]) -> None:
+    for hit in hits:
         if hit.signals.shape != hits[0].signals.shape or hit.rate_hz != hits[0].rate_hz:
             raise ForeignFileError(
                 f"{hit.origin}: wanted {hits[0].signals.shape[0]} channels of "
@@ -174,6 +195,13 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
                 f"{hits[0].origin}, got {hit.signals.shape[0]} of {hit.signals.shape[1]} at "
                 f"{float(hit.rate_hz):g} Hz; import them as a session of their own"
             )
+
+
+def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple[Hit, ...]:
+    """Return the hits of a session, not yet judged, in counts of the dictionary's channels."""
+    scale = np.array([channel.scale for channel in dictionary.channels])
+    records: list[Hit] = []
+    for i, hit in enumerate(hits):
         n = hit.signals.shape[1]
         counts = np.rint(hit.signals.T / scale)
         reading = JointReading(

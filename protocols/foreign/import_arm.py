@@ -83,10 +83,8 @@ def _structure(manifest: Manifest, postures: Sequence[MeasuredPosture], said: li
     places = _places(postures)
     names: dict[str, NewPoint] = {}
     unplaced: list[str] = []
-    for posture, dof, fallback, axes in _dofs(postures):
+    for dof, fallback, axes in _dofs(postures):
         name = point_name(dof.node, manifest.file.nodes, fallback)
-        if fallback == HIT and posture.hit_point is not None:
-            name = posture.hit_point
         if name in names and fallback == HIT:
             continue
         position = places.get(dof.node or "")
@@ -142,7 +140,7 @@ def _new_points(
     for posture in postures:
         placement = placement_of(manifest, arm, posture.table)
         places = _places([posture])
-        for _, dof, fallback, _ in _dofs([posture]):
+        for dof, fallback, _ in _dofs([posture]):
             if dof.node is None:
                 continue
             name = point_name(dof.node, manifest.file.nodes, fallback)
@@ -206,22 +204,22 @@ def _compare(
 
 def _dofs(
     postures: Sequence[MeasuredPosture],
-) -> Iterator[tuple[PostureTable, ToldDof, str, Matrix | None]]:
-    """Every degree of freedom: its posture, itself, its part, and for hits the sensor's axes."""
+) -> Iterator[tuple[ToldDof, str, Matrix | None]]:
+    """Every degree of freedom: itself, its part, and for hits the sensor's axes."""
     for posture in postures:
         for content in posture.contents:
             for frf in content.frfs:
-                yield posture.table, frf.response, RESPONSE, None
+                yield frf.response, RESPONSE, None
                 if posture.table.hit_point is None:
-                    yield posture.table, frf.reference, HIT, None
+                    yield frf.reference, HIT, None
             for hit in content.hits:
                 axes = _frame([dof.direction for dof in hit.responses])
                 for dof in hit.responses:
-                    yield posture.table, dof, RESPONSE, axes
+                    yield dof, RESPONSE, axes
                 if posture.table.hit_point is None:
-                    yield posture.table, hit.hit, HIT, None
+                    yield hit.hit, HIT, None
         if posture.table.hit_point is not None:
-            yield posture.table, ToldDof(posture.table.hit_point, None), HIT, None
+            yield ToldDof(posture.table.hit_point, None), HIT, None
 
 
 def _frame(

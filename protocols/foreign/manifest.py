@@ -27,9 +27,18 @@ from protocols.toml_reader import (
     validate,
 )
 
-__all__ = ["NO_ARM", "FileTable", "Manifest", "ManifestFile", "PostureTable", "load_manifest"]
+__all__ = [
+    "MOST_AVERAGES",
+    "NO_ARM",
+    "FileTable",
+    "Manifest",
+    "ManifestFile",
+    "PostureTable",
+    "load_manifest",
+]
 
 NO_ARM = "none"
+MOST_AVERAGES = 1_000_000
 
 _LIMIT = 512 * 1024
 _UNIT_LENGTH = 1e-3  # a direction written with three decimals
@@ -69,7 +78,7 @@ class PostureTable(FileModel):
     name: Name
     joints_deg: Annotated[list[float], Field(max_length=32)] = Field(default=[])
     files: Annotated[list[PathText | FileTable], Field(min_length=1, max_length=_MOST_FILES)]
-    averages: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    averages: Annotated[int, Field(ge=1, le=MOST_AVERAGES)] | None = None
     hit_point: PointId | None = None
     hit_direction: Vector3 | None = None
     axes: Literal["base", "link"] | None = None

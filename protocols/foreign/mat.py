@@ -111,8 +111,7 @@ def _frfs(variables: dict[str, npt.NDArray[Any]], hints: Hints, origin: str) -> 
     if freq.dtype.kind not in "fiu" or values.dtype.kind != "c":
         raise ForeignFileError(f"{origin}: wanted real freq_hz and complex frf, got others")
     freq = freq.astype(np.float64)
-    if values.ndim == 2:
-        values = values[:, None, :] if values.shape[1] == len(freq) else values.T[:, None, :]
+    values = _matrix(values, len(freq))
     if values.ndim != 3 or values.shape[2] != len(freq):
         raise ForeignFileError(
             f"{origin}: wanted frf of shape (responses, references, {len(freq)}), got "
@@ -131,9 +130,7 @@ def _frfs(variables: dict[str, npt.NDArray[Any]], hints: Hints, origin: str) -> 
             f"{origin}: wanted names for {values.shape[0]} responses and {values.shape[1]} "
             f"references, got {len(responses)} and {len(references)}"
         )
-    coherence = variables.get("coherence")
-    if coherence is not None:
-        coherence = np.asarray(coherence, dtype=np.float64).reshape(values.shape)
+    coherence = _coherence(variables, values.shape, origin)
     frfs = []
     for i, response in enumerate(responses):
         for j, reference in enumerate(references):
@@ -162,6 +159,30 @@ def _frfs(variables: dict[str, npt.NDArray[Any]], hints: Hints, origin: str) -> 
         decay_rad_s=_scalar(variables, "window_decay_rad_s"),
         said=said,
     )
+
+
+def _matrix(values: npt.NDArray[Any], n_lines: int) -> npt.NDArray[Any]:
+    """Return (responses, references, lines); a table has one reference, and lines either way."""
+    if values.ndim != 2:
+        return values
+    table = values if values.shape[1] == n_lines else values.T
+    return table[:, None, :]
+
+
+def _coherence(
+    variables: dict[str, npt.NDArray[Any]], shape: tuple[int, ...], origin: str
+) -> npt.NDArray[np.float64] | None:
+    """Return the coherence in the FRF matrix's own shape, None where there is none."""
+    told = variables.get("coherence")
+    if told is None:
+        return None
+    matrix = _matrix(told, shape[2])
+    if matrix.dtype.kind not in "fiu" or matrix.shape != shape:
+        raise ForeignFileError(
+            f"{origin}: wanted a real coherence of frf's shape {variables['frf'].shape}, got "
+            f"{told.dtype} of {told.shape}; save it like frf, or leave it out"
+        )
+    return np.asarray(matrix, dtype=np.float64)
 
 
 def _form(variables: dict[str, npt.NDArray[Any]], origin: str) -> FrfForm:
@@ -196,7 +217,7 @@ def _dofs(
     dofs = [parse_dof(name, origin) for name in names]
     directions = variables.get(f"{what}_directions")
     if directions is not None:
-        D = np.asarray(directions, dtype=np.float64)
+        D = directions.astype(np.float64) if directions.dtype.kind in "fiu" else np.empty(0)
         length = np.linalg.norm(D, axis=-1)
         if D.shape != (len(dofs), 3) or not np.allclose(length, 1.0, atol=1e-3):
             raise ForeignFileError(f"{origin}: wanted {what}_directions of unit length, got others")

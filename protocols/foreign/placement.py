@@ -63,6 +63,16 @@ class Placement:
             "freedom in the manifest"
         )
 
+    def hit_point(self, told: str | None, dof: ToldDof, origin: str) -> str:
+        """Return the test point hit: the manifest's where it tells one, else the file's.
+
+        Raises
+        ------
+        ForeignFileError
+            If the arm has no such point, or none is told and there is an arm.
+        """
+        return self.point(dof if told is None else ToldDof(told, None), HIT, origin)
+
     def direction(
         self, dof: ToldDof, point: str, what: str, origin: str
     ) -> npt.NDArray[np.float64]:

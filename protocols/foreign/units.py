@@ -12,7 +12,16 @@ from protocols.errors import ForeignFileError
 from protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
 from protocols.frf_records import FrfForm
 
-__all__ = ["SI", "Scale", "frf_form", "frf_scale", "length_scale", "signal_scale", "unit"]
+__all__ = [
+    "SI",
+    "Scale",
+    "frf_form",
+    "frf_scale",
+    "length_scale",
+    "seconds",
+    "signal_scale",
+    "unit",
+]
 
 SI = "SI"  # the unit that SI has for whatever quantity it is
 
@@ -23,6 +32,7 @@ _SAME = 1e-4  # relative: 9.81 for 9.80665 is a different unit, 9.8067 is not
 
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": _INCH, "ft": _FOOT}
 _FORCES = {"n": 1.0, "kn": 1e3, "mn": 1e-3, "cn": 1e-2, "lbf": _POUND, "lb": _POUND, "kgf": _G}
+_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 _QUANTITIES = {
     DataKind.DISPLACEMENT: "displacement",
     DataKind.VELOCITY: "velocity",
@@ -83,12 +93,27 @@ def unit(label: str) -> tuple[str, float] | None:
     >>> unit("V") is None
     True
     """
-    text = label.strip().replace("²", "2").replace("µ", "u").replace(" ", "")
-    text = text.replace("^", "").replace("**", "").replace("(", "").replace(")", "")
-    text = text.replace("sec", "s")
+    text = _plain(label)
     if text in {"MN", "Mn"}:  # meganewton beside millinewton
         return "force", 1e6
     return _UNITS.get(text.lower())
+
+
+def seconds(label: str) -> float | None:
+    """Return the factor to s of a unit of time; None if it is not known.
+
+    >>> seconds("ms")
+    0.001
+    >>> seconds("h") is None
+    True
+    """
+    return _TIMES.get(_plain(label).lower())
+
+
+def _plain(label: str) -> str:
+    text = label.strip().replace("²", "2").replace("µ", "u").replace(" ", "")
+    text = text.replace("^", "").replace("**", "").replace("(", "").replace(")", "")
+    return text.replace("sec", "s")
 
 
 def frf_form(function: UffFunction) -> FrfForm | None:

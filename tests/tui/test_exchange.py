@@ -163,27 +163,67 @@ def test_identify_of_a_plain_structure_is_one_message(tmp_path):
     assert "without an arm" in err
 
 
+RATE = 4096
+TIMES = np.arange(4096) / RATE
+
+
+def half_sine(at_s, peak_n):
+    phase = (TIMES - at_s) / 3e-3
+    return np.where((phase > 0) & (phase < 1), peak_n * np.sin(np.pi * phase), 0.0)
+
+
+def save_hit(path, force, *, at_s=0.1):
+    """A table of time, the force given, and a mode that rings from `at_s`."""
+    since = np.maximum(TIMES - at_s, 0.0)
+    ring = np.exp(-8 * since) * np.sin(2 * np.pi * 60 * since)
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, len(TIMES)))
+    np.save(path, np.vstack([TIMES, force + noise[0], ring + noise[1]]))
+
+
+def imported(folder, files):
+    code, out, err = armodal("import", plain(folder, files), "--out", folder / "s.h5", "--json")
+    assert code == 0, err
+    return json.loads(out)
+
+
 def test_imported_hits_are_judged_like_our_own(tmp_path):
-    rate = 4096
-    t = np.arange(4096) / rate
-
-    def pulse(at_s, peak_n):
-        phase = (t - at_s) / 3e-3
-        return np.where((phase > 0) & (phase < 1), peak_n * np.sin(np.pi * phase), 0.0)
-
-    ring = np.where(t > 0.1, np.exp(-8 * (t - 0.1)) * np.sin(2 * np.pi * 60 * (t - 0.1)), 0.0)
-    noise = 0.01 * np.random.default_rng(1).standard_normal((2, len(t)))
-    for name, force in (
-        ("good", pulse(0.1, 50)),
-        ("double", pulse(0.1, 50) + pulse(0.12, 20)),
-    ):
-        np.save(tmp_path / f"{name}.npy", np.vstack([t, force + noise[0], ring + noise[1]]))
-    manifest = plain(tmp_path, '["good.npy", "double.npy"]')
-    code, out, _ = armodal("import", manifest, "--out", tmp_path / "s.h5", "--json")
-    assert code == 0
-    said = json.loads(out)
+    save_hit(tmp_path / "good.npy", half_sine(0.1, 50))
+    save_hit(tmp_path / "double.npy", half_sine(0.1, 50) + half_sine(0.12, 20))
+    said = imported(tmp_path, '["good.npy", "double.npy"]')
     assert said["postures"][0]["accepted"] == 1
     assert any("double.npy: rejected: double" in text for text in said["warnings"])
+
+
+def test_hits_that_triggered_elsewhere_in_their_records_are_all_accepted(tmp_path):
+    at_s = [0.05, 0.1, 0.1 + 5 / RATE, 0.2]
+    for i, at in enumerate(at_s):
+        save_hit(tmp_path / f"h{i}.npy", half_sine(at, 50), at_s=at)
+    said = imported(tmp_path, [f"h{i}.npy" for i in range(len(at_s))])
+    assert not any("rejected" in text for text in said["warnings"])
+    assert said["postures"][0]["accepted"] == len(at_s)
+    hits = read_session(tmp_path / "s.h5").hits
+    begins = [(hit.trigger_sample - hit.first_sample) / RATE for hit in hits]
+    # A half-sine of 3 ms reaches a twentieth of its peak within a sample.
+    assert np.allclose(begins, at_s, atol=1.5 / RATE)
+
+
+def test_a_peak_long_after_the_trigger_is_late_wherever_the_record_begins(tmp_path):
+    save_hit(tmp_path / "good.npy", half_sine(0.05, 50), at_s=0.05)
+    save_hit(tmp_path / "late.npy", half_sine(0.1, 6) + half_sine(0.15, 50))
+    said = imported(tmp_path, '["good.npy", "late.npy"]')
+    (text,) = [text for text in said["warnings"] if "rejected" in text]
+    assert "late.npy: rejected" in text
+    assert "late" in text.partition("rejected: ")[2]
+
+
+def test_a_file_that_cannot_be_meant_is_one_message_and_exit_code_2(tmp_path):
+    np.save(tmp_path / "many.npy", np.vstack([TIMES, half_sine(0.1, 50), *np.eye(5, len(TIMES))]))
+    code, out, err = armodal("import", plain(tmp_path, '["many.npy"]'), "--out", tmp_path / "s.h5")
+    assert code == 2
+    assert not out
+    assert err.count("armodal:") == 1
+    assert "Traceback" not in err
+    assert not (tmp_path / "s.h5").exists()
 
 
 def test_exported_files_are_named_by_number_not_by_posture(tmp_path):

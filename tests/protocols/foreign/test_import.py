@@ -5,36 +5,16 @@ import json
 import numpy as np
 import pytest
 import scipy.io
+from manifests import RATE, hit_signals, manifest, posture, run
 from samples import accelerance, chain_file, frf_set, si_set, write_sets
 
 from protocols.arm.files import ARMS_DIRECTORY, load_arm
 from protocols.arm.kinematics import link_pose
 from protocols.errors import ArmodalError, ForeignFileError
-from protocols.foreign.import_session import import_session
-from protocols.foreign.manifest import load_manifest
 from protocols.frf_records import FrfForm
 from protocols.session.hdf5 import read_session, write_session
 
 FREQ = 0.25 * np.arange(400)
-RATE = 4096
-
-
-def manifest(folder, body, *, arm='"none"', mode="roving-response", head=""):
-    path = folder / "manifest.toml"
-    path.write_text(f'arm = {arm}\nmode = "{mode}"\n{head}\n{body}', encoding="utf-8")
-    return path
-
-
-def posture(files, **keys):
-    lines = ["[[postures]]", 'name = "one"', f"files = {files}"]
-    lines += [f"{key} = {json.dumps(value)}" for key, value in keys.items()]
-    return "\n".join(lines)
-
-
-def run(path):
-    return import_session(
-        load_manifest(path), created="2026-01-01T00:00:00+00:00", software="armodal test"
-    )
 
 
 def one(folder, sets, **keys):
@@ -44,17 +24,6 @@ def one(folder, sets, **keys):
 
 def chain_sets(**changes):
     return [frf_set(i + 1, accelerance(FREQ, i, 0), FREQ, **changes) for i in range(3)]
-
-
-def hit_signals(n=2048, channels=1, seed=0):
-    """A 2 ms half-sine after 200 samples, and one ringing mode in each channel."""
-    rng = np.random.default_rng(seed)
-    t = np.arange(n) / RATE
-    t0, width = 200 / RATE, 2e-3
-    force = np.where((t > t0) & (t < t0 + width), 50 * np.sin(np.pi * (t - t0) / width), 0.0)
-    ring = np.where(t > t0, np.exp(-8 * (t - t0)) * np.sin(2 * np.pi * 60 * (t - t0)), 0.0)
-    responses = np.array([(k + 1) * ring for k in range(channels)])
-    return t, force + 0.01 * rng.standard_normal(n), responses
 
 
 # FRFs -------------------------------------------------------------------------------------------

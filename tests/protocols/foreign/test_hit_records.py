@@ -1,0 +1,97 @@
+"""Single hits on the arm: which sensors they can have, where they strike, what is refused."""
+
+import numpy as np
+import pytest
+from manifests import hit_signals, manifest, posture, run
+from samples import accelerance, frf_set, si_set, write_sets
+
+from protocols.arm.files import load_arm
+from protocols.arm.kinematics import link_pose
+from protocols.errors import ForeignFileError
+
+JOINTS = [-25.0, 90.0, 0.0, 0.0, 90.0, 0.0]
+FREQ = 0.25 * np.arange(1, 41)
+NODES = 'nodes = { "105" = "5", "101" = "1" }'
+
+
+def save_hit(path, *, channels=1, n=2048):
+    t, force, responses = hit_signals(n=n, channels=channels)
+    np.save(path, np.vstack([t, force, responses]))
+
+
+@pytest.mark.parametrize("channels", [4, 7, 30])
+@pytest.mark.parametrize("arm", ["none", "rv4frl"])
+def test_more_accelerations_than_a_sensor_has_are_refused(tmp_path, arm, channels):
+    save_hit(tmp_path / "h.npy", channels=channels)
+    names = ", ".join(f"'5:{'xyz'[i % 3]}'" for i in range(channels))
+    files = f'[{{ path = "h.npy", responses = [{names}], reference = "1:x" }}]'
+    body = posture(files, joints_deg=[] if arm == "none" else JOINTS)
+    with pytest.raises(ForeignFileError, match=f"one sensor, up to 3, got {channels}"):
+        run(manifest(tmp_path, body, arm=f'"{arm}"'))
+
+
+def test_hits_of_other_channels_are_refused(tmp_path):
+    save_hit(tmp_path / "a.npy", channels=1)
+    save_hit(tmp_path / "b.npy", channels=3)
+    with pytest.raises(ForeignFileError, match="wanted 2 channels"):
+        run(manifest(tmp_path, posture('["a.npy", "b.npy"]')))
+
+
+@pytest.mark.parametrize(
+    "keys", [{"averages": 3}, {"window_decay_rad_s": 2.5}, {"window_decay_rad_s": 0.0}]
+)
+def test_what_only_averaged_frfs_have_is_refused_for_single_hits(tmp_path, keys):
+    save_hit(tmp_path / "h.npy")
+    (key,) = keys
+    with pytest.raises(ForeignFileError, match=f"{key}: wanted none for single hits"):
+        run(manifest(tmp_path, posture('["h.npy"]', **keys)))
+
+
+def hit_of_node(folder):
+    """A hit on node 101 along its link's x, felt at node 105."""
+    save_hit(folder / "h.npy", channels=3)
+    names = '["105:x", "105:y", "105:z"]'
+    return f'[{{ path = "h.npy", responses = {names}, reference = "101:x" }}]'
+
+
+def frfs_of_node(folder):
+    sets = [
+        frf_set(105, accelerance(FREQ, i, 0), FREQ, rsp_dir=i + 1, ref_node=101, ref_dir=1)
+        for i in range(3)
+    ]
+    write_sets(folder / "a.uff", [si_set(), *sets])
+    return '["a.uff"]'
+
+
+def struck(session):
+    """Point and direction of every hit, or of every FRF's reference."""
+    if session.hits:
+        return [(hit.hit_point, hit.hit_direction) for hit in session.hits]
+    return [(dof.point, dof.direction) for dof in session.frfs[0].references]
+
+
+@pytest.mark.parametrize("files", [hit_of_node, frfs_of_node])
+@pytest.mark.parametrize("told", ["101", "1"], ids=["node", "point"])
+def test_the_hit_point_may_be_a_node_or_its_point(tmp_path, files, told):
+    body = posture(files(tmp_path), joints_deg=JOINTS, axes="link", hit_point=told)
+    session = run(manifest(tmp_path, body, arm='"rv4frl"', head=NODES))
+    arm = load_arm("rv4frl")
+    R = link_pose(arm, arm.point("1").link, np.radians(JOINTS))[:3, :3]
+    ((point, direction),) = struck(session)
+    assert point == "1"
+    assert np.allclose(direction, R[:, 0], atol=1e-12)  # a product of six rotations
+    assert session.header.plan.fixed_point == "1"
+
+
+@pytest.mark.parametrize("files", [hit_of_node, frfs_of_node])
+def test_a_hit_point_that_the_arm_has_not_is_refused(tmp_path, files):
+    body = posture(files(tmp_path), joints_deg=JOINTS, axes="link", hit_point="77")
+    with pytest.raises(ForeignFileError, match="node 77"):
+        run(manifest(tmp_path, body, arm='"rv4frl"', head=NODES))
+
+
+def test_the_hit_point_of_a_plain_structure_is_mapped_too(tmp_path):
+    body = posture(frfs_of_node(tmp_path), hit_point="101")
+    session = run(manifest(tmp_path, body, head=NODES))
+    assert [dof.point for dof in session.frfs[0].references] == ["1"]
+    assert {point.id for point in session.header.arm.points} == {"1", "5"}

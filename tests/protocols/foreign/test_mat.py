@@ -1,0 +1,74 @@
+"""MATLAB files of FRFs: shapes as programs save them, and variables that cannot be meant."""
+
+import numpy as np
+import pytest
+import scipy.io
+from manifests import manifest, posture, run
+from samples import accelerance
+
+from protocols.errors import ForeignFileError
+
+FREQ = 0.25 * np.arange(1, 41)
+FRF = np.array([accelerance(FREQ, i, 0) for i in range(3)])  # (responses, lines)
+COHERENCE = np.random.default_rng(7).uniform(0.5, 1.0, FRF.shape)  # no two values alike
+
+
+def one(folder, *, frf=FRF, body=None, **variables):
+    content = {
+        "freq_hz": FREQ,
+        "frf": frf,
+        "form": "accelerance",
+        "unit": "SI",
+        "responses": np.array(["1:z", "2:z", "3:z"], dtype=object),
+        **variables,
+    }
+    scipy.io.savemat(folder / "a.mat", content)
+    session = run(manifest(folder, body or posture('["a.mat"]', averages=5)))
+    return session.frfs[0]
+
+
+@pytest.mark.parametrize(
+    ("frf", "coherence"),
+    [
+        (FRF, COHERENCE),
+        (FRF.T, COHERENCE.T),
+        (FRF[:, None], COHERENCE[:, None]),
+        (FRF[:, None], COHERENCE),
+    ],
+    ids=["responses by lines", "lines by responses", "matrix", "matrix and table"],
+)
+def test_each_coherence_stays_with_its_frf(tmp_path, frf, coherence):
+    found = one(tmp_path, frf=frf, coherence=coherence)
+    assert np.array_equal(found.values[:, 0], FRF)
+    assert np.array_equal(found.coherence[:, 0], COHERENCE)
+
+
+@pytest.mark.parametrize(
+    "coherence",
+    [
+        COHERENCE[:2],
+        COHERENCE[:, :-1],
+        COHERENCE.reshape(-1),
+        COHERENCE.reshape(6, 20),
+        COHERENCE + 0j,
+        "good",
+        np.zeros((0, 0)),
+    ],
+    ids=["responses", "lines", "flat", "folded", "complex", "text", "empty"],
+)
+def test_a_coherence_of_another_shape_is_refused(tmp_path, coherence):
+    with pytest.raises(ForeignFileError, match="coherence of frf's shape") as caught:
+        one(tmp_path, coherence=coherence)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("directions", ["up", np.eye(3) * 1j, np.ones((2, 3)), np.zeros((0, 0))])
+def test_directions_that_are_none_are_refused(tmp_path, directions):
+    with pytest.raises(ForeignFileError, match="response_directions of unit length"):
+        one(tmp_path, response_directions=directions)
+
+
+def test_averages_nobody_made_are_refused_unless_the_manifest_tells_them(tmp_path):
+    with pytest.raises(ForeignFileError, match=r"up to 1000000 averages, the files tell 1e\+20"):
+        one(tmp_path, averages=1e20, body=posture('["a.mat"]'))
+    assert one(tmp_path, averages=1e20).n_hits.tolist() == [[5], [5], [5]]
