@@ -15,6 +15,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from daq import session_machine
@@ -129,6 +130,7 @@ def _run(
         raise ArmError(
             f"arm {settings.arm.name} has no [can] section: without it no joint angle is known"
         )
+    _check_journal_name(settings.journal)
     if settings.resume:
         _resume(settings, journal, stack)
     can_source = surroundings.open_can(settings, mapping.bitrate)
@@ -187,9 +189,11 @@ def _run(
     try:
         _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
     except ArmodalError as error:
+        writer.begin_ending()
         with suppress(JournalError):
             loop.interrupt(str(error))
         raise
+    writer.begin_ending()
     taken = _stop(loop, board, clock)
     reason = loop.ended or ""
     writer.append(encode_end(End(reason=reason, host_s=clock.now_s())))
@@ -305,6 +309,14 @@ def _silence(source: CanSource, joints: JointState, mapping: CanMapping, n_frame
         "sending (a CiA 402 drive needs a master that sends NMT and SYNC), and is the bit rate "
         f"right? {source.faults} lines could not be read"
     )
+
+
+def _check_journal_name(path: Path) -> None:
+    if path.suffix.lower() == ".h5":
+        raise JournalError(
+            f"{path}: wanted the name of a journal, as {path.with_suffix('.journal').name}; .h5 is "
+            "the session file's, which is made of the journal and would take its place"
+        )
 
 
 def _resume(settings: AcquisitionSettings, journal: _Journal, stack: ExitStack) -> None:

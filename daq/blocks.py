@@ -6,6 +6,7 @@ never with a hole filled in.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ from protocols.arrays import frozen_array
 from protocols.board.records import BlockInfo, Samples
 
 __all__ = ["BlockAssembler", "BlockCollector", "CapturedBlock", "Resend"]
+
+MOST_STRETCHES = 8  # asked for at a time: more a board's queue need not take
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +54,7 @@ class BlockAssembler:
         self.announced_s = now_s
         self.last_data_s = now_s
         self.rounds = 0
+        self._asked_to = 0  # offset up to which this round has asked
         self._counts = np.zeros((info.length, n_channels), dtype=np.int32)
         self._present = np.zeros(info.length, dtype=np.bool_)
         self._n_present = 0
@@ -76,6 +80,23 @@ class BlockAssembler:
         """Return (first offset, count) of every stretch that is missing, in order."""
         return _runs(~self._present)
 
+    def ask_again(self, most: int, now_s: float) -> tuple[tuple[int, int], ...]:
+        """Return the next missing stretches of a round, at most `most`.
+
+        A round asks for every missing stretch once, and counts when it has.
+        """
+        left = tuple(run for run in self.missing() if run[0] >= self._asked_to)
+        asked = left[:most]
+        if len(left) > most:
+            first, count = asked[-1]
+            self._asked_to = first + count
+        else:
+            self._asked_to = 0
+            self.rounds += 1
+        if asked:
+            self.last_data_s = now_s
+        return asked
+
     def captured(self) -> CapturedBlock:
         """Return the block, whole or as its longest unbroken run."""
         runs = _runs(self._present)
@@ -98,9 +119,10 @@ class BlockCollector:
     n_channels
         Channels of every block.
     resend_after_s
-        Silence in lab seconds after which missing samples are asked for.
+        Silence in lab seconds after which missing samples are asked for, and the time in which
+        at most `MOST_STRETCHES` are.
     max_rounds
-        Times they are asked for before the block is handed on as it is.
+        Times each of them is asked for before the block is handed on as it is.
     max_blocks
         Blocks put together at a time; the board holds the others.
     """
@@ -121,6 +143,8 @@ class BlockCollector:
         self._max_blocks = max_blocks
         self._open: dict[int, BlockAssembler] = {}
         self._done: deque[int] = deque(maxlen=1024)
+        self._asking_since_s = -math.inf
+        self._may_ask = 0  # stretches, until `resend_after_s` has passed since then
         self.foreign_frames = 0
 
     def __len__(self) -> int:
@@ -159,16 +183,20 @@ class BlockCollector:
         return block.captured()
 
     def overdue(self, now_s: float) -> tuple[Resend, ...]:
-        """Return what to ask for again, the oldest block first, at most eight stretches."""
+        """Return what to ask for again, the oldest block first."""
+        if now_s - self._asking_since_s > self._resend_after_s:
+            self._asking_since_s, self._may_ask = now_s, MOST_STRETCHES
         wanted: list[Resend] = []
         for block_id, block in sorted(self._open.items()):
+            if self._may_ask == 0:
+                break
             silent = now_s - block.last_data_s > self._resend_after_s
             if block.complete or not silent or block.rounds >= self._max_rounds:
                 continue
-            block.rounds += 1
-            block.last_data_s = now_s
-            wanted += [Resend(block_id=block_id, first=f, count=n) for f, n in block.missing()]
-        return tuple(wanted[:8])
+            asked = block.ask_again(self._may_ask, now_s)
+            self._may_ask -= len(asked)
+            wanted += [Resend(block_id=block_id, first=f, count=n) for f, n in asked]
+        return tuple(wanted)
 
 
 def _runs(flags: npt.NDArray[np.bool_]) -> tuple[tuple[int, int], ...]:

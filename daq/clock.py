@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import math
 import select
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-__all__ = ["Clock", "SystemClock", "waits"]
+from protocols.errors import SessionError
+
+__all__ = ["Clock", "SystemClock", "check_time_scale", "waits"]
+
+
+def check_time_scale(scale: float) -> None:
+    """Raise SessionError unless a clock can run at so many lab seconds a second."""
+    if not (math.isfinite(scale) and scale > 0.0):
+        raise SessionError(
+            f"time scale: wanted a finite number of lab seconds a second, above 0, got {scale!r}; "
+            "leave it out in a real laboratory"
+        )
 
 
 class Clock(Protocol):
@@ -41,8 +53,7 @@ class SystemClock:
 
     def __post_init__(self) -> None:
         """Refuse a clock that stands still or runs backwards."""
-        if not self.scale > 0.0:
-            raise ValueError(f"time scale: wanted a positive number, got {self.scale!r}")
+        check_time_scale(self.scale)
 
     def now_s(self) -> float:
         """Return the lab time in seconds."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,14 +13,20 @@ from protocols.errors import JournalError
 from protocols.file_layer import DISK, FileLayer, write_all
 from protocols.session.journal import (
     Journal,
+    Record,
     begin_journal,
     decode_journal,
     read_journal_bytes,
     scan,
 )
+from protocols.session.journal_framing import MAX_JOURNAL, MAX_RECORDS
 from protocols.session.records import SessionHeader
 
 __all__ = ["JournalWriter"]
+
+# Kept free for the last losses, the reason and END: each of them is below 64 KiB.
+LAST_RECORDS = 64
+LAST_BYTES = 4 * 2**20
 
 
 class JournalWriter:
@@ -43,6 +49,8 @@ class JournalWriter:
         self._lock = lock
         self._files = files
         self._broken = False
+        self._records = 0
+        self._ending = False
 
     @classmethod
     def create(cls, path: Path, header: SessionHeader, *, files: FileLayer = DISK) -> JournalWriter:
@@ -100,7 +108,9 @@ class JournalWriter:
             # What a killed session wrote last may be in the system's memory only. And what a
             # refused sync held, the system takes for written: only if it is written again will
             # it be.
-            last = _last_record(data)
+            records = scan(data).records
+            writer._records = len(records)
+            last = _last_begins(records)
             files.rewrite(path, data[last : journal.good_end], last)
             files.sync(fd)
             files.sync_folder(path.parent)
@@ -121,7 +131,8 @@ class JournalWriter:
         Raises
         ------
         JournalError
-            If the disk refuses, or refused before; the record then does not count.
+            If the disk refuses, or refused before, or the journal would be longer than a reader
+            takes; the record then does not count.
         """
         if self._broken:
             raise JournalError(
@@ -129,6 +140,7 @@ class JournalWriter:
             )
         begun = time.monotonic()
         good_end = os.fstat(self._fd).st_size
+        self._check_room(good_end + len(record))
         try:
             write_all(self._files, self._fd, record)
             self._files.sync(self._fd)
@@ -137,8 +149,13 @@ class JournalWriter:
             with suppress(OSError):
                 self._files.cut(self._fd, good_end)
             raise _cannot("write", self.path, error) from error
+        self._records += 1
         self.last_commit_s = time.monotonic() - begun
         return self.last_commit_s
+
+    def begin_ending(self) -> None:
+        """Let the records that follow, a session's last ones, take the room kept for them."""
+        self._ending = True
 
     def close(self) -> None:
         """Close the file and give the lock back."""
@@ -147,6 +164,17 @@ class JournalWriter:
                 self._files.close(self._fd)
             self._fd = -1
         self._lock.release()
+
+    def _check_room(self, size: int) -> None:
+        most_records, most_bytes = MAX_RECORDS, MAX_JOURNAL
+        if not self._ending:
+            most_records, most_bytes = most_records - LAST_RECORDS, most_bytes - LAST_BYTES
+        if self._records >= most_records or size > most_bytes:
+            raise JournalError(
+                f"{self.path} is full: a journal takes {most_records} records and {most_bytes} "
+                f"bytes, with the next record it would have {self._records + 1} and {size}; what "
+                "it holds is safe; begin another session, in another journal"
+            )
 
     def _cut(self, data: bytes, good_end: int) -> None:
         if good_end == len(data):
@@ -185,9 +213,8 @@ def _check_may_append(path: Path, journal: Journal) -> None:
         )
 
 
-def _last_record(data: bytes) -> int:
+def _last_begins(records: Sequence[Record]) -> int:
     """Return where the last complete record begins; the first one goes with the magic."""
-    records = scan(data).records
     return records[-1].offset if len(records) > 1 else 0
 
 

@@ -105,8 +105,8 @@ class SessionLoop:
 
     @property
     def complete(self) -> bool:
-        """Whether nothing more is asked."""
-        return self._state.kind is PromptKind.DONE
+        """Whether every planned point has its accepted hits."""
+        return self._state.lacking == 0
 
     def turn(self, now_s: float, commands: tuple[Command, ...]) -> None:
         """Do what is due."""
@@ -120,8 +120,8 @@ class SessionLoop:
             self.note("the board's clock jumped: hits taken meanwhile are not used", now_s)
         self._judge_blocks(now_s)
         self._report(now_s)
-        if self.complete and self.ended is None and not self._waiting:
-            self.ended = "every planned point has its hits"
+        if self._state.kind is PromptKind.DONE and self.ended is None and not self._waiting:
+            self.ended = _what_was_done(self._state)
         stopping = self._stopping
         if stopping is not None and self.ended is None:
             asked = self._state.kind is PromptKind.HIT
@@ -384,3 +384,9 @@ class SessionLoop:
                 )
             )
         )
+
+
+def _what_was_done(state: SessionState) -> str:
+    if state.lacking == 0:
+        return "every planned point has its hits"
+    return f"{state.lacking} of {len(state.progress)} planned points were skipped and lack hits"

@@ -57,7 +57,7 @@ class Progress:
 
     @property
     def complete(self) -> bool:
-        """Whether nothing more is asked here."""
+        """Whether nothing more is asked here, since it has its hits or was skipped."""
         return self.skipped or self.accepted >= self.wanted
 
 
@@ -91,6 +91,14 @@ class SessionState:
     def here(self) -> Progress | None:
         """The progress of the point in hand."""
         return None if self.current is None else self.progress[self.current]
+
+    @property
+    def lacking(self) -> int:
+        """Planned points without their accepted hits, skipped ones too; as a session file counts.
+
+        What a retake asks for beyond the plan is not among them.
+        """
+        return sum(p.accepted < self.plan.hits_per_point for p in self.progress)
 
     @property
     def kind(self) -> PromptKind:

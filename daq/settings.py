@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from daq.clock import check_time_scale
 from daq.judge import JudgeLimits
 from protocols.arm.records import Arm
 from protocols.errors import PlanError
@@ -52,6 +53,10 @@ class AcquisitionSettings:
     stream: bool = True
     max_memory: int = 64 * 2**20
     limits: JudgeLimits = field(default_factory=JudgeLimits)
+
+    def __post_init__(self) -> None:
+        """Refuse a time scale that no clock can have."""
+        check_time_scale(self.time_scale)
 
     def blocks_in_memory(self, n_channels: int) -> int:
         """Return how many blocks may be put together at a time.

@@ -8,6 +8,7 @@ from __future__ import annotations
 import datetime as dt
 import math
 import struct
+import unicodedata
 import zlib
 from collections.abc import Sequence
 
@@ -116,7 +117,7 @@ def _read_channel(reader: Reader) -> Channel:
     name, quantity, unit, serial_number, date = (reader.text() for _ in range(5))
     (teds_length,) = reader.unpack(_TEDS_LENGTH)
     if iepe not in set(IepeState):
-        raise FrameError(f"channel {name}: IEPE state 0...3 wanted, got {iepe}")
+        raise FrameError(f"channel {name!r}: IEPE state 0...3 wanted, got {iepe}")
     return Channel(
         name=name,
         quantity=quantity,
@@ -132,6 +133,11 @@ def _read_channel(reader: Reader) -> Channel:
 
 
 def _check(dictionary: BoardDictionary) -> None:
+    _check_text(dictionary.board_id, "board id")
+    _check_text(dictionary.firmware, "firmware version")
+    for index, channel in enumerate(dictionary.channels):
+        for field in ("name", "quantity", "unit", "serial_number", "calibration_date"):
+            _check_text(getattr(channel, field), f"channel {index}: {field.replace('_', ' ')}")
     count = len(dictionary.channels)
     if not 1 <= count <= MAX_CHANNELS:
         raise FrameError(f"a board has 1...{MAX_CHANNELS} channels, got {count}")
@@ -146,6 +152,14 @@ def _check(dictionary: BoardDictionary) -> None:
         raise FrameError(f"the filter group delay must be at least 0 samples, got {delay}")
     for channel in dictionary.channels:
         _check_channel(channel)
+
+
+def _check_text(text: str, what: str) -> None:
+    if any(unicodedata.category(character) == "Cc" for character in text):
+        raise FrameError(
+            f"{what}: text without control characters wanted, got {text!r}: correct the board's "
+            "dictionary"
+        )
 
 
 def _check_channel(channel: Channel) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from protocols.errors import EstimateError
+from protocols.errors import EstimateError, SessionError
 from protocols.file_layer import DISK, FileLayer
 from protocols.frf_records import FrequencyResponse
 from protocols.session.hdf5 import Provenance, write_session
@@ -64,8 +64,9 @@ def rebuild(
     Raises
     ------
     JournalError, SessionError
-        As `load_journal` and `write_session`.
+        As `load_journal` and `write_session`; SessionError too if both paths are one file.
     """
+    _check_not_the_journal(Path(journal_path), Path(session_path))
     data = read_journal_bytes(Path(journal_path))
     journal = decode_journal(data)
     session = session_of(journal)
@@ -90,3 +91,15 @@ def rebuild(
         records_beyond=not journal.may_append,
         frf_problem=frf_problem,
     )
+
+
+def _check_not_the_journal(journal: Path, session: Path) -> None:
+    try:
+        same = journal.samefile(session)
+    except OSError:  # one of them is not there
+        same = False
+    if same:
+        raise SessionError(
+            f"wanted a session file beside the journal, got the journal itself, {session}: it is "
+            "left as it is; give the session file another name, with armodal recover --out"
+        )

@@ -86,6 +86,35 @@ def test_holes_are_asked_for_after_a_silence_and_a_bounded_number_of_times():
     assert now_s < 1.0
 
 
+@given(
+    lost=st.lists(
+        st.sets(st.integers(0, LENGTH // 2 - 1), min_size=1, max_size=30), min_size=1, max_size=4
+    )
+)
+def test_every_missing_stretch_of_every_block_is_asked_for_each_round_and_eight_at_a_time(lost):
+    blocks = collector(max_rounds=4)
+    for block_id, pieces in enumerate(lost, 1):
+        blocks.announce(info(block_id), 0.0)
+        for k in set(range(LENGTH // 2)) - pieces:
+            blocks.add(part(2 * k, 2 * k + 2, block_id), 0.0)
+    asked = {block_id: np.zeros(LENGTH, dtype=int) for block_id in range(1, len(lost) + 1)}
+    out: list[int] = []
+    times: list[float] = []
+    for turn in range(20_000):
+        now_s = 0.01 * turn
+        for wanted in blocks.overdue(now_s):
+            asked[wanted.block_id][wanted.first : wanted.first + wanted.count] += 1
+            times.append(now_s)
+        while (captured := blocks.take(now_s)) is not None:
+            out.append(captured.info.block_id)
+    assert out == sorted(asked)
+    for block_id, pieces in enumerate(lost, 1):
+        missing = np.isin(np.arange(LENGTH) // 2, list(pieces))
+        np.testing.assert_array_equal(asked[block_id], 4 * missing)
+    # A board's queue takes eight: the ninth comes no sooner than the time for an answer.
+    assert all(late - soon > 0.19 for soon, late in zip(times, times[8:], strict=False))
+
+
 def test_a_block_is_handed_out_once():
     blocks = collector()
     assert blocks.announce(info(), 0.0)

@@ -4,10 +4,20 @@ import os
 
 import pytest
 
-from daq.journal_writer import JournalWriter
+from daq.journal_writer import LAST_BYTES, LAST_RECORDS, JournalWriter
 from protocols.board.messages import encode_dictionary
 from protocols.errors import JournalError
-from protocols.session.journal import Mark, MarkKind, encode_mark, read_journal
+from protocols.session.journal import (
+    End,
+    Mark,
+    MarkKind,
+    encode_end,
+    encode_mark,
+    encode_record,
+    read_journal,
+    scan,
+)
+from protocols.session.journal_framing import MAX_RECORDS
 from protocols.session.records import SessionHeader
 
 
@@ -145,6 +155,60 @@ def test_a_record_torn_by_a_full_disk_is_cut_off_and_nothing_follows_it(header, 
         writer.append(mark("three"))
     writer.close()
     assert notes(path) == ["one"]
+
+
+def filled(writer: JournalWriter, record: bytes) -> int:
+    """Append until it is refused; return how many were taken."""
+    for taken in range(1000):
+        try:
+            writer.append(record)
+        except JournalError as error:
+            assert "is full" in str(error)  # noqa: PT017
+            return taken
+    return pytest.fail("it was never full")
+
+
+def test_a_journal_with_as_many_records_as_a_reader_takes_can_still_be_ended_and_read(header, path):
+    JournalWriter.create(path, header).close()
+    before = 5
+    with path.open("ab") as file:
+        # Of a kind that readers pass over, the header being the one more.
+        file.write(encode_record(99, b"") * (MAX_RECORDS - LAST_RECORDS - before - 1))
+    writer, _ = JournalWriter.resume(path)
+    assert filled(writer, mark("one")) == before
+    writer.begin_ending()
+    assert filled(writer, encode_end(End(reason="full", host_s=2.0))) == LAST_RECORDS
+    writer.close()
+    journal = read_journal(path)
+    assert len(journal.marks) == before
+    assert journal.end == End(reason="full", host_s=2.0)
+    assert len(scan(path.read_bytes()).records) == MAX_RECORDS
+
+
+def test_a_journal_as_long_as_a_reader_takes_can_still_be_ended_and_read(header, path, monkeypatch):
+    writer = JournalWriter.create(path, header)
+    most = path.stat().st_size + LAST_BYTES + 5 * len(mark("one")) + 7
+    for module in ("daq.journal_writer", "protocols.session.journal"):
+        monkeypatch.setattr(f"{module}.MAX_JOURNAL", most)
+    assert filled(writer, mark("one")) == 5
+    writer.begin_ending()
+    longest = encode_end(End(reason="\x01" * 4096, host_s=2.0))
+    assert filled(writer, longest) == (LAST_BYTES + 7) // len(longest) >= LAST_RECORDS
+    writer.close()
+    assert most - len(longest) < path.stat().st_size <= most
+    assert len(notes(path)) == 5
+
+
+def test_a_full_journal_is_not_gone_on_with_and_stays_as_it_is(header, path, monkeypatch):
+    writer = JournalWriter.create(path, header)
+    writer.append(mark("one"))
+    writer.close()
+    before = path.read_bytes()
+    monkeypatch.setattr("daq.journal_writer.MAX_RECORDS", LAST_RECORDS + 2)
+    writer, _ = JournalWriter.resume(path)
+    assert filled(writer, mark("two")) == 0
+    writer.close()
+    assert path.read_bytes() == before
 
 
 def test_a_path_that_cannot_be_is_one_sentence(header, tmp_path):

@@ -95,6 +95,20 @@ def test_roving_hammer_moves_the_hit_and_leaves_the_sensor():
     assert prompt.hit_point == plan.postures[0].points[0]
 
 
+def test_a_session_lacks_its_skipped_points_and_not_what_a_retake_asked_beyond_the_plan():
+    state = at_hit(machine.begin(PLAN))
+    for _ in range(PLAN.hits_per_point):
+        state = machine.hit_judged(state, accepted=True)
+    while state.kind is not PromptKind.DONE:
+        state = machine.skip(at_hit(state))
+    total = len(state.progress)
+    assert state.lacking == total - 1
+    first = PLAN.postures[0]
+    state = machine.skip(machine.retake(state, first.name, first.points[0]))
+    assert state.kind is PromptKind.DONE
+    assert state.lacking == total - 1
+
+
 STEPS = st.lists(
     st.sampled_from(["reached", "left", "ready", "good", "bad", "skip", "retake"]), max_size=200
 )

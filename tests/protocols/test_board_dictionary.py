@@ -20,8 +20,9 @@ from protocols.board import (
 )
 from protocols.errors import FrameError
 
-TEXT = st.text(max_size=20)
-NAMES = st.text(min_size=1, max_size=20)
+PLAIN = st.characters(exclude_categories=["Cc", "Cs"])
+TEXT = st.text(PLAIN, max_size=20)
+NAMES = st.text(PLAIN, min_size=1, max_size=20)
 POSITIVE_U32 = st.integers(1, 2**32 - 1)
 POSITIVE = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
 NOT_NEGATIVE = st.floats(min_value=0, allow_infinity=False)
@@ -98,6 +99,15 @@ def test_any_bytes_decode_or_raise_frame_error(data):
     assert encode_dictionary(found) == data
 
 
+@given(st.characters(categories=["Cc"]), st.sampled_from([b"board", b"hammer", b"force"]))
+def test_a_control_character_from_a_board_is_refused_and_not_repeated(character, text):
+    encoded = encode_dictionary(DICTIONARY)
+    other = (character * 5).encode()[:4].ljust(len(text), b"x")
+    with pytest.raises(FrameError, match="without control characters") as refused:
+        decode_dictionary(encoded.replace(text, other))
+    assert str(refused.value).isprintable()
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -111,6 +121,11 @@ def test_any_bytes_decode_or_raise_frame_error(data):
         ({"name": ""}, "names"),
         ({"serial_number": "x" * 256}, "255 bytes"),
         ({"name": "\ud800"}, "UTF-8"),
+        ({"name": "ham\0mer"}, "channel 0: name: text without control characters"),
+        ({"unit": "N\n"}, "unit: text without control"),
+        ({"quantity": "force\x7f"}, "quantity: text without control"),
+        ({"serial_number": "\x1b[2J"}, "serial number: text without control"),
+        ({"calibration_date": "\x9f"}, "calibration date: text without control"),
         ({"teds": bytes(70_000)}, "TEDS"),
     ],
 )
@@ -127,6 +142,8 @@ def test_an_impossible_channel_is_refused(change, message):
         ({"tick_hz": 0}, "tick_hz"),
         ({"link_bytes_per_s": 2**32}, "does not fit"),
         ({"filter_group_delay_samples": -1.0}, "group delay"),
+        ({"board_id": "a\0"}, "board id: text without control"),
+        ({"firmware": "1\r"}, "firmware version: text without control"),
     ],
 )
 def test_an_impossible_board_is_refused(change, message):

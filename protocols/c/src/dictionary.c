@@ -23,13 +23,24 @@ static const uint8_t *next(reader *from, size_t n)
     return at;
 }
 
-/* The next text, its length byte first; NULL where it is cut short or no UTF-8. */
+/* U+0000 to U+001F and U+007F to U+009F; the text is UTF-8. */
+static bool has_control(const uint8_t *text, unsigned n)
+{
+    for (unsigned i = 0; i < n; i++)
+        if (text[i] < 0x20 || text[i] == 0x7F || (text[i] == 0xC2 && text[i + 1] < 0xA0))
+            return true;
+    return false;
+}
+
+/* The next text, its length byte first; NULL where it is cut short, no UTF-8, or not plain. */
 static const uint8_t *next_text(reader *from)
 {
     const uint8_t *length = next(from, 1);
     const uint8_t *text = length == NULL ? NULL : next(from, *length);
 
-    return text != NULL && ab_is_utf8(text, *length) ? length : NULL;
+    if (text == NULL || !ab_is_utf8(text, *length) || has_control(text, *length))
+        return NULL;
+    return length;
 }
 
 /* Doubles are judged by their bits, so that no floating point is needed. */

@@ -2,11 +2,13 @@
 
 import dataclasses
 
+import pytest
 from support.acquisition_run import strike
 
+from daq.journal_writer import LAST_BYTES
 from daq.session_machine import PromptKind
 from protocols.board.messages import encode_dictionary
-from protocols.session.journal import load_journal
+from protocols.session.journal import load_journal, read_journal
 
 
 def test_a_wrong_board_port_is_one_clear_message(lab, start):
@@ -74,6 +76,35 @@ def test_an_existing_journal_is_not_overwritten(lab, start):
     lab.journal.write_bytes(b"precious")
     assert "exists already" in start().failure().message
     assert lab.journal.read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_journal_named_as_its_session_file_is_refused_before_anything_is_opened(
+    lab, start, tmp_path, resume
+):
+    path = tmp_path / "test.H5"
+    failed = start(journal=path, resume=resume, board_port="/dev/there-is-no-such-port").failure()
+    assert failed.kind == "JournalError"
+    assert "test.journal" in failed.message
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_full_journal_ends_the_session_with_its_hits_safe(lab, start, fakes, monkeypatch):
+    run = start()
+    run.ready()
+    strike(lab, fakes["record"]())
+    assert run.judged().verdict.accepted
+    with monkeypatch.context() as patch:
+        patch.setattr("daq.journal_writer.MAX_JOURNAL", lab.journal.stat().st_size + LAST_BYTES)
+        strike(lab, fakes["record"]())
+        failed = run.failure()
+    assert failed.kind == "JournalError"
+    assert "is full" in failed.message
+    assert lab.board.released == [1]
+    journal = read_journal(lab.journal)
+    assert [hit.number for hit in journal.hits] == [1]
+    assert failed.message in journal.marks[-1].note
+    assert journal.end is None
 
 
 def test_a_session_of_another_arm_is_not_resumed(lab, start, arm):

@@ -9,7 +9,7 @@ from support.acquisition_run import strike
 from daq.commands import Note, Retake, Skip, Withdraw
 from daq.events import Finished, HitWithdrawn, SessionOpened
 from daq.session_machine import PromptKind
-from protocols.session.journal import load_journal, read_journal
+from protocols.session.journal import load_journal, read_journal, session_of
 
 
 def test_a_session_goes_from_posture_to_a_complete_journal(lab, start, fakes):
@@ -106,10 +106,24 @@ def test_who_comes_back_to_nothing_but_skipped_points_is_asked_for_them(lab, sta
     for _ in range(2):
         run.prompt(PromptKind.POINT)
         run.ours.send(Skip(reason="hidden"))
-    assert run.until(lambda e: isinstance(e, Finished)).complete
+    run.until(lambda e: isinstance(e, Finished))
     run.end()
     again = start(resume=True)
     assert again.prompt(PromptKind.POSTURE).sensor_point == "2"
+
+
+def test_a_session_of_skipped_points_ends_and_is_not_told_to_be_complete(lab, start):
+    run = start()
+    for _ in range(2):
+        run.prompt(PromptKind.POINT)
+        run.ours.send(Skip(reason="hidden"))
+    finished = run.until(lambda e: isinstance(e, Finished))
+    run.end()
+    journal = read_journal(lab.journal)
+    assert not finished.complete
+    assert not session_of(journal).complete
+    assert journal.end.reason == finished.reason
+    assert "2 of 2 planned points were skipped" in finished.reason
 
 
 def test_the_listener_going_away_ends_the_session_cleanly(lab, start):

@@ -1,12 +1,13 @@
 """Payloads and dictionaries in C against the vectors and against Python, both ways."""
 
 import struct
+import unicodedata
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 
 import pytest
-from c_device import FFI, VECTORS, C, configuration_fields, entries
+from c_device import FFI, VECTORS, C, configuration_fields, dictionary_of, entries
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -249,8 +250,7 @@ def test_a_dictionary_vector_reads_and_writes_the_same_bytes(vector):
     assert C.ab_crc32(0, encoded, len(encoded)) & 0xFFFF == vector["hash"]
 
 
-# No zero: C texts end there.
-TEXT = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=20)
+TEXT = st.text(st.characters(exclude_categories=["Cc", "Cs"]), max_size=20)
 DATES = st.one_of(st.just(""), st.dates().map(lambda day: day.isoformat()))
 CHANNELS = st.builds(
     Channel,
@@ -282,6 +282,20 @@ def test_a_dictionary_passes_between_the_sides(dictionary):
     encoded = encode_in_c(dictionary)
     assert encoded == encode_dictionary(dictionary)
     assert channels_in_c(encode_dictionary(dictionary)) == dictionary.channels
+
+
+def test_both_sides_refuse_the_characters_of_control_and_no_others():
+    for character in map(chr, range(0x800)):
+        text = character.encode()
+        room = b"x" * len(text)
+        encoded = encode_dictionary(dictionary_of(board_id=room.decode())).replace(room, text)
+        if unicodedata.category(character) == "Cc":
+            assert not accepts(encoded)
+            with pytest.raises(FrameError, match="control"):
+                decode_dictionary(encoded)
+        else:
+            assert accepts(encoded)
+            assert decode_dictionary(encoded).board_id == character
 
 
 @given(DICTIONARIES, st.data())

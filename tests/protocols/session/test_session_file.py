@@ -337,6 +337,25 @@ def test_rebuild_goes_on_without_frfs_when_hits_are_too_few(example, tmp_path: P
     assert len(read_session(tmp_path / "a.h5").hits) == len(example.session.hits)
 
 
+@pytest.mark.parametrize("link", ["same", "symbolic", "hard", "folder"])
+def test_rebuild_never_takes_the_journals_place(example, tmp_path: Path, link: str) -> None:
+    journal = tmp_path / "a.journal"
+    journal.write_bytes(example.journal)
+    other = journal if link == "same" else tmp_path / "a.h5"
+    if link == "symbolic":
+        other.symlink_to(journal)
+    elif link == "hard":
+        other.hardlink_to(journal)
+    elif link == "folder":
+        (tmp_path / "again").symlink_to(tmp_path)
+        other = tmp_path / "again" / "a.journal"
+    for read, written in ((journal, other), (other, journal)):
+        with pytest.raises(SessionError, match="got the journal itself"):
+            rebuild(read, written, software="test")
+        assert journal.read_bytes() == other.read_bytes() == example.journal
+        assert other.is_symlink() == (link == "symbolic")
+
+
 def test_rebuild_of_something_else_writes_nothing(tmp_path: Path) -> None:
     (tmp_path / "a.journal").write_bytes(b"#!/bin/sh\n")
     with pytest.raises(JournalError, match="not an armodal journal"):
