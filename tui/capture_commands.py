@@ -16,7 +16,7 @@ from protocols.arm.files import load_arm
 from protocols.plan import load_plan
 from protocols.session.recovery import rebuild
 from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
-from tui.console import Json, err, out, print_json
+from tui.console import Json, TimeScale, err, out, print_json
 from tui.software import SOFTWARE
 
 __all__ = ["app", "show_event"]
@@ -40,7 +40,7 @@ def acquire_command(
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
     resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
-    time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     as_json: Json = False,
 ) -> None:

@@ -17,7 +17,7 @@ from daq.serial_port import SerialPort
 from protocols.arm.files import load_arm
 from protocols.session.hdf5 import read_session
 from tui.check_session import session_checks
-from tui.console import Json, err, out
+from tui.console import Json, TimeScale, err, out
 
 __all__ = ["app"]
 
@@ -32,7 +32,6 @@ app = typer.Typer(
 )
 
 Duration = Annotated[float, typer.Option(min=0.1, help="Length of the long run, lab seconds.")]
-TimeScale = Annotated[float, typer.Option(min=0.01, help="Lab seconds a second (simulator).")]
 Only = Annotated[list[str] | None, typer.Option("--step", help="Only this step; repeatable.")]
 
 

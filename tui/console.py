@@ -9,12 +9,22 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-__all__ = ["Json", "err", "out", "print_json", "say"]
+from daq.clock import check_time_scale
+
+__all__ = ["Json", "TimeScale", "err", "out", "print_json", "say"]
 
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+def _checked(scale: float) -> float:
+    check_time_scale(scale)
+    return scale
+
+
+TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a second.")]
 
 
 def say(text: str) -> None:

@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 
 from tui.capture_commands import show_event
-from tui.console import Json, out, print_json, say
+from tui.console import Json, TimeScale, out, print_json, say
 from tui.demo import DEMO_TIME_SCALE, run_demo
 from tui.gap import gap_tables
 from tui.results import identification_tables
@@ -24,7 +24,7 @@ app = typer.Typer(add_completion=False)
 def demo(
     seed: Annotated[int, typer.Option(help="For everything random in the laboratory.")] = 1,
     directory: Annotated[Path, typer.Option("--out", help="Where the results go.")] = Path("demo"),
-    time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = DEMO_TIME_SCALE,
+    time_scale: TimeScale = DEMO_TIME_SCALE,
     as_json: Json = False,
 ) -> None:
     """A whole test in the simulated laboratory: capture, modes, stiffness, gap, report, truth.

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from tui.console import TimeScale
 from tui.run.command import run_app
 from tui.software import SOFTWARE
 
@@ -30,7 +31,7 @@ def run_command(
         float | None,
         typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
     ] = None,
-    time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    time_scale: TimeScale = 1.0,
     seed: Annotated[int, typer.Option(help="For everything random in the simulation.")] = 1,
 ) -> None:
     """Guide the operator through a session, on screens that read from two metres.

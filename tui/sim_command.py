@@ -15,7 +15,7 @@ from hil_sim.broken_board import broken_board
 from hil_sim.broken_controller import broken_controller
 from hil_sim.lab import Laboratory, start_laboratory
 from hil_sim.relay import relayed
-from tui.console import Json, out
+from tui.console import Json, TimeScale, out
 
 __all__ = ["app", "broken_lines"]
 
@@ -26,7 +26,7 @@ app = typer.Typer(add_completion=False)
 def sim(
     plant: Annotated[str, typer.Option(help="Shipped plant or a plant file.")] = "rv4frl",
     seed: Annotated[int, typer.Option(help="For everything random in it.")] = 1,
-    time_scale: Annotated[float, typer.Option(help="Lab seconds a second.")] = 1.0,
+    time_scale: TimeScale = 1.0,
     directory: Annotated[Path | None, typer.Option("--out", help="Socket and ledger.")] = None,
     fault: Annotated[list[str] | None, typer.Option(help="A scripted fault; repeatable.")] = None,
     broken_board: Annotated[

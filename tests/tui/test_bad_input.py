@@ -30,6 +30,26 @@ def is_one_message(said, *words):
         assert word in " ".join(said.stderr.split())
 
 
+@pytest.mark.parametrize("scale", ["0", "-1", "nan", "inf"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["acquire", "rv4frl-three-postures", "--board", "b", "--can", "c"],
+        ["run", "--sim"],
+        ["sim"],
+        ["demo"],
+        ["check", "board", "b"],
+    ],
+)
+def test_a_clock_that_cannot_run_is_refused_before_anything_is_begun(
+    command, scale, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    said = armodal(*command, "--time-scale", scale)
+    is_one_message(said, "time scale: wanted a finite number", "above 0")
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.fixture
 def small_plan(tmp_path):
     text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
