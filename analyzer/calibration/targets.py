@@ -13,12 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
+from protocols.errors import EstimateError
 
 __all__ = ["FrequencyTarget", "MomentTarget", "Target", "TotalMassTarget", "ZeroTarget"]
 
 Array = npt.NDArray[np.float64]
 
 _STEP_RAD = 1e-4  # of the slope beside a zero; M_ij changes over radians
+_NO_SLOPE = 1e-9  # of the largest moment a radian: rounding over the step is 1e-12 of it
 
 
 class Target(Protocol):
@@ -84,10 +86,23 @@ class ZeroTarget:
         return q
 
     def pulls(self, mass: Array, total_mass_kg: float) -> Array:
-        """How far the arm's zero is from the angle, to first order, over the margin, (1,)."""
+        """How far the arm's zero is from the angle, to first order, over the margin, (1,).
+
+        Raises
+        ------
+        EstimateError
+            If the swept joint does not change the coupling.
+        """
         del total_mass_kg
         coupling = mass[self.pair]
         slope = (coupling[2] - coupling[1]) / (2 * _STEP_RAD)
+        if abs(slope) <= _NO_SLOPE * float(np.abs(mass).max()):
+            i, j = (joint + 1 for joint in self.pair)
+            raise EstimateError(
+                f"target '{self.source}': wanted a swept joint that changes the coupling of joints "
+                f"{i} and {j}, got joint {self.swept + 1}, which does not; only joints beyond the "
+                "first of the two do: correct the swept joint, or leave the target out"
+            )
         return np.array([-coupling[0] / slope / self.margin_rad])
 
 

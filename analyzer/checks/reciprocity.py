@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.checks.records import Fault, Finding, Outcome
-from protocols.frf_records import FrequencyResponse
+from protocols.frf_records import Dof, FrequencyResponse
 
 __all__ = ["reciprocity"]
 
@@ -30,12 +30,24 @@ _CROSS = 0.05  # of the transverse response: aim and tilt
 _MATERIAL_GAIN = 0.05
 _ALIKE = 0.15  # misfit over response below which two FRFs are the same but for a factor
 _SAME_LINES_HZ = 1e-6
+_SAME_DIRECTION = np.cos(np.radians(1.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Hit:
+    """A point with a direction it is hit along, as the findings name it."""
+
+    point: str
+    direction: Array  # (3,)
+    name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Path:
-    response: str
-    reference: str
+    """Motion along one hit per newton of another."""
+
+    response: _Hit
+    reference: _Hit
     value: ComplexArray  # (n_freq,)
     variance: Array  # (n_freq,)
 
@@ -45,7 +57,8 @@ def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
 
     Returns
     -------
-    One finding a pair; one that cannot tell where there is no pair.
+    One finding a pair of hits, a point hit along two directions being two; one that cannot tell
+    where there is no pair.
     """
     if not frfs:
         return (_say("", None, Outcome.CANNOT_TELL, None, 0.0, "no FRFs were given"),)
@@ -59,14 +72,16 @@ def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
         and frf.freq_hz.shape == first.freq_hz.shape
         and np.allclose(frf.freq_hz, first.freq_hz, rtol=0.0, atol=_SAME_LINES_HZ)
     ]
-    hit_at = {dof.point: dof.direction for frf in same for dof in frf.references}
-    paths = [path for frf in same for path in _paths(frf, hit_at)]
+    hits = _hits(same)
+    paths = [path for frf in same for path in _paths(frf, hits)]
     keep = (first.freq_hz >= _BAND_HZ[0]) & (first.freq_hz <= _BAND_HZ[1])
     found = [
         _compare(first.posture, a, b, keep)
         for i, a in enumerate(paths)
         for b in paths[i + 1 :]
-        if a.response == b.reference and a.reference == b.response and a.response != a.reference
+        if a.response is b.reference
+        and a.reference is b.response
+        and a.response.point != a.reference.point
     ]
     nothing = _say(
         first.posture,
@@ -79,24 +94,47 @@ def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
     return tuple(found) or (nothing,)
 
 
-def _paths(frf: FrequencyResponse, hit_at: dict[str, Array]) -> list[_Path]:
-    """Motion at every point that is hit somewhere, along its own hit."""
+def _hits(frfs: Sequence[FrequencyResponse]) -> list[_Hit]:
+    """Every point and direction that is hit, once; the name tells directions where several are."""
+    found: list[Dof] = []
+    for dof in (dof for frf in frfs for dof in frf.references):
+        if not any(_same_hit(dof, other.point, other.direction) for other in found):
+            found.append(dof)
+    points = [dof.point for dof in found]
+    return [
+        _Hit(
+            point=dof.point,
+            direction=dof.direction,
+            name=dof.point
+            if points.count(dof.point) == 1
+            else f"{dof.point} along ({', '.join(f'{part:.2f}' for part in dof.direction)})",
+        )
+        for dof in found
+    ]
+
+
+def _same_hit(dof: Dof, point: str, direction: Array) -> bool:
+    return dof.point == point and bool(dof.direction @ direction > _SAME_DIRECTION)
+
+
+def _paths(frf: FrequencyResponse, hits: Sequence[_Hit]) -> list[_Path]:
+    """Motion along every hit whose point is measured, under every hit of these FRFs."""
     result = []
-    for point, direction in hit_at.items():
-        rows = [i for i, dof in enumerate(frf.responses) if dof.point == point]
+    for hit in hits:
+        rows = [i for i, dof in enumerate(frf.responses) if dof.point == hit.point]
         if not rows:
             continue
         axes = np.array([frf.responses[i].direction for i in rows])
-        along = np.linalg.pinv(axes.T) @ direction
-        if np.linalg.norm(axes.T @ along - direction) > _CROSS:
+        along = np.linalg.pinv(axes.T) @ hit.direction
+        if np.linalg.norm(axes.T @ along - hit.direction) > _CROSS:
             continue
         for j, dof in enumerate(frf.references):
             H = frf.values[rows, j]
             cross = _CROSS**2 * np.sum(np.abs(H) ** 2, axis=0)
             result.append(
                 _Path(
-                    response=point,
-                    reference=dof.point,
+                    response=hit,
+                    reference=next(h for h in hits if _same_hit(dof, h.point, h.direction)),
                     value=along @ H,
                     variance=along**2 @ frf.variance[rows, j] + cross,
                 )
@@ -113,8 +151,8 @@ def _compare(posture: str, a: _Path, b: _Path, keep: npt.NDArray[np.bool_]) -> F
     # Two FRFs that agree within the noise everywhere have a squared misfit of one a line.
     noise = np.count_nonzero(keep) / max(size, 1e-300)
     alike = np.sqrt(max(2.0 - 2.0 * abs(cross), 0.0))
-    text = f"{a.response} and {b.response}: ratio {ratio:.3f}, misfit {100 * alike:.1f} %"
-    pair = (a.response, b.response)
+    text = f"{a.response.name} and {b.response.name}: ratio {ratio:.3f}, misfit {100 * alike:.1f} %"
+    pair = (a.response.point, b.response.point)
     confidence = float(np.clip(1.0 - noise, 0.0, 1.0))
     if noise > _ALIKE:
         return _say(posture, pair, Outcome.CANNOT_TELL, None, 0.0, f"{text}; too noisy")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
 from analyzer.checks.driving_point import driving_point
@@ -14,14 +15,19 @@ from analyzer.checks.reciprocity import reciprocity
 from analyzer.checks.records import Finding, Outcome
 from analyzer.checks.rigid_link import RigidLinkResult
 from analyzer.checks.sensor import sensor_verdict
-from analyzer.modal import fit_modes, hit_frfs, hit_spectra
+from analyzer.modal import convert_form, fit_modes, hit_frfs, hit_spectra
 from analyzer.modal.windows import laplace_lines
 from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
+from protocols.frf_records import FrequencyResponse, FrfForm
 from protocols.plan_records import Mode
 from protocols.session.records import Session
 
 __all__ = ["check_session"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+_NOT_ROVING = "the sensor stays at one point in roving-hammer; one point shows no rigid motion"
 
 
 def check_session(
@@ -29,43 +35,59 @@ def check_session(
 ) -> tuple[Finding, ...]:
     """Run every check on every posture.
 
+    FRFs that were given to the session have no single hits: homogeneity then cannot tell.
+
     Parameters
     ----------
     frfs
-        Accelerance of the session's postures (`estimate_frfs`).
+        Of the session's postures (`estimate_frfs`).
     """
     found: list[Finding] = []
     links: list[RigidLinkResult] = []
+    roving_hammer = session.header.plan.mode is Mode.ROVING_HAMMER
     for frf in frfs:
         poles = _poles(frf)
-        hits = session.accepted(frf.posture)
-        step = float(frf.freq_hz[1] - frf.freq_hz[0]) / 2.0
-        band = (float(frf.freq_hz[0]) - step, float(frf.freq_hz[-1]) + step)
-        spectra = hit_spectra(session, hits, band_hz=band)
-        single = hit_frfs(spectra)
-        roving_hammer = session.header.plan.mode is Mode.ROVING_HAMMER
-        at = np.array([hit.hit_point if roving_hammer else hit.sensor_point for hit in hits])
-        points = list(dict.fromkeys(at.tolist()))
-        level = np.sqrt(np.mean(np.abs(spectra.force) ** 2, axis=-1))
-        s = laplace_lines(frf.freq_hz, frf.decay_rad_s)
+        single = _single_hits(session, frf, roving_hammer=roving_hammer)
         if roving_hammer:
-            found.append(_not_roving_sensor(frf.posture))
+            found.append(_no_links(frf.posture, _NOT_ROVING))
         else:
-            by_point = {point: single[at == point] for point in points}
-            links.append(check_links(frf, by_point, poles, superset))
-            found.append(links[-1].finding)
+            by_point = {point: values for point, (values, _) in single.items()}
+            try:
+                accelerance = convert_form(frf, FrfForm.ACCELERANCE)
+                links.append(check_links(accelerance, by_point, poles, superset))
+                found.append(links[-1].finding)
+            except EstimateError as error:
+                found.append(_no_links(frf.posture, str(error)))
         found += [driving_point(frf, i) for i, dof in _driven(frf)]
         found.append(
             homogeneity(
                 frf.posture,
-                s,
+                laplace_lines(frf.freq_hz, frf.decay_rad_s),
                 poles,
-                [single[at == point] for point in points],
-                [level[at == point] for point in points],
+                [values for values, _ in single.values()],
+                [level for _, level in single.values()],
             )
         )
         found += reciprocity([frf])
     return (*found, sensor_verdict(links))
+
+
+def _single_hits(
+    session: Session, frf: FrequencyResponse, *, roving_hammer: bool
+) -> dict[str, tuple[ComplexArray, Array]]:
+    """Accelerance (n_hits, n_axes, n_freq) and level (n_hits,) of the hits of each point."""
+    hits = session.accepted(frf.posture)
+    if not hits or frf.posture in {given.posture for given in session.frfs}:
+        return {}
+    step = float(frf.freq_hz[1] - frf.freq_hz[0]) / 2.0
+    band = (float(frf.freq_hz[0]) - step, float(frf.freq_hz[-1]) + step)
+    spectra = hit_spectra(session, hits, band_hz=band)
+    single = hit_frfs(spectra)
+    level = np.sqrt(np.mean(np.abs(spectra.force) ** 2, axis=-1))
+    at = np.array([hit.hit_point if roving_hammer else hit.sensor_point for hit in hits])
+    return {
+        point: (single[at == point], level[at == point]) for point in dict.fromkeys(at.tolist())
+    }
 
 
 def _poles(frf: FrequencyResponse) -> tuple[complex, ...]:
@@ -82,7 +104,7 @@ def _driven(frf: FrequencyResponse) -> list[tuple[int, str]]:
     return driven or [(0, frf.references[0].point)]
 
 
-def _not_roving_sensor(posture: str) -> Finding:
+def _no_links(posture: str, why: str) -> Finding:
     return Finding(
         check="rigid link",
         posture=posture,
@@ -91,5 +113,5 @@ def _not_roving_sensor(posture: str) -> Finding:
         points=(),
         everywhere=False,
         confidence=0.0,
-        text="the sensor stays at one point in roving-hammer; one point shows no rigid motion",
+        text=why,
     )

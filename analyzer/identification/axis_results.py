@@ -205,7 +205,7 @@ def _doubts(
                 f"the axis is {angle:.0f} degrees and {1e3 * away:.0f} mm from {outer.name}'s: its "
                 "compliance and the joint's can hardly be told apart"
             )
-    if mozzi and all(row.triplets is None for row in mozzi):
+    if all(row.triplets is None for row in mozzi):
         doubts.append(
             "no two triplets of triaxial points behind the axis span a plane: the axis rests on "
             "the model alone; measure three points that are not in line"

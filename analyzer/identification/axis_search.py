@@ -96,10 +96,10 @@ def best_axis_fit(
         name = superset.arm.joints[link].link.name
         costs = []
         for axis in axis_starts(superset, measured[at], mode, link):
-            structure = fit_to_frequencies(
-                superset, replace(baseline, axes=(axis,)), tuple(measured)
-            )
             try:
+                structure = fit_to_frequencies(
+                    superset, replace(baseline, axes=(axis,)), tuple(measured)
+                )
                 fit = fit_frfs(superset, postures, start_state(structure, len(postures)))
             except (EstimateError, np.linalg.LinAlgError):
                 continue

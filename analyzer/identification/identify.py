@@ -48,7 +48,6 @@ def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyRespon
     """FRFs of every planned posture with accepted hits or given FRFs, in plan order."""
     frfs = []
     given = {frf.posture: frf for frf in session.frfs}
-    n_axes = response_channels(session)
     for posture in session.header.plan.postures:
         if posture.name in given:
             frfs.append(given[posture.name])
@@ -62,19 +61,9 @@ def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyRespon
             if reading.joints_rad is not None
         ]
         rotation = superset.posture(np.mean(measured, axis=0)).point_rotation
-        directions = {p: rotation[i][:, :n_axes] for p, i in superset.point_index.items()}
+        directions = {p: rotation[i] for p, i in superset.point_index.items()}
         frfs.append(posture_frf(session, posture.name, directions))
     return tuple(frfs)
-
-
-def response_channels(session: Session) -> int:
-    """Return how many axes of the sensor were recorded."""
-    header = session.header
-    return sum(
-        channel.quantity == "acceleration"
-        for i, channel in enumerate(header.dictionary.channels)
-        if header.channel_mask >> i & 1
-    )
 
 
 def identify(

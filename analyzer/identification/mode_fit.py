@@ -19,6 +19,7 @@ from analyzer.arm.reduced import ReducedModel, reduce_model
 from analyzer.arm.structure import Structure
 from analyzer.arm.superset import PostureDynamics, Superset
 from analyzer.modal import ModalModel, Mode
+from protocols.errors import EstimateError
 from protocols.frf_records import Dof
 
 __all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape", "shape_at"]
@@ -99,6 +100,11 @@ def fit_to_frequencies(
 
     A pair weighs with its MAC squared, so a mode the structure cannot make has no say; a prior
     of `prior_std` on ln k keeps a spring that no mode strains where it was.
+
+    Raises
+    ------
+    EstimateError
+        If the springs are too soft to hold the arm against gravity in a measured posture.
     """
     first = np.log(structure.all_stiffness())
     log_k = first.copy()
@@ -107,6 +113,8 @@ def fit_to_frequencies(
         for posture in postures:
             model = reduce_model(superset, posture.dynamics, _with_stiffness(structure, log_k))
             squares, vectors = scipy.linalg.eigh(model.stiffness, model.mass)
+            if squares[0] <= 0.0:
+                raise EstimateError(_topples(superset, structure, np.exp(log_k)))
             share = np.exp(log_k)[:, None] * vectors**2 / squares
             for i, j, mac in pair_by_shape(posture.shapes, shape_at(posture, model, vectors)):
                 weight = mac**2 / 0.02  # a pair of equal shape: one per cent of f
@@ -118,6 +126,18 @@ def fit_to_frequencies(
         if float(np.abs(step).max()) < 1e-6:
             break
     return _with_stiffness(structure, log_k)
+
+
+def _topples(superset: Superset, structure: Structure, k: Array) -> str:
+    names = [
+        *(superset.arm.joints[joint].name for joint in structure.joints),
+        *(f"axis in {superset.arm.joints[axis.link].link.name}" for axis in structure.axes),
+    ]
+    values = ", ".join(f"{name} {value:.4g}" for name, value in zip(names, k, strict=True))
+    return (
+        "wanted stiffnesses that hold the arm against gravity in every measured posture, got "
+        f"{values} N m/rad: correct those of the arm file, which are in N m/rad"
+    )
 
 
 def _with_stiffness(structure: Structure, log_k: Array) -> Structure:

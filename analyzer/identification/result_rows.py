@@ -161,7 +161,9 @@ def fit_notes(
     if fit.state.structure.axes:
         first = f"{flagged} measured mode(s) are not explained by joint rotations"
     elif not flagged:
-        first = "joint rotations make the shape of every measured mode; no structural axis was sought"
+        first = (
+            "joint rotations make the shape of every measured mode; no structural axis was sought"
+        )
     else:
         first = (
             f"{flagged} measured mode(s) have a low joint share, yet the joints alone explain the "
@@ -191,7 +193,12 @@ def fit_notes(
         for name, nu in zip(fit.parameters.names, fit.scatter.degrees_of_freedom(), strict=True)
         if nu < FEWEST_DOF
     ]
-    if poorly:
+    if fit.scatter.one_mounting:
+        notes.append(
+            "one mounting alone tells of the parameters and shows no scatter: each stated std is "
+            "that of the noise, and leaves out what a second mounting would show"
+        )
+    elif poorly:
         notes.append(
             "seen by fewer than three mountings, so that the stated std is the least it can be: "
             + ", ".join(poorly)

@@ -6,7 +6,9 @@ The covariance does not trust the weights of the fit. It is the clustered sandwi
 
 with one cluster per mounting (posture, sensor point, hit point): hits on different mountings
 share nothing, while lines and axes of one mounting share everything. Each g_c is the delete-one
-score of its cluster (the jackknife form, CR3), P the priors' precision.
+score of its cluster (the jackknife form, CR3), P the priors' precision. One mounting alone (points
+that do not move beside it tell nothing) shows no scatter: S is then H⁻¹, the covariance that the
+weights promise for errors independent from line to line.
 
 What few mountings determine has few degrees of freedom, and the scatter of few says little. A
 combination a of the parameters gets from cluster c the share v_c = aᵀ H⁻¹ H_c H⁻¹ a of its
@@ -39,6 +41,7 @@ Array = npt.NDArray[np.float64]
 # Below three degrees of freedom a Student t has no usable variance; what is stated then is the
 # least there can be, and `identify` says so.
 FEWEST_DOF = 3.0
+_TELLS_NOTHING = 1e-6  # of a parameter's variance: a mounting that holds less, of all of them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,15 +66,20 @@ class ParameterScatter:
         """
         P = np.diag(1.0 / prior_std**2)
         H_inverse = np.linalg.inv(cluster_hessian.sum(axis=0) + P)
+        share = H_inverse @ cluster_hessian @ H_inverse
+        if _n_telling(share) < 2:
+            return cls(covariance=H_inverse, cluster_share=share)
         n_clusters, n = cluster_score.shape
         # Delete-one scores: (I - H_c H⁻¹)⁻¹ g_c makes the sandwich the jackknife (CR3).
         leverage = np.eye(n) - cluster_hessian @ H_inverse
         score = np.linalg.solve(leverage, cluster_score[..., None])[..., 0]
         meat = (n_clusters - 1) / n_clusters * score.T @ score + P
-        return cls(
-            covariance=H_inverse @ meat @ H_inverse,
-            cluster_share=H_inverse @ cluster_hessian @ H_inverse,
-        )
+        return cls(covariance=H_inverse @ meat @ H_inverse, cluster_share=share)
+
+    @property
+    def one_mounting(self) -> bool:
+        """Whether no more than one mounting tells anything, so that none shows a scatter."""
+        return _n_telling(self.cluster_share) < 2
 
     def degrees_of_freedom(self, combinations: Array | None = None) -> Array:
         """Degrees of freedom of combinations (n, m) of the parameters, or of each one, (n,)."""
@@ -92,6 +100,12 @@ class ParameterScatter:
         else:
             variance = np.einsum("im,ij,jm->m", combinations, self.covariance, combinations)
         return np.asarray(np.sqrt(variance) * _spread(self.degrees_of_freedom(combinations)))
+
+
+def _n_telling(cluster_share: Array) -> int:
+    """Count the clusters that tell of any parameter."""
+    own = np.diagonal(cluster_share, axis1=1, axis2=2)
+    return int(np.count_nonzero((own > _TELLS_NOTHING * own.sum(axis=0)).any(axis=1)))
 
 
 def half_width_95(std: float, degrees_of_freedom: float) -> float:

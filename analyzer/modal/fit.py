@@ -92,11 +92,12 @@ def _variance(
     mean_square = np.mean(np.abs(values) ** 2, axis=-1, keepdims=True)
     largest = float(mean_square.max())
     known = np.isfinite(given) & (given > 0.0)
+    shared = np.maximum(mean_square, 1e-12 * largest)
     if not np.any(known):
-        return np.broadcast_to(np.maximum(mean_square, 1e-12 * largest), values.shape)
+        return np.broadcast_to(shared, values.shape)
     # Below 1e-12 of the mean square a variance is rounding, and no longer a weight.
     least = np.maximum(1e-12 * mean_square, 1e-20 * largest)
-    filled: npt.NDArray[np.float64] = np.where(known, np.maximum(given, least), mean_square)
+    filled: npt.NDArray[np.float64] = np.where(known, np.maximum(given, least), shared)
     return filled
 
 

@@ -12,9 +12,9 @@ from analyzer.modal.chosen_hits import HitChoice, accepted_hits, choose_hits, hi
 from analyzer.modal.estimators import single_reference
 from analyzer.modal.hit_selection import coherence_of_all
 from analyzer.modal.noise import hit_scatter_variance, independent_line_share
+from analyzer.modal.sensor_axes import sensor_axes
 from analyzer.modal.spectra import HitSpectra, active_channels, hit_frfs, hit_spectra
 from protocols.arrays import frozen_array
-from protocols.board.records import Channel
 from protocols.errors import EstimateError
 from protocols.frf_records import Dof, FrequencyResponse, FrfEstimator, FrfForm
 from protocols.session.records import Hit, Session
@@ -44,7 +44,7 @@ class HitFrfs:
 
 
 def _axes(directions: SensorAxes, point: str) -> npt.NDArray[np.float64]:
-    """Sensor axes at a point as columns, base frame."""
+    """All three sensor axes at a point as columns, base frame."""
     try:
         axes = directions(point) if callable(directions) else directions[point]
     except KeyError as error:
@@ -52,19 +52,12 @@ def _axes(directions: SensorAxes, point: str) -> npt.NDArray[np.float64]:
             f"no sensor directions are known for point {point!r}; add the point to the arm file"
         ) from error
     axes = np.asarray(axes, dtype=np.float64)
-    if axes.ndim != 2 or axes.shape[0] != 3:
+    if axes.shape != (3, 3):
         raise EstimateError(
-            f"point {point!r}: wanted sensor axes as columns of a (3, n) array in the base frame, "
+            f"point {point!r}: wanted sensor axes as columns of a (3, 3) array in the base frame, "
             f"got shape {axes.shape}"
         )
     return axes
-
-
-def _labels(channels: tuple[Channel, ...]) -> tuple[str, ...]:
-    """One letter an axis, from the channel names where they end in it."""
-    named = tuple(channel.name[-1:].lower() for channel in channels)
-    expected = ("x", "y", "z")[: len(channels)]
-    return named if sorted(named) == sorted(expected) else expected
 
 
 def posture_hit_frfs(
@@ -84,7 +77,8 @@ def posture_hit_frfs(
     Raises
     ------
     EstimateError
-        If the posture has no accepted hits, or their records cannot be compared.
+        If the posture has no accepted hits, their records cannot be compared, or the channels'
+        names do not tell their axes.
     """
     hits = accepted_hits(session, posture)
     spectra = hit_spectra(session, hits, band_hz=band_hz)
@@ -96,7 +90,7 @@ def posture_hit_frfs(
         decay_rad_s=spectra.decay_rad_s,
         hit_number=tuple(hit.number for hit in hits),
         sensor_point=tuple(hit.sensor_point for hit in hits),
-        labels=_labels(active_channels(session)[1]),
+        labels=tuple("xyz"[axis] for axis in sensor_axes(active_channels(session)[1])),
         reference=tuple(pairs.references[i % len(pairs.references)] for i in pairs.pair_of),
         values=frozen_array(hit_frfs(spectra), np.complex128),
         force_power=frozen_array(np.abs(spectra.force) ** 2, np.float64),
@@ -115,9 +109,9 @@ def posture_frf(
     Windows, estimator and the number of hits kept are those of the plan; hits unlike the others
     are left out (`hit_choices`).
 
-    Every axis of every sensor point is a response; every hit point, and every direction hit
-    there, is a reference. Roving response: many responses, one reference or a few. Roving hammer:
-    the axes of the fixed sensor, many references.
+    Every recorded axis of every sensor point is a response, in the order x, y, z; every hit point,
+    and every direction hit there, is a reference. Roving response: many responses, one reference
+    or a few. Roving hammer: the axes of the fixed sensor, many references.
 
     Parameters
     ----------
@@ -126,8 +120,8 @@ def posture_frf(
     posture
         Name of the posture.
     directions
-        Per sensor point the sensor's axes in the base frame, columns of (3, 3): a function of
-        the point's id, or a mapping.
+        Per sensor point the sensor's axes x, y, z in the base frame, columns of (3, 3), also where
+        fewer were recorded: a function of the point's id, or a mapping.
     band_hz
         Lines kept; see `hit_spectra`.
 
@@ -139,7 +133,8 @@ def posture_frf(
     Raises
     ------
     EstimateError
-        If the posture has no accepted hits, or a sensor point was not hit from every reference.
+        If the posture has no accepted hits, a sensor point was not hit from every reference, or
+        the channels' names do not tell their axes.
 
     References
     ----------
@@ -159,7 +154,7 @@ def posture_frf(
                 "or analyse them separately"
             )
     spectra = hit_spectra(session, hits, band_hz=band_hz)
-    labels = _labels(active_channels(session)[1])
+    axes = sensor_axes(active_channels(session)[1])
     averaging = session.header.plan.averaging
     choices = choose_hits(posture, hits, pairs, spectra, keep=averaging.keep_hits)
     numbers = np.array([hit.number for hit in hits])
@@ -171,13 +166,13 @@ def posture_frf(
         """(point x reference, axis, ...) to (point x axis, reference, ...)."""
         split = per_pair.reshape(len(points), len(references), *per_pair.shape[1:])
         swapped = split.swapaxes(1, 2)
-        return swapped.reshape(len(points) * len(labels), len(references), *swapped.shape[3:])
+        return swapped.reshape(len(points) * len(axes), len(references), *swapped.shape[3:])
 
     value, coherence, variance = (matrix(part) for part in averages)
     responses = tuple(
-        Dof(point=point, label=label, direction=frozen_array(axis, np.float64))
-        for point in points
-        for label, axis in zip(labels, _axes(directions, point).T, strict=True)
+        Dof(point=point, label="xyz"[axis], direction=frozen_array(columns[:, axis], np.float64))
+        for point, columns in ((point, _axes(directions, point)) for point in points)
+        for axis in axes
     )
     return FrequencyResponse(
         posture=posture,
@@ -187,7 +182,7 @@ def posture_frf(
         values=frozen_array(value, np.complex128),
         coherence=frozen_array(coherence, np.float64),
         variance=frozen_array(variance, np.float64),
-        n_hits=frozen_array(matrix(np.repeat(counts[:, None], len(labels), axis=1)), np.int64),
+        n_hits=frozen_array(matrix(np.repeat(counts[:, None], len(axes), axis=1)), np.int64),
         responses=responses,
         references=references,
         joints_rad=_mean_joints(hits),

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import prev_fast_len
 
+from analyzer.modal.sensor_axes import axis_letter
 from analyzer.modal.windows import (
     exponential_decay,
     exponential_window,
@@ -42,17 +43,23 @@ class HitSpectra:
     freq_hz: npt.NDArray[np.float64]  # (n_freq,)
     decay_rad_s: float
     force: npt.NDArray[np.complex128]  # (n_hits, n_freq) N s
-    response: npt.NDArray[np.complex128]  # (n_hits, 3, n_freq) m/s
+    response: npt.NDArray[np.complex128]  # (n_hits, n_axes, n_freq) m/s, axes in order x, y, z
     force_noise: npt.NDArray[np.float64]  # (n_hits, n_freq)
-    response_noise: npt.NDArray[np.float64]  # (n_hits, 3, n_freq)
+    response_noise: npt.NDArray[np.float64]  # (n_hits, n_axes, n_freq)
 
 
 def active_channels(session: Session) -> tuple[Channel, tuple[Channel, ...], list[int]]:
-    """Force channel, acceleration channels, and their columns in the counts, force first."""
+    """Force channel, acceleration channels, and their columns in the counts, force first.
+
+    Acceleration channels come in the order of the letters their names end in: x, y, z.
+    """
     header = session.header
     active = [c for i, c in enumerate(header.dictionary.channels) if header.channel_mask >> i & 1]
     force = [i for i, c in enumerate(active) if c.quantity == "force"]
-    acceleration = [i for i, c in enumerate(active) if c.quantity == "acceleration"]
+    acceleration = sorted(
+        (i for i, c in enumerate(active) if c.quantity == "acceleration"),
+        key=lambda i: axis_letter(active[i]),
+    )
     if len(force) != 1 or not acceleration:
         found = ", ".join(f"{c.name} ({c.quantity})" for c in active)
         raise EstimateError(

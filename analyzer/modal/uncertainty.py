@@ -16,8 +16,11 @@ the poles are then those left after their projection on the participations.
 A mode that few points see leaves few degrees of freedom. Each variance is therefore drawn towards
 the white-noise variance (A^-1), scaled by the factor by which the robust variances of all modes
 exceed theirs, with the weight of four degrees of freedom; the correlations stay the robust ones.
-With fewer than three clusters the white-noise covariance stands alone, scaled by the lack of fit
-and by the correlation of neighbouring lines, with the degrees of freedom of the hits' scatter.
+Of a contrast that one cluster holds all but alone, the others show no scatter: the robust variance
+counts by the share of the white one that it shows, and without such a share the white one stands.
+With fewer than three clusters that carry information the white-noise covariance stands alone,
+scaled by the lack of fit and by the correlation of neighbouring lines, with the degrees of freedom
+of the hits' scatter.
 
 References
 ----------
@@ -37,6 +40,9 @@ from analyzer.modal.rank_one import RankOneFit
 __all__ = ["PoleCovariance", "frequency_damping_jacobian", "pole_covariance", "white_covariance"]
 
 _PRIOR_DOF = 4.0
+_LONE = 0.99  # of a contrast's information in one cluster: its scatter is then the others' noise
+_LEAST_INFORMATION = 0.01  # of what the most telling cluster carries
+_FEWEST_DOF = 1.0  # of all contrasts together, to tell that errors are smaller than white ones
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,8 +149,6 @@ def pole_covariance(
         covariance=white, dof=np.full(n_par, hit_dof), robust=False, theta=theta
     )
     A_g, s_g = _cluster_parts(fit, clusters)
-    if A_g.shape[0] < 3:
-        return fallback
     # Scaled so that A is the identity: every expression below is then in units of information.
     A = A_g.sum(axis=0)
     value, vector = np.linalg.eigh(A * _outer_scale(A))
@@ -156,30 +160,47 @@ def pole_covariance(
     r = s_g @ whiten
     leverage, basis = np.linalg.eigh(0.5 * (B + B.transpose(0, 2, 1)))
     leverage = np.clip(leverage, 0.0, 1.0)
-    # S (I - S S)^(-1/2) S^-1 shares the eigenvectors of B; a direction seen by one cluster alone
-    # (leverage 1) carries no information on scatter and is left out.
-    lone = leverage > 1.0 - 1e-6
-    factor = np.where(lone, 0.0, 1.0 / np.sqrt(np.maximum(1.0 - leverage, 1e-6)))
+    carried = leverage.max(axis=1)
+    if np.count_nonzero(carried > _LEAST_INFORMATION * carried.max()) < 3:
+        return fallback
+    # S (I - S S)^(-1/2) S^-1 shares the eigenvectors of B; a direction seen by one cluster all but
+    # alone carries no information on its scatter and is left out.
+    lone = leverage > _LONE
+    factor = np.where(lone, 0.0, 1.0 / np.sqrt(np.where(lone, 1.0, 1.0 - leverage)))
     t = np.einsum("gij,gj->gi", basis * factor[:, None, :], np.einsum("gji,gj->gi", basis, r))
     map_out = J @ whiten  # contrasts in whitened parameters
     covariance = map_out @ (t.T @ t) @ map_out.T
-    dof = _satterthwaite(map_out, leverage, basis, factor)
-    drawn, dof = _drawn_together(covariance, white, dof)
+    drawn, dof = _drawn_together(covariance, white, _seen(map_out, leverage, basis, factor))
     return PoleCovariance(
         covariance=drawn, dof=dof, robust=True, theta=_stretched(theta, J, drawn, white)
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Seen:
+    """What the clusters' scatter tells of each contrast under a white working model."""
+
+    share: npt.NDArray[np.float64]  # (n,) of its variance, 1 where no direction is left out
+    dof: npt.NDArray[np.float64]  # (n,) degrees of freedom of that share
+
+
 def _drawn_together(
-    robust: npt.NDArray[np.float64], white: npt.NDArray[np.float64], dof: npt.NDArray[np.float64]
+    robust: npt.NDArray[np.float64], white: npt.NDArray[np.float64], seen: _Seen
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Robust covariance with its variances drawn towards the scaled white ones, and its dof."""
+    tiny = np.finfo(float).tiny
     own = np.diag(robust)
-    model = np.maximum(np.diag(white), np.finfo(float).tiny)
-    excess = float(np.sum(dof * own / model) / np.sum(dof))
-    variance = (dof * own + _PRIOR_DOF * excess * model) / (dof + _PRIOR_DOF)
-    stretch = np.sqrt(variance / np.maximum(own, np.finfo(float).tiny))
-    return robust * stretch[:, None] * stretch[None, :], dof + _PRIOR_DOF
+    model = np.maximum(np.diag(white), tiny)
+    whole = own / np.maximum(seen.share, tiny)  # a variance of which a share was seen
+    dof = seen.share * seen.dof
+    excess = float(np.sum(dof * whole / model) / max(np.sum(dof), tiny))
+    if np.sum(dof) < _FEWEST_DOF:
+        excess = max(excess, 1.0)
+    variance = (dof * whole + _PRIOR_DOF * excess * model) / (dof + _PRIOR_DOF)
+    shown = np.sqrt(np.where(own > 0.0, own, 1.0))
+    correlation = robust / np.outer(shown, shown)
+    np.fill_diagonal(correlation, 1.0)
+    return correlation * np.sqrt(np.outer(variance, variance)), dof + _PRIOR_DOF
 
 
 def _stretched(
@@ -205,23 +226,25 @@ def _outer_scale(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return scale[:, None] * scale[None, :]
 
 
-def _satterthwaite(
+def _seen(
     contrasts: npt.NDArray[np.float64],
     leverage: npt.NDArray[np.float64],
     basis: npt.NDArray[np.float64],
     factor: npt.NDArray[np.float64],
-) -> npt.NDArray[np.float64]:
-    """Degrees of freedom of each contrast's robust variance under a white working model.
+) -> _Seen:
+    """Expected share and Satterthwaite's degrees of freedom of each contrast's robust variance.
 
     dof = (tr M)^2 / tr(M M), M_gh = delta_gh b_g.b_g - b_g^T S_g S_h b_h with
-    b_g = (I - S_g S_g)^(-1/2) S_g c, A the identity.
+    b_g = (I - S_g S_g)^(-1/2) S_g c, A the identity; tr M is the expected robust variance.
     """
+    tiny = np.finfo(float).tiny
     root = np.sqrt(leverage)
-    dof = np.empty(contrasts.shape[0])
+    dof, share = np.empty(contrasts.shape[0]), np.empty(contrasts.shape[0])
     for i, c in enumerate(contrasts):
         in_basis = np.einsum("gji,j->gi", basis, c)
         b = factor * root * in_basis
         projected = np.einsum("gij,gj->gi", basis, root * b)
         M = np.diag(np.sum(b**2, axis=1)) - projected @ projected.T
-        dof[i] = np.trace(M) ** 2 / max(float(np.sum(M * M)), np.finfo(float).tiny)
-    return dof
+        dof[i] = np.trace(M) ** 2 / max(float(np.sum(M * M)), tiny)
+        share[i] = np.trace(M) / max(float(c @ c), tiny)
+    return _Seen(share=np.clip(share, 0.0, 1.0), dof=dof)

@@ -30,7 +30,7 @@ class Instruments:
     line_hz: float = 0.5
     high_hz: float = 200.0
     impulse_n_s: float = 0.15  # of a hit
-    acceleration_noise: float = 2e-3  # m/s²/sqrt(Hz)
+    acceleration_noise: float = 2e-3  # m/s²/sqrt(Hz), one-sided
     hits: int = 3
     force_peak_n: float = 20.0  # of a hit well above the hammer's noise
     acceleration_range: float = 100.0  # m/s² the accelerometer takes
@@ -71,9 +71,12 @@ def information(
     H = square * (X @ o.T)  # (lines, rows)
     by_k = -square[..., None] * np.einsum("lnr,ln,n->lrn", Y, X, k)
     by_c = -(square * s[:, None])[..., None] * np.einsum("lnr,ln,n->lrn", Y, X, c)
-    # One hit of impulse p has the spectrum p below the tip's cut-off; noise over a record of
-    # 1 / line_hz seconds has the spectrum sqrt(density / line_hz).
-    noise = instruments.acceleration_noise / np.sqrt(instruments.line_hz) / instruments.impulse_n_s
+    # One hit of impulse p has the spectrum p below the tip's cut-off. White noise x of the
+    # one-sided density d over a record of T seconds: E|∫ x e^(-st) dt|² = d² T / 2 on a line, half
+    # of it in the real and half in the imaginary part (Bendat and Piersol, Random Data, 4th ed.
+    # 2010, ch. 5).
+    noise = instruments.acceleration_noise / (2.0 * np.sqrt(instruments.line_hz))
+    noise /= instruments.impulse_n_s
     weight = np.sqrt(instruments.hits) / noise
     slope = _real(weight * np.concatenate([by_k, by_c], axis=2), len(points))
     motion = weight * H.reshape(len(s), len(points), 3)

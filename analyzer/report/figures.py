@@ -9,9 +9,10 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from analyzer.arm.superset import Superset
+from analyzer.identification.mode_fit import MeasuredModes
 from analyzer.identification.records import AxisResult
 from analyzer.modal import ModalModel, group_sums, mif, tracked_cmif
-from protocols.frf_records import FrequencyResponse
+from protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
 
@@ -20,6 +21,11 @@ AXIS_LENGTH_M = 0.5
 PHASES = 16  # pictures of one cycle of a mode
 MOST_CURVES = 4  # of each indicator
 CYCLES = 4  # played for one choice
+UNITS = {
+    FrfForm.RECEPTANCE: "m/N",
+    FrfForm.MOBILITY: "m/(s N)",
+    FrfForm.ACCELERANCE: "m/(s² N)",
+}
 
 
 def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
@@ -44,7 +50,7 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
                     row=row,
                     col=1,
                 )
-    figure.update_yaxes(type="log", title="m/(s² N)", row=1, col=1)
+    figure.update_yaxes(type="log", title=UNITS[frf.form], row=1, col=1)
     figure.update_yaxes(title="phase, deg", row=2, col=1)
     figure.update_yaxes(title="coherence", range=[0, 1.02], row=3, col=1)
     figure.update_xaxes(title="Hz", row=3, col=1)
@@ -74,7 +80,7 @@ def indicator_figure(
         )
     for mode in model.modes:
         figure.add_vline(x=mode.f_hz, line={"width": 1, "color": "#999"})
-    figure.update_yaxes(type="log", title="m/(s² N)")
+    figure.update_yaxes(type="log", title=UNITS[frf.form])
     figure.update_xaxes(title="Hz; grey lines are fitted modes")
     figure.update_layout(
         height=380,
@@ -132,7 +138,8 @@ def arm_figure(
                     line={"width": 3, "color": "#c60", "dash": "dash"},
                     name=f"Mozzi axis, {row.f_hz:.2f} Hz",
                 )
-    shapes = [_shape(superset, frf, mode.shape) for mode in model.modes]
+    measured = MeasuredModes.of(superset, posture, model)
+    shapes = [_motion(measured, number) for number in range(len(model.modes))]
     # The wireframe joins the points from the base outwards.
     order = np.argsort(superset.point_link, kind="stable")
     rest = posture.point_position[order]
@@ -179,12 +186,12 @@ def arm_figure(
     return figure
 
 
-def _shape(superset: Superset, frf: FrequencyResponse, shape: Any) -> Any:
+def _motion(measured: MeasuredModes, number: int) -> Any:
     """Complex motion (n_points, 3) in base, its largest real part drawn SHAPE_LENGTH_M long."""
+    shape = measured.shapes[:, number]
     phase = np.exp(-0.5j * np.angle(np.sum(shape**2)))
-    moved = np.zeros((len(superset.arm.points), 3), dtype=np.complex128)
-    for dof, value in zip(frf.responses, shape * phase, strict=True):
-        moved[superset.point_index[dof.point]] += value * dof.direction
+    moved = np.zeros(measured.dynamics.point_position.shape, dtype=np.complex128)
+    np.add.at(moved, measured.index, (shape * phase)[:, None] * measured.directions)
     return moved * SHAPE_LENGTH_M / max(float(np.linalg.norm(moved.real, axis=1).max()), 1e-30)
 
 

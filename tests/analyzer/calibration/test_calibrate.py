@@ -196,6 +196,15 @@ def test_figures_that_exclude_each_other_are_refused(uncalibrated):
         calibrate_from_file(uncalibrated, file.model_copy(update={"moments": moments}))
 
 
+@pytest.mark.parametrize("swept", ["joint_1", "joint_2"])
+def test_a_zero_that_its_swept_joint_cannot_move_is_refused_by_its_source(uncalibrated, swept):
+    file = load_inertia_targets(WITHOUT_TABLE_4, uncalibrated)
+    first, *others = file.zeros
+    still = first.model_copy(update={"swept": swept, "source": "a slip in the table"})
+    with pytest.raises(EstimateError, match=rf"'a slip in the table'.* got joint {swept[-1]}"):
+        calibrate_from_file(uncalibrated, file.model_copy(update={"zeros": [still, *others]}))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -7,6 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import closed_form
 from closed_form import frequency_response
 
 from analyzer.checks import Fault, Outcome, reciprocity
@@ -55,3 +56,26 @@ def test_noise_of_a_good_measurement_names_nothing():
 def test_one_hit_point_cannot_tell():
     (finding,) = reciprocity([frequency_response(["a", "b"], ["a"])])
     assert finding.outcome is Outcome.CANNOT_TELL
+
+
+def hit_two_ways(monkeypatch):
+    """Points a and b, both measured and hit; then a hit along another direction."""
+    first = frequency_response(["a", "b"], ["a", "b"])
+    monkeypatch.setitem(closed_form.HITS, "a", np.array([0.0, -0.6, 0.8]))
+    return first, frequency_response(["a", "b"], ["a"])
+
+
+def test_a_point_hit_along_two_directions_is_reciprocal_along_both(monkeypatch):
+    frfs = hit_two_ways(monkeypatch)
+    findings = reciprocity(frfs)
+    assert [finding.outcome for finding in findings] == [Outcome.GOOD] * 2
+    assert "a along (0.60, 0.64, 0.48) and b" in findings[0].text
+    # Wherever the second direction stands, in a file of its own or beside the first.
+    assert [f.outcome for f in reciprocity(frfs[::-1])] == [Outcome.GOOD] * 2
+
+
+def test_of_two_directions_the_one_at_fault_is_told(monkeypatch):
+    first, second = hit_two_ways(monkeypatch)
+    findings = reciprocity([first, replace(second, values=-second.values)])
+    assert [finding.fault for finding in findings] == [None, Fault.SIGN_FLIPPED]
+    assert "a along (0.00, -0.60, 0.80)" in findings[1].text

@@ -12,6 +12,7 @@ from small_fit import true_axis, true_structure
 
 from analyzer.arm import reduce_model
 from analyzer.identification.mode_fit import MeasuredModes, fit_to_frequencies, pair_by_shape
+from protocols.errors import EstimateError
 
 POSTURES = [np.deg2rad(q) for q in TESTS_DEG]
 
@@ -115,6 +116,14 @@ def test_a_mode_the_structure_cannot_make_has_no_say(superset):
     np.testing.assert_allclose(
         with_it.stiffness_n_m_per_rad, without.stiffness_n_m_per_rad, rtol=1e-9
     )
+
+
+def test_stiffnesses_below_gravitys_are_refused_with_their_unit(superset):
+    truth = undamped(true_structure())
+    measured = tuple(made_modes(superset, q, truth) for q in POSTURES)
+    in_kilo = guessed(truth, 1e-3)
+    with pytest.raises(EstimateError, match=r"joint_2 24\.3.* N m/rad: correct .* arm file"):
+        fit_to_frequencies(superset, in_kilo, measured)
 
 
 def test_the_axis_takes_part(superset):

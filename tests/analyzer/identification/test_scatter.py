@@ -1,10 +1,16 @@
-"""Scatter between clusters against what is known exactly for a mean."""
+"""Scatter between clusters against what is known exactly for a mean, and of one mounting."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from small_fit import measured, state_of, true_structure, unmeasured
 
+from analyzer.identification.frf_fit import fit_frfs
+from analyzer.identification.result_rows import fit_notes
 from analyzer.identification.scatter import ParameterScatter, half_width_95
 
 
@@ -58,3 +64,44 @@ def test_a_combination_has_the_variance_of_its_parts():
     np.testing.assert_allclose(scatter.std(unit), scatter.std(), rtol=1e-12)
     doubled = np.array([[2.0], [0.0], [0.0]])
     assert scatter.std(doubled)[0] == pytest.approx(2 * scatter.std()[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("points", [("4",), ("4", "17", "18")])  # 17 and 18 are on the base
+def test_the_error_from_one_mounting_is_within_what_is_stated(superset, points):
+    truth = true_structure()
+    log_truth = np.log(np.r_[truth.all_stiffness(), truth.all_damping()])
+    # Of a posture with a mode of each joint.
+    blank = unmeasured(superset, 1, points, np.arange(8.0, 60.0, 1.0))
+    ratios = []
+    for seed in range(16):
+        rng = np.random.default_rng(seed)
+        state = replace(state_of(truth, 1), log_gain=0.01 * rng.normal(size=3))
+        data = measured(superset, blank, state, 0, rng, noise=0.01, tilt_rad=0.009)
+        fit = fit_frfs(superset, (data,), state_of(truth, 1))
+        found = fit.state.structure
+        error = np.log(np.r_[found.all_stiffness(), found.all_damping()]) - log_truth
+        ratios.append(error / fit.scatter.std()[:6])
+        assert fit.scatter.one_mounting
+    size = np.sqrt(np.mean(np.square(ratios), axis=0))
+    # 16 errors tell their size to 18 %: three times that above one. Weights count noise twice
+    # and a tilt as noise of every line, so the stated std may be several times the error.
+    assert np.all(size < 1.54)
+    assert np.all(size > 0.05)
+
+
+def test_a_note_says_that_one_mounting_shows_no_scatter(superset):
+    truth = true_structure(joints=(0,))
+    blank = unmeasured(superset, 0, ("4", "8"), np.arange(8.0, 30.0, 1.0))
+    both = measured(superset, blank, state_of(truth, 1), 0)
+    one = replace(
+        both,
+        sensor_point=both.sensor_point[:1],
+        values=both.values[:1],
+        variance=both.variance[:1],
+    )
+    told = []
+    for data in (one, both):
+        fit = fit_frfs(superset, (data,), state_of(truth, 1))
+        notes = fit_notes(fit, (SimpleNamespace(posture="p"),), [[1.0]])
+        told.append(any("one mounting alone" in note for note in notes))
+    assert told == [True, False]

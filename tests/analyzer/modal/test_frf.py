@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import hammer
 from simulated import modal_frf, poles_of
 
-from analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf
+from analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf, posture_hit_frfs
 from analyzer.modal.spectra import active_channels
 from protocols.errors import EstimateError
 from protocols.frf_records import FrfForm
@@ -170,3 +170,73 @@ def test_a_mask_without_force_channel_is_refused():
     header = dataclasses.replace(session.header, channel_mask=0b1110)
     with pytest.raises(EstimateError, match="one force channel"):
         posture_frf(dataclasses.replace(session, header=header), "p", axes)
+
+
+def recorded(session, names):
+    """The same test on a board with these acceleration channels, among acc_x, acc_y, acc_z."""
+    old = [channel.name for channel in session.header.dictionary.channels]
+    columns = [0, *(old.index(name) for name in names)]
+    header = dataclasses.replace(
+        session.header,
+        dictionary=hammer.dictionary(names=("hammer", *names)),
+        channel_mask=2 ** len(columns) - 1,
+    )
+    hits = tuple(dataclasses.replace(h, counts=h.counts[:, columns]) for h in session.hits)
+    return dataclasses.replace(session, header=header, hits=hits)
+
+
+@pytest.mark.parametrize(
+    "names", [("acc_z", "acc_x", "acc_y"), ("acc_x", "acc_z"), ("acc_z",), ("acc_y", "acc_x")]
+)
+def test_a_channels_letter_tells_its_axis_whatever_the_order(names):
+    rng = np.random.default_rng(10)
+    session = hammer.session(POLES, residues(rng, 2), rng=rng)
+    # Axes of a sensor that is turned at every point.
+    turned = {"1": np.eye(3)[:, [1, 2, 0]], "2": np.diag([1.0, -1.0, -1.0])}
+    whole = posture_frf(session, "p", turned)
+    part = posture_frf(recorded(session, names), "p", turned)
+    found = [(dof.point, dof.label) for dof in part.responses]
+    assert found == [(p, axis) for p in "12" for axis in sorted(name[-1] for name in names)]
+    rows = [(dof.point, dof.label) for dof in whole.responses]
+    for i, dof in enumerate(part.responses):
+        same = rows.index((dof.point, dof.label))
+        np.testing.assert_array_equal(dof.direction, turned[dof.point][:, "xyz".index(dof.label)])
+        np.testing.assert_array_equal(part.values[i], whole.values[same])
+    single = posture_hit_frfs(recorded(session, names), "p")
+    assert single.labels == tuple(sorted(name[-1] for name in names))
+    of_all = posture_hit_frfs(session, "p")
+    columns = ["xyz".index(label) for label in single.labels]
+    np.testing.assert_array_equal(single.values, of_all.values[:, columns])
+
+
+def test_three_channels_without_letters_are_x_y_z_in_order():
+    session = hammer.session(POLES, residues(np.random.default_rng(11), 1))
+    plain = hammer.dictionary(names=("hammer", "ch1", "ch2", "ch3"))
+    header = dataclasses.replace(session.header, dictionary=plain)
+    named = posture_frf(session, "p", axes)
+    found = posture_frf(dataclasses.replace(session, header=header), "p", axes)
+    assert [dof.label for dof in found.responses] == ["x", "y", "z"]
+    np.testing.assert_array_equal(found.values, named.values)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("acc_x", "acc_y", "third"),  # one without a letter
+        ("acc_x", "acc_y", "base_y"),  # one twice
+        ("first", "second"),  # two of three, not told which
+        ("acc",),
+        ("acc_x", "acc_y", "acc_z", "base_x"),
+    ],
+)
+def test_channels_that_do_not_tell_their_axis_are_refused_with_the_way_to_name_them(names):
+    session = hammer.session(POLES, residues(np.random.default_rng(12), 1))
+    header = dataclasses.replace(
+        session.header,
+        dictionary=hammer.dictionary(names=("hammer", *names)),
+        channel_mask=2 ** (1 + len(names)) - 1,
+    )
+    columns = [0, 1, 2, 3, 1][: 1 + len(names)]
+    hits = tuple(dataclasses.replace(h, counts=h.counts[:, columns]) for h in session.hits)
+    with pytest.raises(EstimateError, match=r"names that end in x, y or z.*" + names[-1]):
+        posture_frf(dataclasses.replace(session, header=header, hits=hits), "p", axes)

@@ -1,0 +1,97 @@
+"""All checks of a session whose FRFs were measured here, given, or both."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+
+from offline_lab import simulate_session
+
+from analyzer.arm.superset import Superset
+from analyzer.checks import Outcome, check_session
+from analyzer.identification.identify import estimate_frfs
+from analyzer.modal import convert_form
+from protocols.frf_records import FrfForm
+
+
+@pytest.fixture(scope="module")
+def session():
+    """Two postures, three hits at each point."""
+    whole = simulate_session(3)
+    two = whole.header.plan.postures[:2]
+    names = {posture.name for posture in two}
+    header = replace(whole.header, plan=replace(whole.header.plan, postures=two))
+    return replace(
+        whole, header=header, hits=tuple(hit for hit in whole.hits if hit.posture in names)
+    )
+
+
+@pytest.fixture(scope="module")
+def superset(session):
+    return Superset(session.header.arm)
+
+
+@pytest.fixture(scope="module")
+def frfs(session, superset):
+    return estimate_frfs(session, superset)
+
+
+@pytest.fixture(scope="module")
+def from_hits(session, superset, frfs):
+    return check_session(session, frfs, superset)
+
+
+def of(findings, check, posture):
+    return [f for f in findings if f.check == check and f.posture == posture]
+
+
+@pytest.mark.parametrize("form", [FrfForm.ACCELERANCE, FrfForm.RECEPTANCE])
+def test_given_frfs_are_checked_without_single_hits(session, superset, frfs, from_hits, form):
+    given = tuple(convert_form(frf, form) for frf in frfs)
+    only = replace(session, hits=(), frfs=given)
+    findings = check_session(only, estimate_frfs(only, superset), superset)
+    assert not [f.text for f in findings if f.outcome is Outcome.FAULT]
+    for frf in frfs:
+        (link,) = of(findings, "rigid link", frf.posture)
+        assert link.outcome is Outcome.GOOD
+        assert [f.outcome for f in of(findings, "driving point", frf.posture)] == [
+            f.outcome for f in of(from_hits, "driving point", frf.posture)
+        ]
+        (level,) = of(findings, "homogeneity", frf.posture)
+        assert level.outcome is Outcome.CANNOT_TELL
+
+
+def test_a_given_posture_leaves_the_checks_of_a_measured_one_as_they_are(
+    session, superset, frfs, from_hits
+):
+    measured, given = (frf.posture for frf in frfs)
+    mixed = replace(session, hits=session.accepted(measured), frfs=frfs[1:])
+    findings = check_session(mixed, estimate_frfs(mixed, superset), superset)
+    assert [f for f in findings if f.posture == measured] == [
+        f for f in from_hits if f.posture == measured
+    ]
+    assert of(findings, "rigid link", given)
+
+
+def test_frfs_of_two_references_end_no_other_check(session, superset, frfs):
+    first, second = frfs
+    doubled = replace(
+        second,
+        values=second.values.repeat(2, axis=1),
+        variance=second.variance.repeat(2, axis=1),
+        coherence=second.coherence.repeat(2, axis=1),
+        n_hits=second.n_hits.repeat(2, axis=1),
+        references=second.references * 2,
+    )
+    given = replace(session, hits=(), frfs=(first, doubled))
+    findings = check_session(given, estimate_frfs(given, superset), superset)
+    (link,) = of(findings, "rigid link", second.posture)
+    assert link.outcome is Outcome.CANNOT_TELL
+    assert "one reference" in link.text
+    assert of(findings, "rigid link", first.posture)[0].outcome is Outcome.GOOD
+    assert of(findings, "driving point", second.posture)
