@@ -45,6 +45,7 @@ _LOOKED_AT_SHARPLY, _LOOKED_AT_BROADLY = 8, 14
 _BEHIND_BROADLY, _BEHIND_LATER, _FEW_BEHIND = 1.5, 1.3, 2.0
 _MUCH, _PART_OF_GAIN = 400.0, 0.3  # of cost on broad lines; what brings less than a part is not it
 _A_LITTLE = 0.15  # likewise
+_AHEAD = 0.97  # times the least cost of others on broad lines
 _SEEN = 0.5  # of cost on the widest lines: a servo that brings less is not there
 _LARGE_PART = 0.4  # likewise, of evidence, to be fitted on sharper lines
 _OBVIOUS = 0.3  # of the plain fit's cost on the widest: what costs less needs no other look
@@ -143,12 +144,15 @@ def find_rivals(
 def _behind_joints(
     widest: Stage, broad: Stage, so_far: _Annealed, least: tuple[float, float]
 ) -> list[Fit]:
-    """The best servo, if it is not far behind the least costs on the widest and broad lines."""
+    """The best servo, if it is not far behind the least costs on the widest and broad lines.
+
+    Where after a name much is left it must explain a part of that, or more than all others do.
+    """
     worth = min(BEHIND * least[0], so_far.widest.cost - _SEEN)
     servos = [_further(broad, f, 3) for f in behind_joints(widest, so_far.widest) if f.cost < worth]
     worth = BEHIND * least[1]
     if so_far.far_off:
-        worth = min(worth, (1.0 - _A_LITTLE) * so_far.broad.cost)
+        worth = min(worth, max((1.0 - _A_LITTLE) * so_far.broad.cost, _AHEAD * least[1]))
     return [f for f in _leading(servos, so_far.broad)[:1] if f.cost < worth]
 
 
