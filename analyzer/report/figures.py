@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import escape
 from plotly.subplots import make_subplots
 
 from analyzer.arm.superset import Superset
@@ -35,7 +36,7 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
     for i, dof in enumerate(frf.responses):
         for j, _ in enumerate(frf.references):
             values = frf.values[i, j, keep]
-            name = f"point {dof.point} {dof.label}"
+            name = _text(f"point {dof.point} {dof.label}")
             line = {"width": 1}
             rows = (np.abs(values), np.degrees(np.angle(values)), frf.coherence[i, j, keep])
             for row, y in enumerate(rows, start=1):
@@ -54,7 +55,7 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
     figure.update_yaxes(title="phase, deg", row=2, col=1)
     figure.update_yaxes(title="coherence", range=[0, 1.02], row=3, col=1)
     figure.update_xaxes(title="Hz", row=3, col=1)
-    figure.update_layout(height=640, title=f"{frf.posture}: FRFs", margin={"t": 50})
+    figure.update_layout(height=640, title=_text(f"{frf.posture}: FRFs"), margin={"t": 50})
     return figure
 
 
@@ -66,14 +67,14 @@ def indicator_figure(
     figure = go.Figure()
     freq = frf.freq_hz[keep]
     for name, values in group_sums(frf, groups).items():
-        figure.add_scatter(x=freq, y=np.asarray(values)[keep], name=f"sum of {name}")
+        figure.add_scatter(x=freq, y=np.asarray(values)[keep], name=_text(f"sum of {name}"))
     for i, curve in enumerate(tracked_cmif(frf).values.T[:MOST_CURVES]):
         figure.add_scatter(x=freq, y=curve[keep], name=f"CMIF {i + 1}", line={"dash": "dot"})
     for j, reference in enumerate(frf.references[:MOST_CURVES]):
         figure.add_scatter(
             x=freq,
             y=mif(frf)[keep, j],
-            name=f"MIF, hit at {reference.point}",
+            name=_text(f"MIF, hit at {reference.point}"),
             line={"width": 1},
             yaxis="y2",
             visible="legendonly",
@@ -84,7 +85,7 @@ def indicator_figure(
     figure.update_xaxes(title="Hz; grey lines are fitted modes")
     figure.update_layout(
         height=380,
-        title=f"{frf.posture}: sums by group, CMIF, MIF",
+        title=_text(f"{frf.posture}: sums by group, CMIF, MIF"),
         yaxis2={
             "overlaying": "y",
             "side": "right",
@@ -114,7 +115,7 @@ def arm_figure(
     figure.add_scatter3d(
         **_xyz(posture.point_position),
         mode="markers+text",
-        text=[point.id for point in superset.arm.points],
+        text=[_text(point.id) for point in superset.arm.points],
         marker={"size": 3, "color": "#333"},
         name="points",
     )
@@ -127,7 +128,7 @@ def arm_figure(
             **_xyz(np.array([middle - along, middle + along])),
             mode="lines",
             line={"width": 6, "color": "#c00"},
-            name=f"axis in {axis.link}",
+            name=_text(f"axis in {axis.link}"),
         )
         for row in axis.mozzi:
             if row.posture == frf.posture:
@@ -179,7 +180,7 @@ def arm_figure(
     ]
     figure.update_layout(
         height=560,
-        title=f"{frf.posture}: arm, points, mode shape (choose a frequency to see it move)",
+        title=_text(f"{frf.posture}: arm, points, mode shape (choose a frequency to see it move)"),
         scene={"aspectmode": "data"},
         updatemenus=[{"buttons": buttons, "x": 0.0, "y": 1.0}] if buttons else [],
     )
@@ -193,6 +194,11 @@ def _motion(measured: MeasuredModes, number: int) -> Any:
     moved = np.zeros(measured.dynamics.point_position.shape, dtype=np.complex128)
     np.add.at(moved, measured.index, (shape * phase)[:, None] * measured.directions)
     return moved * SHAPE_LENGTH_M / max(float(np.linalg.norm(moved.real, axis=1).max()), 1e-30)
+
+
+def _text(label: str) -> str:
+    """A label as plotly shows it: it takes tags such as <b> in a text for its own."""
+    return str(escape(label))
 
 
 def _xyz(points: Any) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Spaces, scores and arm-file entries of the gap workflow."""
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,11 +12,13 @@ from analyzer.gap.effects import (
     base,
     bearing,
     coupling,
+    encoder_offset,
     friction,
     gravity_compensator,
     hysteretic,
     link_axis,
     released_joint,
+    sensor_axes,
     wrist_coupling,
 )
 from analyzer.gap.effects.effect import Instance
@@ -292,15 +295,106 @@ def test_much_evidence_for_an_axis_of_uncertain_size_is_no_patch(gain, is_named)
     assert (judge(OF_1000, present, [patch], Thresholds()).named is patch) == is_named
 
 
-@pytest.mark.parametrize("gain", [207.0, 280.0])
-def test_beside_an_effect_of_the_level_a_name_takes_more_than_alone(gain):
-    # 207 nats: what friction at a joint left for an axis in the link beside it.
-    present = rival(friction.WORDS, "j1", 400.0)
-    alone = rival(link_axis.WORDS, "l1", present.evidence - gain)
-    (axis,) = alone.hypothesis.instances
+def after_a_change_with_level(present, fit):
+    """The same effects, the present one following the hits' level."""
     (slip,) = present.hypothesis.instances
-    both = replace(alone.hypothesis, instances=(replace(slip, by_level=True), axis))
-    beside = replace(alone, hypothesis=both)
+    both = (replace(slip, by_level=True), *fit.hypothesis.instances)
+    return replace(fit, hypothesis=replace(fit.hypothesis, instances=both))
+
+
+@pytest.mark.parametrize(
+    ("by_level", "gain", "is_named"),
+    [(False, 207.0, False), (False, 280.0, True), (True, 280.0, False), (True, 320.0, True)],
+)
+def test_beside_an_effect_of_the_level_a_name_takes_more_than_alone(by_level, gain, is_named):
+    # 207 nats: what friction at a joint left for an axis in the link beside it. And what a spring
+    # and a damper at each level do not tell looks like a second effect of the level.
+    present = rival(friction.WORDS, "j1", 400.0)
+    alone = with_changed(rival(link_axis.WORDS, "l1", 400.0 - gain), by_level=by_level)
+    beside = after_a_change_with_level(present, alone)
     assert judge(OF_1000, present, [alone], Thresholds()).named is alone
-    named = judge(OF_1000, present, [beside], Thresholds()).named
-    assert named is (beside if gain > Thresholds().beside_level else None)
+    assert (judge(OF_1000, present, [beside], Thresholds()).named is beside) == is_named
+
+
+def with_changed(fit, **changes):
+    """A fit whose only effect is changed."""
+    (instance,) = fit.hypothesis.instances
+    return replace(
+        fit, hypothesis=replace(fit.hypothesis, instances=(replace(instance, **changes),))
+    )
+
+
+def sensor_fault(place, cost):
+    """Axes exchanged or turned round: nothing to tune."""
+    return with_changed(rival(sensor_axes.FLIPPED, place, cost), parameters=(), size="")
+
+
+def beyond_tolerance(place, cost):
+    """An ordinary parameter with a wider prior, and no new term."""
+    fit = rival(encoder_offset.WORDS, place, cost)
+    (size,) = fit.space.parameters
+    return with_changed(fit, parameters=(), relaxes={"size": replace(size, std=10.0)})
+
+
+# Up to 300 the misfit of a thousand residuals is ordinary: evidence counts fully.
+ORDINARY = rival(coupling.WORDS, "before", 290.0)
+
+
+@pytest.mark.parametrize(
+    ("made", "gain", "is_named"),
+    [
+        (partial(rival, bearing.WORDS), 95.0, False),
+        (partial(rival, bearing.WORDS), 105.0, True),
+        (sensor_fault, 44.0, False),
+        (sensor_fault, 46.0, True),
+        (beyond_tolerance, 24.0, False),
+        (beyond_tolerance, 26.0, True),
+    ],
+)
+def test_a_term_takes_more_evidence_than_a_turned_sensor_and_that_more_than_a_loose_tolerance(
+    made, gain, is_named
+):
+    only = made("j1", ORDINARY.evidence - gain)
+    assert (judge(OF_1000, ORDINARY, [only], Thresholds()).named is only) == is_named
+
+
+@pytest.mark.parametrize(("behind", "stands"), [(10.0, True), (30.0, False)])
+def test_a_rival_stands_beside_the_best_until_it_is_well_behind(behind, stands):
+    best = rival(bearing.WORDS, "j0", 100.0)
+    other = rival(gravity_compensator.WORDS, "j2", 100.0 + behind)
+    found = judge(OF_1000, ORDINARY, [best, other], Thresholds())
+    assert found.named is (None if stands else best)
+    assert found.standing == ((best, other) if stands else (best,))
+
+
+@pytest.mark.parametrize(("gain", "n_standing"), [(90.0, 0), (110.0, 2)])
+def test_two_sensor_faults_alike_stand_only_where_either_would_be_clear(gain, n_standing):
+    cost = ORDINARY.evidence - gain
+    alike = sensor_fault("p1", cost), sensor_fault("p2", cost + 5.0)
+    found = judge(OF_1000, ORDINARY, alike, Thresholds())
+    assert found.named is None
+    assert found.standing == alike[:n_standing]
+    assert judge(OF_1000, ORDINARY, alike[:1], Thresholds()).named is alike[0]
+
+
+@pytest.mark.parametrize(
+    ("link", "degrees", "off_m", "is_joint"),
+    [
+        ("l1", 10.0, 0.02, True),
+        ("l1", 12.0, 0.0, False),
+        ("l1", 0.0, 0.04, False),
+        ("l2", 0.0, 0.0, False),
+    ],
+)
+def test_an_axis_is_the_released_joint_only_where_it_lies_on_it(link, degrees, off_m, is_joint):
+    tilt = np.deg2rad(degrees)
+    line = {
+        "link": link,
+        "direction": [0.0, -np.sin(tilt), np.cos(tilt)],
+        "point_m": [off_m, 0.0, 0.3],  # anywhere along the joint's own axis
+    }
+    axis = with_changed(rival(link_axis.WORDS, link, 100.0), describe=lambda _: line)
+    joint = rival(released_joint.WORDS, "j1", 105.0)
+    found = judge(OF_1000, ORDINARY, [axis, joint], Thresholds())
+    assert found.named is (joint if is_joint else None)
+    assert found.standing == ((joint,) if is_joint else (axis, joint))

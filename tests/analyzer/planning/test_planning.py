@@ -6,14 +6,21 @@ import numpy as np
 import pytest
 
 from analyzer.arm.superset import Superset
+from analyzer.planning import selective
 from analyzer.planning.clearance import Clearance, clear_postures
-from analyzer.planning.excitation import best_hits, posture_modes, seeing_points
+from analyzer.planning.excitation import (
+    HitChoice,
+    PostureModes,
+    best_hits,
+    posture_modes,
+    seeing_points,
+)
 from analyzer.planning.expected import Instruments, expected_std, information
 from analyzer.planning.selective import describe_tests, plan_tests
 from analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
 from analyzer.workspace.batch import ArmBatch
 from analyzer.workspace.postures import random_postures
-from analyzer.workspace.spectrum import elastic_joints
+from analyzer.workspace.spectrum import ElasticJoints, elastic_joints
 from protocols.arm.files import load_arm
 from protocols.errors import EstimateError
 
@@ -87,6 +94,77 @@ def test_the_needed_tests_serve_every_joint_and_are_fewer_than_the_joints(elasti
 def test_each_further_test_tells_more(plan):
     # Information adds: no standard deviation can grow. 1e-6 is the rounding of the inverse.
     assert (np.diff(plan.expected_std, axis=0) <= 1e-6 * plan.expected_std[:-1]).all()
+
+
+def test_the_first_further_test_leaves_the_smallest_deviations_of_all(
+    arm, elastic, superset, monkeypatch
+):
+    tools = Instruments(high_hz=60.0, line_hz=2.0)
+    others = random_postures(arm, 12, np.random.default_rng(4), still=(0,))
+    others = others[clear_postures(ArmBatch(arm), others, Clearance())]
+    papers = [q[None] for q in np.deg2rad(PAPER_DEG)]
+    monkeypatch.setattr(selective, "isolating_postures", lambda *_: papers)
+    monkeypatch.setattr(selective, "random_postures", lambda *_, **__: others)
+    plan = plan_tests(arm, elastic, np.random.default_rng(1), instruments=tools, n_tests=6)
+    needed = plan.tests[: plan.n_needed]
+
+    def told(test):
+        return information(
+            superset,
+            superset.posture(test.joints_rad),
+            elastic,
+            hit_point=test.hit.point,
+            hit_direction=test.hit.direction_base,
+            points=test.points,
+            instruments=tools,
+        )
+
+    known = [told(test) for test in needed]
+    left = [
+        np.log(expected_std([*known, told(test)])).sum()
+        for q in others
+        for joint in elastic.joints
+        for test in describe_tests(superset, elastic, q, joint, least_mass_kg=tools.least_mass_kg)
+        if test.hit.point == plan.hit_point
+        and all(np.abs(q - other.joints_rad).max() > selective.ANOTHER_RAD for other in needed)
+    ]
+    chosen = np.log(plan.expected_std[plan.n_needed]).sum()
+    # The same sums in the same order: rounding alone.
+    assert chosen == pytest.approx(min(left), abs=1e-9)
+    assert chosen < np.median(left)
+
+
+@pytest.mark.parametrize(
+    ("neighbour_hz", "share", "served"),
+    [
+        (10.5, (0.8, 0.2), ()),  # each hides the other
+        (20.0, (0.8, 0.2), (1, 3)),
+        (10.5, (0.94, 0.06), (1,)),  # too faint to hide the first
+        (20.0, (0.96, 0.04), (1,)),  # too faint to show itself
+    ],
+)
+def test_a_hit_serves_the_joints_whose_own_modes_show_apart(neighbour_hz, share, served):
+    # At 2 % of damping a mode of 10 Hz is 0.2 Hz wide at each side.
+    modes = PostureModes(
+        f_hz=np.array([10.0, neighbour_hz]),
+        damping_ratio=np.array([0.02, 0.02]),
+        shape=np.eye(2),
+        joint_share=np.eye(2),
+        mass=np.eye(2),
+    )
+    hit = HitChoice(
+        point="1",
+        direction_base=np.array([0.0, 0.0, 1.0]),
+        peak=1.0,
+        purity=share[0],
+        share=np.array(share),
+        effective_mass_kg=1.0,
+        along_normal=True,
+    )
+    two = ElasticJoints(
+        joints=(1, 3), stiffness_n_m_per_rad=np.ones(2), damping_n_m_s_per_rad=np.ones(2)
+    )
+    assert selective._served(two, modes, [1, 3], hit) == served
 
 
 def test_shares_of_a_mode_sum_to_one_and_name_the_joint(superset, elastic):

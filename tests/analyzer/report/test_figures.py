@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -117,3 +118,48 @@ def test_magnitudes_carry_the_unit_of_their_form(roving_response, form, unit):
     assert frf_figure(frf, 60.0).layout.yaxis.title.text == unit
     shown = indicator_figure(frf, fit_modes(frf), {"all": POINTS}, 60.0)
     assert shown.layout.yaxis.title.text == unit
+
+
+EVIL = "<b>&"
+SHOWN = "&lt;b&gt;&amp;"
+
+
+def test_plotly_is_given_postures_groups_and_points_without_tags(roving_response):
+    """It takes a tag in a text for its own."""
+    hit, *_ = roving_response.references
+    first, *others = roving_response.responses
+    frf = replace(
+        roving_response,
+        posture=EVIL,
+        references=(replace(hit, point=EVIL),),
+        responses=(replace(first, point=EVIL), *others),
+    )
+    curves = frf_figure(frf, 60.0)
+    assert curves.layout.title.text == f"{SHOWN}: FRFs"
+    assert curves.data[0].name == f"point {SHOWN} x"
+    sums = indicator_figure(frf, fit_modes(roving_response), {EVIL: POINTS}, 60.0)
+    assert sums.layout.title.text.startswith(f"{SHOWN}: ")
+    assert {f"sum of {SHOWN}", f"MIF, hit at {SHOWN}"} <= {trace.name for trace in sums.data}
+
+
+def test_the_arm_is_drawn_with_labels_without_tags(superset, roving_response):
+    arm, unused = superset.arm, superset.point_index["2"]
+    *below, last = arm.joints
+    renamed = replace(last, link=replace(last.link, name=EVIL))
+    points = [
+        replace(point, link=EVIL) if point.link == last.link.name else point for point in arm.points
+    ]
+    points[unused] = replace(points[unused], id=EVIL)
+    told = SimpleNamespace(
+        link=EVIL, point_link_m=np.zeros(3), direction_link=np.array([0.0, 0.0, 1.0]), mozzi=()
+    )
+    figure = arm_figure(
+        Superset(replace(arm, points=tuple(points), joints=(*below, renamed))),
+        replace(roving_response, posture=EVIL),
+        fit_modes(roving_response),
+        (told,),
+    )
+    assert figure.layout.title.text.startswith(f"{SHOWN}: ")
+    traces = {trace.name: trace for trace in figure.data}
+    assert traces["points"].text[unused] == SHOWN
+    assert f"axis in {SHOWN}" in traces

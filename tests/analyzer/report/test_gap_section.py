@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from plotly.basedatatypes import BaseFigure
 
 from analyzer.gap.records import (
     Disagreement,
@@ -127,11 +128,45 @@ def test_the_page_says_what_to_do_and_how_sure() -> None:
         assert said in page
 
 
+EVIL = "<b>&"
+SHOWN = "&lt;b&gt;&amp;"
+
+
 def test_text_is_shown_and_never_run() -> None:
-    evil = "<script>alert(1)</script>"
-    posture = replace(BEFORE[0], posture=evil)
-    page = gap_page(replace(NAMED, summary=evil, gap_before=(posture,)), evil)
-    assert evil not in page
+    page = gap_page(replace(NAMED, summary=EVIL, gap_before=(), gap_after=(), where=()), EVIL)
+    assert EVIL not in page
+    assert page.count(SHOWN) == 2
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """The figures of a page whose postures, joints and points have tags for names."""
+    shown = []
+
+    def keep(figure, **_):
+        shown.append(figure)
+        return ""
+
+    monkeypatch.setattr(BaseFigure, "to_html", keep)
+    evil_gap = (replace(BEFORE[0], posture=EVIL),)
+    result = replace(
+        NAMED,
+        gap_before=evil_gap,
+        gap_after=evil_gap,
+        where=(replace(NAMED.where[0], posture=EVIL, point=EVIL, axis="x"),),
+        joint_stiffness_ranges=(replace(NAMED.joint_stiffness_ranges[0], joint=EVIL),),
+    )
+    gap_page(result, "session 1")
+    return shown
+
+
+def test_plotly_is_given_labels_without_tags(figures) -> None:
+    """The page shows a label's tag as plotly's own where the figure has it unescaped."""
+    errors, stiffness, where = figures
+    assert [tuple(bars.x) for bars in errors.data] == [(SHOWN,), (SHOWN,)]
+    assert tuple(stiffness.data[0].y) == (SHOWN,)
+    assert tuple(where.data[0].x) == (f"{SHOWN} x",)
+    assert tuple(where.data[0].y) == (SHOWN,)
 
 
 @pytest.mark.parametrize(

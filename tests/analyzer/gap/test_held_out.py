@@ -1,0 +1,167 @@
+"""Held-out postures: how surprising they are, and what a name must foretell of them."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from analyzer.gap import workflow
+from analyzer.gap.effects import bearing, encoder_offset
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.held_out import held_out
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.judge import Judged, Thresholds
+from analyzer.gap.space import Parameter, Space
+from analyzer.gap.weigh import Quadratic
+from analyzer.gap.workflow import _foretold
+
+N_DATA = 8
+TEST = (1, 3)
+PARAMETERS = (
+    Parameter(name="a", unit="", mean=1.0, std=0.5),
+    Parameter(name="b", unit="", mean=-2.0, std=2.0),
+    Parameter(name="c", unit="", mean=0.0, std=0.1),
+    Parameter(name="aim a p1", unit="", mean=0.0, std=0.3),
+    Parameter(name="aim b p3", unit="", mean=0.0, std=0.3),
+)
+AIMS = {3: 1, 4: 3}  # of parameter by column: the only posture it acts in
+
+
+class LinearStage:
+    """Postures whose data are linear in the parameters, with noise of deviation one."""
+
+    def __init__(self, slopes, data):
+        self.slopes, self.data = slopes, data
+        self.lines = [SimpleNamespace(name=f"p{p}") for p in range(len(data))]
+
+    def quadratics(self, hypothesis, space, values, postures):
+        x = np.array(list(values.values()))
+        parts = []
+        for p in postures:
+            r, J = self.slopes[p] @ x - self.data[p], self.slopes[p] * space.std
+            parts.append(Quadratic(cost=0.5 * float(r @ r), gradient=J.T @ r, curvature=J.T @ J))
+        return parts
+
+    def misfit(self, hypothesis, values, postures):
+        return [q.cost for q in self.quadratics(hypothesis, Space(PARAMETERS), values, postures)]
+
+    def whole_quadratic(self, hypothesis, space, values, postures):
+        parts = self.quadratics(hypothesis, space, values, postures)
+        whole = Quadratic(
+            cost=sum(q.cost for q in parts),
+            gradient=np.sum([q.gradient for q in parts], axis=0),
+            curvature=np.sum([q.curvature for q in parts], axis=0),
+        )
+        return whole, tuple(q.cost for q in parts)
+
+
+@pytest.fixture
+def stage():
+    rng = np.random.default_rng(11)
+    slopes = 2.0 * rng.standard_normal((5, N_DATA, len(PARAMETERS)))
+    for column, posture in AIMS.items():
+        slopes[[p for p in range(5) if p != posture], :, column] = 0.0
+    truth = np.array([p.mean + p.std * rng.standard_normal() for p in PARAMETERS])
+    return LinearStage(slopes, slopes @ truth + rng.standard_normal((5, N_DATA)))
+
+
+def predictive(stage, test):
+    """Mean of the parameters given all postures but `test`, and -ln p of each of those."""
+    mean, std = np.array([(p.mean, p.std) for p in PARAMETERS]).T
+    known = [p for p in range(len(stage.data)) if p not in test]
+    J, y = np.concatenate(stage.slopes[known]), np.concatenate(stage.data[known])
+    prior = np.diag(std**2)
+    gain = prior @ J.T @ np.linalg.inv(J @ prior @ J.T + np.eye(len(y)))
+    mean = mean + gain @ (y - J @ mean)
+    left = prior - gain @ J @ prior
+    surprise = [
+        -multivariate_normal(
+            stage.slopes[p] @ mean, stage.slopes[p] @ left @ stage.slopes[p].T + np.eye(N_DATA)
+        ).logpdf(stage.data[p])
+        for p in test
+    ]
+    return mean, np.array(surprise)
+
+
+def test_the_surprise_of_held_out_postures_is_their_predictive_log_density(stage):
+    """Of a linear problem with Gaussian priors, where the Laplace integral is exact."""
+    mean, surprise = predictive(stage, TEST)
+    # An aim told by a held-out posture is no place to begin: 0.9 is three prior deviations.
+    told = dict(zip((p.name for p in PARAMETERS), mean, strict=True))
+    told |= {"aim a p1": 0.9, "aim b p3": -0.9}
+    space = Space(PARAMETERS)
+    fit = fit_hypothesis(stage, SimpleNamespace(space=lambda: space, instances=()))
+    found = held_out(stage, replace(fit, u=space.start(told)), TEST)
+    assert found.postures == TEST
+    # The training begins at its own best point and stays there: what is left is rounding.
+    constant = 0.5 * N_DATA * np.log(2.0 * np.pi)
+    np.testing.assert_allclose(np.array(found.surprise) + constant, surprise, rtol=1e-9)
+
+
+PHI = 2.0
+RELAXES = {"size": Parameter(name="size", unit="", mean=0.0, std=10.0)}
+TERM = Instance(effect=bearing.WORDS, place="j1", parameters=tuple(RELAXES.values()))
+RELAXATION = Instance(effect=encoder_offset.WORDS, place="j1", relaxes=RELAXES)
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
+
+
+def fit_that_leaves(misfit, *instances):
+    """What of a fit the step looks at."""
+    hypothesis = Hypothesis(ordinary=None, instances=instances)
+    return SimpleNamespace(hypothesis=hypothesis, cost=0.5 * 1000 * misfit)
+
+
+def step_to(better, present, gains, monkeypatch):
+    """The step with held-out postures that gain so much."""
+    surprise = {id(present): np.full(len(gains), 40.0), id(better): 40.0 - np.array(gains)}
+
+    def foretells(stage, fit, test):
+        return SimpleNamespace(training=fit, postures=test, surprise=tuple(surprise[id(fit)]))
+
+    monkeypatch.setattr(workflow, "held_out", foretells)
+    judged = Judged(named=better, standing=(better,), phi=PHI)
+    test = tuple(range(len(gains)))
+    return _foretold(OF_1000, present, judged, better, test, Thresholds(), lambda _: None)
+
+
+@pytest.mark.parametrize(
+    ("instance", "gain", "is_taken"),
+    [
+        (TERM, 2.9, False),
+        (TERM, 3.1, True),
+        (RELAXATION, -3.1, False),
+        (RELAXATION, -2.9, True),
+    ],
+)
+def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil_them(
+    instance, gain, is_taken, monkeypatch
+):
+    present, better = fit_that_leaves(0.7), fit_that_leaves(0.6, instance)
+    # Together: one posture alone may speak against it.
+    step, doubt = step_to(better, present, [gain * PHI + 5.0, -5.0], monkeypatch)
+    assert (step is not None) == is_taken
+    if is_taken:
+        without, with_it = step[2:4]
+        assert step[:2] == (present, better)
+        assert (without.training, with_it.training) == (present, better)
+        assert doubt == ""
+    else:
+        assert "does not foretell" in doubt
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_taken"),
+    [
+        (4.6, 3.7, False),  # 0.9 of the 4.0 that ordinary errors do not leave: less than a quarter
+        (4.6, 3.5, True),
+        (0.85, 0.79, True),  # little is explained, and nothing is missing any more
+    ],
+)
+def test_what_leaves_most_of_what_is_missing_is_no_name(before, after, is_taken, monkeypatch):
+    present, better = fit_that_leaves(before), fit_that_leaves(after, TERM)
+    step, doubt = step_to(better, present, [100.0], monkeypatch)
+    assert (step is not None) == is_taken
+    assert ("leaves most of what is missing" in doubt) != is_taken

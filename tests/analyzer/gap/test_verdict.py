@@ -1,0 +1,72 @@
+"""What a search ends with."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from analyzer.gap.effects import bearing, gravity_compensator
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.fit import Fit
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.judge import Judged, Thresholds
+from analyzer.gap.records import Verdict
+from analyzer.gap.rivals import Rivals
+from analyzer.gap.space import Space
+from analyzer.gap.verdict import verdict_of
+
+# A thousand residuals, soft and hard hits together.
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
+ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()), level_span=0.0, level_gain=0.0)
+
+
+def fit_that_leaves(misfit, *instances):
+    """A fit with a misfit a residual."""
+    cost = 0.5 * misfit * 1000
+    return Fit(
+        hypothesis=Hypothesis(ordinary=ORDINARY, instances=instances),
+        space=Space([]),
+        u=np.zeros(0),
+        cost=cost,
+        first_cost=cost,
+        misfit=(cost,),
+        curvature=np.zeros((0, 0)),
+        slope=np.zeros(0),
+        free=np.ones(0, dtype=bool),
+        converged=True,
+        n_iterations=1,
+    )
+
+
+STANDING = (
+    fit_that_leaves(0.50, Instance(effect=bearing.WORDS, place="j0")),
+    fit_that_leaves(0.51, Instance(effect=gravity_compensator.WORDS, place="j1")),
+)
+
+
+def ended(final, standing=(), *, named=False, doubted=False):
+    found = Rivals(present=final, rivals=standing)
+    judged = Judged(named=None, standing=standing, phi=1.0, doubted=doubted)
+    verdict, _ = verdict_of(OF_1000, final, found, judged, named=named, limits=Thresholds())
+    return verdict
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_a_misfit_far_above_the_ordinary_is_outside_the_library_whatever_was_named(named):
+    inside = Verdict.NAMED if named else Verdict.NOTHING_DETECTABLE
+    # docs/theory-gap.md: above 0.8 a residual something is missing.
+    assert ended(fit_that_leaves(0.79), named=named) is inside
+    assert ended(fit_that_leaves(0.81), named=named) is Verdict.OUTSIDE_LIBRARY
+
+
+def test_what_stands_explains_the_misfit_unless_held_out_postures_speak_against_it():
+    final = fit_that_leaves(0.81)
+    assert ended(final, STANDING) is Verdict.AMBIGUOUS
+    assert ended(final, STANDING, doubted=True) is Verdict.OUTSIDE_LIBRARY
+
+
+def test_several_that_stand_are_ambiguous_and_none_is_nothing_detectable():
+    final = fit_that_leaves(0.6)
+    assert ended(final, STANDING) is Verdict.AMBIGUOUS
+    assert ended(final) is Verdict.NOTHING_DETECTABLE
+    assert ended(final, STANDING, named=True) is Verdict.NAMED
