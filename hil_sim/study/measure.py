@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from hashlib import sha256
 
 import numpy as np
 import numpy.typing as npt
@@ -80,7 +81,7 @@ def measured(
         hits.append(_hit(plan, hit, recorded, force_n, encoders, len(hits) + 1))
     dictionary = board_dictionary(plant.truth, tick_hz=1_000_000)
     header = SessionHeader(
-        session_id=f"{seed:016x}{run:016x}",
+        session_id=_session_id(plant, seed, run),
         created=datetime(2026, 1, 1, tzinfo=UTC).isoformat(),
         software="armodal sealed case",
         arm=arm,
@@ -91,6 +92,12 @@ def measured(
         time_scale=1.0,
     )
     return Session(header=header, hits=tuple(hits), losses=(), complete=True)
+
+
+def _session_id(plant: Plant, seed: int, run: int) -> str:
+    """Return 32 hexadecimal digits that tell sessions apart and nothing of the seed."""
+    text = f"{seed} {run} {plant.truth.model_dump_json()}"
+    return sha256(text.encode()).hexdigest()[:32]
 
 
 def _rung(plant: Plant, front: FrontEnd, plan: Plan, strikes: list[Strike]) -> list[Array]:

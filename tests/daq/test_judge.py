@@ -254,3 +254,21 @@ def test_a_force_that_pulls_as_hard_as_it_pushes_is_no_hammer_s(judge):
     counts = block.counts.copy()
     counts[PRETRIGGER + 20, 0] = -counts[:, 0].max()
     assert "swing" in judge(replace(block, counts=counts)).reasons
+
+
+@pytest.mark.parametrize("second", [0.0, 0.4])
+@pytest.mark.parametrize(("rising", "sign"), [(False, 1.0), (True, -1.0), (False, -1.0)])
+def test_an_inverted_hammer_gets_the_verdict_of_its_mirror_image(
+    judge, channels, plan, rising, sign, second
+):
+    force = filtered_force([(0.1, 3e-3, 150.0), (0.16, 3e-3, second * 150.0)])
+    upright = block_of(force, np.random.default_rng(19))
+    wanted = judge(upright)
+    assert wanted.reasons == (("double",) if second else ())
+    mirrored = upright.counts.copy()
+    mirrored[:, 0] *= 1 if rising == (sign > 0.0) else -1
+    hammer = replace(channels[0], scale=sign * channels[0].scale)
+    sampling = Sampling(rate_hz=plan.sampling.rate_hz, samples=N, pretrigger=PRETRIGGER)
+    trigger = Trigger(level_n=LEVEL_N if rising else -LEVEL_N, rising=rising)
+    block = replace(upright, counts=mirrored)
+    assert judge_record(block, (hammer, *channels[1:]), sampling, trigger) == wanted

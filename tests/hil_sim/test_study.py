@@ -31,9 +31,14 @@ from protocols.session.hdf5 import read_session
 
 def short(case, points=2):
     """A case's session, of the first posture's first points alone."""
-    posture = case.plan.postures[0]
-    plan = replace(case.plan, postures=(replace(posture, points=posture.points[:points]),))
+    plan = few_points(case.plan, points)
     return measured(plant_of_tables(case.plant_tables()), case.arm, plan, 1)
+
+
+def few_points(plan, points):
+    """The plan with the first posture's first points alone."""
+    posture = plan.postures[0]
+    return replace(plan, postures=(replace(posture, points=posture.points[:points]),))
 
 
 @pytest.fixture(scope="module", params=STUDY_ARMS)
@@ -73,12 +78,28 @@ def test_the_seed_decides_everything():
     assert not np.array_equal(first[-1].counts, other[-1].counts)
 
 
-def test_the_session_tells_nothing_of_the_truth():
-    case = make_case(3, "bench57", "wrong_point")
-    session = short(case)
+SEED = 0x5EED1E55
+
+
+@pytest.fixture(scope="module")
+def header_of_a_null():
+    case = make_case(SEED, "bench57")
+    return case.session(few_points(case.plan, 1)).header
+
+
+@pytest.mark.parametrize("kind", ["wrong_point", "bearing", "exponential_window"])
+def test_the_session_tells_nothing_of_the_truth(kind, header_of_a_null):
+    case = make_case(SEED, "bench57", kind)
+    session, again = (case.session(few_points(case.plan, 1), run=run) for run in (0, 1))
     assert session.header.arm.sha256 == study_arm("bench57").arm.sha256
     text = repr(session.header) + repr(session.hits[0].verdict)
-    assert "wrong" not in text
+    for secret in (f"{SEED:x}", str(SEED), kind):
+        assert secret not in text
+    ids = {header.session_id for header in (session.header, again.header, header_of_a_null)}
+    assert len(ids) == 3
+    for header in (session.header, again.header):
+        hidden = replace(header, session_id=header_of_a_null.session_id)
+        assert repr(hidden) == repr(header_of_a_null)
 
 
 def test_a_null_has_no_effect_but_errors():

@@ -179,17 +179,58 @@ def test_the_ends_of_the_range_are_inside_it() -> None:
     assert len(update.joints_rad) == 2
 
 
-@given(st.integers(0, 0x7FF), st.booleans(), st.binary(max_size=8), st.booleans())
-def test_any_frame_decodes_or_is_refused_or_is_not_ours(
-    can_id: int, extended: bool, data: bytes, remote: bool
-) -> None:
+@pytest.mark.parametrize("outside", [1_800_001, -1_800_001])
+def test_an_angle_one_count_outside_its_range_is_refused(outside: int) -> None:
+    mapping = shipped_mapping()
+    narrow = mapping.database_text.replace("[-838.8607|838.8607]", "[-180|180]")
+    decoder = CanDecoder(replace(mapping, database_text=narrow))
+    end = 1_800_000 if outside > 0 else -1_800_000
+    update = decoder.decode(joints_1_2(0, end, 2, 0))
+    assert update is not None
+    assert update.signals["POSITION_2"] == pytest.approx(end * 1e-4)
+    with pytest.raises(CanError, match=r"JOINTS_1_2.POSITION_2: wanted -180 to 180"):
+        decoder.decode(joints_1_2(0, outside, 2, 1))
+
+
+@pytest.mark.parametrize("change", [{"extended": True}, {"remote": True}, {"can_id": 0x304}])
+def test_another_kind_of_frame_with_our_content_is_not_ours(change: dict[str, int]) -> None:
     decoder = CanDecoder(shipped_mapping())
+    ours = joints_1_2(1, 2, 2, 9)
+    assert decoder.decode(replace(ours, **change)) is None
+    update = decoder.decode(ours)
+    assert update is not None
+    assert not update.repeated
+
+
+def test_a_remote_frame_without_data_is_not_ours() -> None:
+    frame = CanFrame(can_id=0x301, extended=False, data=b"", remote=True)
+    assert CanDecoder(shipped_mapping()).decode(frame) is None
+
+
+OUR_IDS = [0x301, 0x302, 0x303]
+
+
+@pytest.fixture(scope="module")
+def decoder() -> CanDecoder:
+    return CanDecoder(shipped_mapping())
+
+
+@given(
+    st.sampled_from(OUR_IDS) | st.integers(0, 0x7FF),
+    st.booleans(),
+    st.binary(min_size=8, max_size=8) | st.binary(max_size=8),
+    st.booleans(),
+)
+def test_any_frame_decodes_or_is_refused_or_is_not_ours(
+    decoder: CanDecoder, can_id: int, extended: bool, data: bytes, remote: bool
+) -> None:
     frame = CanFrame(can_id=can_id, extended=extended, data=data, remote=remote)
-    ours = (can_id, extended) in decoder.frame_ids and not remote
+    ours = can_id in OUR_IDS and not extended and not remote
     try:
         assert (decoder.decode(frame) is not None) == ours
     except CanError:
         assert ours
+        assert len(data) != 8 or bytes([0, 0, 0x80]) in (data[:3], data[3:6])
 
 
 def test_a_mapping_without_state_and_counter_tells_neither() -> None:

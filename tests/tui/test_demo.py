@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
 from protocols.arm.files import load_arm
 from protocols.plan import PLANS_DIRECTORY
+from protocols.session.journal import load_journal
 from tui.demo import run_demo
 
 FEW_POINTS = 'points = ["1", "4", "6", "9", "12", "14"]'
@@ -57,7 +59,9 @@ def test_the_object_holds_what_is_promised(found):
     assert len(found["validation"]) == 8
     assert found["modes"]
     assert found["hits"]["accepted"] == 3 * 6 * 5
-    assert found["hits"]["rejected"] >= 0
+    hits = load_journal(Path(found["session"]).with_name("demo.journal")).hits
+    assert found["hits"]["rejected"] == sum(not hit.verdict.accepted for hit in hits)
+    assert sum(found["hits"].values()) == len(hits)
     assert found["complete"]
     assert found["wall_s"] > 0
 

@@ -82,6 +82,7 @@ def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_on
     (after,) = line["after"]
     assert after["words"].startswith("measure all points")
     assert after["verdict"] in ("nothing_detectable", "ambiguous", "named")
+    assert after["outcome"] != "wrong name"
     assert all(width > 0.0 for width in line["widths"].values())
 
 

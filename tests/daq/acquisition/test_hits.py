@@ -107,7 +107,8 @@ def test_a_bump_while_mounting_is_set_aside_and_said(lab, start, fakes):
 def test_an_arm_that_moves_during_the_hit_is_noticed(lab, start, fakes):
     run = start()
     run.ready()
-    time.sleep(0.2)
+    # The record must lie behind the prompt, and begin before the arm moves.
+    time.sleep(len(fakes["record"]()) / 1652.0)
     lab.controller.joints_rad = lab.controller.joints_rad + np.radians(0.3)
     lab.board.hit(fakes["record"]())
     assert run.judged().verdict.reasons == ("moved",)
