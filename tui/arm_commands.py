@@ -16,7 +16,7 @@ from protocols.arm.files import load_arm
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
-from tui.console import Json, err, out, print_json
+from tui.console import Json, err, out, print_json, say
 from tui.mozzi import (
     Elbow,
     deflection_json,
@@ -46,7 +46,7 @@ def _progress(what: str) -> Callable[[int, int], None]:
         tenth = 10 * done // wanted
         if tenth != shown:
             shown = tenth
-            err.print(f"[dim]· {what} {100 * done // wanted} %[/dim]")
+            say(f"{what} {100 * done // wanted} %")
 
     return show
 
@@ -73,7 +73,7 @@ def _plain_arm(source: str) -> Arm:
     """Load an arm for a calculation that knows only its links and joints, and say so."""
     arm = load_arm(source)
     for note in arm.effects_left_out():
-        err.print(f"note: {note}", markup=False)
+        err.print(f"note: {note}")
     return arm
 
 
@@ -120,7 +120,7 @@ def plan_command(
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
         out.print(f"no test shows {names} alone: identify by the fit of all modes")
     if out_path is not None:
-        out.print(f"plan {out_path}", markup=False)
+        out.print(f"plan {out_path}")
 
 
 @app.command("mozzi")
@@ -139,7 +139,10 @@ def mozzi_command(
         str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
     ] = "0,0,0",
     rank: Annotated[
-        int, typer.Option(min=0, help="Instead of one posture: rank so many random ones.")
+        int,
+        typer.Option(
+            min=0, max=10_000_000, help="Instead of one posture: rank so many random ones."
+        ),
     ] = 0,
     best: Annotated[int, typer.Option(min=1, help="How many of them to show.")] = 10,
     seed: Seed = 0,
@@ -207,8 +210,8 @@ def workspace_command(
         return
     out.print(workspace_table(study))
     for note in value["notes"]:
-        out.print(f"note: {note}", markup=False)
-    out.print(f"page   {value['page']}\narrays {value['arrays']}", markup=False)
+        out.print(f"note: {note}")
+    out.print(f"page   {value['page']}\narrays {value['arrays']}")
 
 
 @app.command("calibrate-inertia")
@@ -230,7 +233,7 @@ def calibrate_command(
         return
     for table in calibration_tables(found):
         out.print(table)
-    out.print(f"arm {out_path}", markup=False)
+    out.print(f"arm {out_path}")
 
 
 @app.command("reproduce")

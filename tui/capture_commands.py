@@ -28,7 +28,7 @@ def show_event(event: Event) -> None:
     """Print what an acquisition tells a person."""
     line = describe(event)
     if line is not None:
-        err.print(line, markup=False)
+        err.print(line)
 
 
 @app.command("acquire")
@@ -88,8 +88,7 @@ def acquire_command(
     else:
         out.print(
             f"{finished.accepted} hits accepted, {finished.rejected} rejected: "
-            f"{finished.reason}\nsession {session_path}",
-            markup=False,
+            f"{finished.reason}\nsession {session_path}"
         )
 
 
@@ -123,4 +122,4 @@ def recover(
         print_json(summary)
         return
     for name, value in summary.items():
-        out.print(f"{name:<16}{value}", markup=False)
+        out.print(f"{name:<16}{value}")

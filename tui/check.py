@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 from rich.table import Table
+from rich.text import Text
 
 from daq.check import BoardCheckOptions, Report, StepResult, Verdict, check_board, check_can
 from daq.clock import SystemClock
@@ -17,7 +18,7 @@ from daq.serial_port import SerialPort
 from protocols.arm.files import load_arm
 from protocols.session.hdf5 import read_session
 from tui.check_session import session_checks
-from tui.console import Json, TimeScale, err, out
+from tui.console import Json, TimeScale, err, out, say
 
 __all__ = ["app"]
 
@@ -120,9 +121,9 @@ def _rate(text: str | None) -> Fraction | None:
 
 def _tell(news: StepResult | str) -> None:
     if isinstance(news, str):
-        err.print(f"[dim]\u00b7 {news}[/dim]")
+        say(news)
     elif news.verdict is not Verdict.PASS:
-        err.print(f"  {news.verdict}: {news.came}", markup=False)
+        err.print(f"  {news.verdict}: {news.came}")
 
 
 def _finish(report: Report, *, as_json: bool) -> None:
@@ -132,9 +133,9 @@ def _finish(report: Report, *, as_json: bool) -> None:
         out.print(_table(report))
         for step in report.steps:
             if step.hint:
-                out.print(f"{step.title}: {step.hint}", markup=False)
+                out.print(f"{step.title}: {step.hint}")
         counts = ", ".join(f"{report.count(verdict)} {verdict}" for verdict in Verdict)
-        out.print(f"{report.device}: {counts}", markup=False)
+        out.print(f"{report.device}: {counts}")
     if not report.passed:
         raise typer.Exit(FAILED)
 
@@ -149,7 +150,7 @@ def _table(report: Report) -> Table:
             step.title,
             _plain(step.wanted),
             _plain(step.came),
-            f"[{style}]{step.verdict.value}[/{style}]",
+            Text(step.verdict.value, style=style),
         )
     return table
 

@@ -89,14 +89,14 @@ def main() -> None:
     try:
         app(standalone_mode=True)
     except ArmodalError as error:
-        err.print(f"armodal: {error}", markup=False)
+        err.print(f"armodal: {error}")
         sys.exit(USER_ERROR)
     except OSError as error:
         problem = SessionError(f"{error.filename or 'file'}: {error.strerror or error}")
-        err.print(f"armodal: {problem}", markup=False)
+        err.print(f"armodal: {problem}")
         sys.exit(USER_ERROR)
     except KeyboardInterrupt:
-        err.print("armodal: stopped", markup=False)
+        err.print("armodal: stopped")
         sys.exit(130)
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -13,8 +14,19 @@ from daq.clock import check_time_scale
 
 __all__ = ["Json", "TimeScale", "err", "out", "print_json", "say"]
 
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
+
+class _Console(Console):
+    """Text as it is: brackets in a name are no markup, and a pipe's lines are not folded."""
+
+    def print(self, *objects: Any, **settings: Any) -> None:
+        """Print objects; tables fold, text only on a terminal."""
+        is_text = all(isinstance(thing, (str, Path)) for thing in objects)
+        settings.setdefault("soft_wrap", is_text and not self.is_terminal)
+        super().print(*objects, **settings)
+
+
+out = _Console(highlight=False, markup=False)
+err = _Console(stderr=True, highlight=False, markup=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
@@ -29,7 +41,7 @@ TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a
 
 def say(text: str) -> None:
     """Tell what is being done."""
-    err.print(f"· {text}", markup=False, style="dim")
+    err.print(f"· {text}", style="dim")
 
 
 def print_json(value: object) -> None:

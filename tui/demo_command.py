@@ -22,7 +22,7 @@ app = typer.Typer(add_completion=False)
 
 @app.command()
 def demo(
-    seed: Annotated[int, typer.Option(help="For everything random in the laboratory.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="For everything random in the laboratory.")] = 1,
     directory: Annotated[Path, typer.Option("--out", help="Where the results go.")] = Path("demo"),
     time_scale: TimeScale = DEMO_TIME_SCALE,
     as_json: Json = False,
@@ -45,15 +45,15 @@ def demo(
         f"{hits['accepted']} hits accepted, {hits['rejected']} rejected; "
         f"{found['wall_s']:.0f} s in all, {found['capture_s']:.0f} s of them capture"
     )
-    out.print(f"session {found['session']}\nreport  {found['report']}", markup=False)
-    out.print(f"\n{gap.summary}", markup=False)
+    out.print(f"session {found['session']}\nreport  {found['report']}")
+    out.print(f"\n{gap.summary}")
     for table in gap_tables(gap):
         out.print(table)
     for effect in found["gap"]["effects"]:
         if "truth_k_n_m_per_rad" in effect:
             k, truth = effect["k_n_m_per_rad"], effect["truth_k_n_m_per_rad"]
             out.print(f"its stiffness {k:.0f} N m/rad, in truth {truth:.0f} N m/rad")
-    out.print(f"{found['gap_s']:.0f} s; new arm file {found['gap']['arm_file']}", markup=False)
+    out.print(f"{found['gap_s']:.0f} s; new arm file {found['gap']['arm_file']}")
 
 
 def _truth_table(found: dict[str, Any]) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -32,6 +33,7 @@ from protocols.foreign.uff_write import write_uff
 from protocols.session.hdf5 import Provenance, read_session, write_session
 from protocols.session.records import Hit, Session
 from tui.console import Json, out, say
+from tui.output_file import check_output
 from tui.results import identification_json
 from tui.software import SOFTWARE
 
@@ -39,11 +41,13 @@ __all__ = ["app", "export_model", "export_session", "import_manifest"]
 
 app = typer.Typer(add_completion=False)
 
+_ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat"), (".json", ".toml")
 _FINER = 2**8  # imported counts to a step of 24 bits at half range
 
 
 def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:
     """Write the session a manifest describes; return it and a summary in plain values."""
+    check_output(output, path)
     created = datetime.now(UTC).isoformat(timespec="seconds")
     session = import_session(load_manifest(path), created=created, software=software)
     session = with_variances(_judged(session))
@@ -125,11 +129,7 @@ def export_session(
     The first posture goes to `output`, each further one to a file numbered behind it: names of
     postures never become paths.
     """
-    if output.suffix.lower() not in {".uff", ".unv", ".mat"}:
-        raise ForeignFileError(
-            f"{output.name}: wanted a file called .uff, .unv or .mat, got "
-            f"{output.suffix or 'no ending'}; rename it"
-        )
+    _check_ending(output, _ENDINGS, "file")
     arm = session.header.arm
     frfs = estimate_frfs(session, Superset(arm))
     if not frfs:
@@ -164,6 +164,15 @@ def _exported(model: ModalModel) -> list[ExportedMode]:
     ]
 
 
+def _check_ending(path: Path, endings: Sequence[str], what: str) -> None:
+    if path.suffix.lower() not in endings:
+        *others, last = endings
+        raise ForeignFileError(
+            f"{path.name}: wanted a {what} called {', '.join(others)} or {last}, got "
+            f"{path.suffix or 'no ending'}; rename it"
+        )
+
+
 def export_model(session: Session, result: Identification, path: Path, *, software: str) -> None:
     """Write the identified model: as JSON, or as the arm file with the values identified.
 
@@ -172,9 +181,10 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
     ForeignFileError, ArmError
         If the ending is neither .json nor .toml, or the arm file cannot take the values.
     """
+    _check_ending(path, _MODEL_ENDINGS, "model")
     if path.suffix.lower() == ".json":
         text = json.dumps(identification_json(session, result), indent=2) + "\n"
-    elif path.suffix.lower() == ".toml":
+    else:
         values = {
             joint.joint: JointValues(
                 stiffness=(joint.k_n_m_per_rad, float(np.hypot(joint.k_std, joint.k_std_model))),
@@ -184,10 +194,6 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
         }
         source = f"identified by {software} from session {session.header.session_id[:8]}"
         text = arm_text_with(session.header.arm, values, source)
-    else:
-        raise ForeignFileError(
-            f"{path.name}: wanted a model called .json or .toml, got {path.suffix or 'no ending'}"
-        )
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         temporary.write_text(text, encoding="utf-8")
@@ -215,10 +221,10 @@ def import_command(
         what = f"{posture.get('frfs')} FRFs"
         if "hits" in posture:
             what = f"{posture['hits']} hits, {posture['accepted']} accepted"
-        out.print(f"{posture['posture']}: {what}", markup=False)
+        out.print(f"{posture['posture']}: {what}")
     for text in summary["warnings"]:
-        out.print(f"note: {text}", markup=False)
-    out.print(f"session {output}", markup=False)
+        out.print(f"note: {text}")
+    out.print(f"session {output}")
 
 
 @app.command("export")
@@ -238,13 +244,18 @@ def export_command(
 
     Example: armodal export session.h5 --out session.uff --model model.json
     """
-    measured = read_session(session)
     path = output or session.with_suffix(".uff")
+    _check_ending(path, _ENDINGS, "file")
+    check_output(path, session)
+    if model is not None:
+        _check_ending(model, _MODEL_ENDINGS, "model")
+        check_output(model, session, path)
+    measured = read_session(session)
     result = None if model is None else identify(measured, say)
-    if model is not None and result is not None:
-        export_model(measured, result, model, software=SOFTWARE)
     say("FRFs and modes" if modes else "FRFs")
     summary = export_session(measured, path, modes=modes, binary=binary, software=SOFTWARE)
+    if model is not None and result is not None:
+        export_model(measured, result, model, software=SOFTWARE)
     summary["model"] = None if model is None else str(model)
     if model is not None and model.suffix.lower() == ".toml" and result and result.axes:
         summary["warnings"].append(
@@ -255,10 +266,10 @@ def export_command(
         sys.stdout.write(json.dumps(summary, indent=2) + "\n")
         return
     for file in summary["files"]:
-        out.print(f"{file['posture']}: {file['file']}", markup=False)
+        out.print(f"{file['posture']}: {file['file']}")
         for note in file["notes"]:
-            out.print(f"  note: {note}", markup=False)
+            out.print(f"  note: {note}")
     for text in summary["warnings"]:
-        out.print(f"note: {text}", markup=False)
+        out.print(f"note: {text}")
     if model is not None:
-        out.print(f"model {model}", markup=False)
+        out.print(f"model {model}")

@@ -27,6 +27,7 @@ from tui.gap_lab import SimulatedLaboratory, run_loop
 from tui.gap_study import run_study, seal_hashes
 from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary, study_tables
+from tui.output_file import check_output
 
 __all__ = ["app"]
 
@@ -55,7 +56,7 @@ def gap_command(
     lab_arm: Annotated[str, typer.Option(help="Its arm: bench57, ur5 or rv4frl.")] = "bench57",
     hide: Annotated[str | None, typer.Option(help="What it hides; drawn if not given.")] = None,
     magnitude: Annotated[str, typer.Option(help="clear, medium or faint.")] = "medium",
-    seed: Annotated[int, typer.Option(help="Of everything in it.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything in it.")] = 1,
     budget: Annotated[int, typer.Option(min=0, help="Further tests at most.")] = 2,
     folder: Annotated[
         Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
@@ -77,6 +78,10 @@ def gap_command(
         )
     if arm_out is not None and arm_out.exists():
         raise ArmError(f"{arm_out} is there already; give --arm-out another name")
+    read = [] if session is None else [session, *(more or ())]
+    for path in (html, arm_out):
+        if path is not None:
+            check_output(path, *read)
     beside: dict[str, Any] = {}
     if session is None:
         session, outcome, beside = _with_laboratory(lab_arm, hide, magnitude, seed, budget, folder)
@@ -98,27 +103,27 @@ def gap_command(
         return
     _print_result(outcome, beside)
     for key, path in written.items():
-        out.print(f"{key} {path}", markup=False)
+        out.print(f"{key} {path}")
 
 
 def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
     result = outcome.result
     for test in beside.get("tests", ()):
-        out.print(f"test {test['number']}: {test['words']}\n  {test['why']}", markup=False)
-    out.print(result.summary, markup=False)
-    out.print(f"where: {result.interface}", markup=False)
+        out.print(f"test {test['number']}: {test['words']}\n  {test['why']}")
+    out.print(result.summary)
+    out.print(f"where: {result.interface}")
     for table in gap_tables(result):
         out.print(table)
     for effect in result.effects:
-        out.print(f"do now: {effect.remedy}", markup=False)
+        out.print(f"do now: {effect.remedy}")
     if result.next_test is not None:
-        out.print(f"next test: {result.next_test.words}", markup=False)
-        out.print(f"  it {result.next_test.why}", markup=False)
+        out.print(f"next test: {result.next_test.words}")
+        out.print(f"  it {result.next_test.why}")
     for note in result.notes:
-        out.print(f"note: {note}", markup=False)
+        out.print(f"note: {note}")
     if beside:
         hidden = ", ".join(f"{e['name']} ({e['place']})" for e in beside["truth"]["effects"])
-        out.print(f"in truth: {hidden or 'nothing was hidden'}", markup=False)
+        out.print(f"in truth: {hidden or 'nothing was hidden'}")
 
 
 def _with_laboratory(
@@ -140,7 +145,7 @@ def _with_laboratory(
 @app.command("gap-study")
 def gap_study_command(
     directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
-    seed: Annotated[int, typer.Option(help="Of the cases.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Of the cases.")] = 1,
     nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
     effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
@@ -197,7 +202,7 @@ def gap_study_command(
         return
     for table in study_tables(summary):
         out.print(table)
-    out.print(f"cases {path}", markup=False)
+    out.print(f"cases {path}")
 
 
 def _command(specs: Sequence[CaseSpec], seed: int, tests: int, curves: int, whole: bool) -> str:

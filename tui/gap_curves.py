@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, as_completed
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,10 +20,9 @@ from hil_sim.study import CaseSpec, sealed
 from hil_sim.study.arms import study_arm
 from protocols.errors import ArmodalError
 from protocols.plan_records import Plan
+from tui.gap_study import Line, kept_lines
 
 __all__ = ["VARIED", "curve_rows", "levels_of", "reduced", "run_curves"]
-
-Line = dict[str, Any]
 
 VARIED: dict[str, tuple[int, ...]] = {
     "postures": (2, 3, 4, 5),
@@ -70,12 +68,17 @@ def run_curves(
     executor: Executor,
     tell: Callable[[str], None] = lambda _: None,
 ) -> list[Line]:
-    """Judge every case with every reduced plan; what is in the file already is not run again."""
-    done: dict[tuple[int, str, int], Line] = {}
-    if path.exists():
-        for text in path.read_text().splitlines():
-            line = json.loads(text)
-            done[line["seed"], line["varied"], line["n"]] = line
+    """Judge every case with every reduced plan; what is in the file already is not run again.
+
+    Raises
+    ------
+    SessionError
+        If the file is not one of curves.
+    """
+    done: dict[tuple[int, str, int], Line] = {
+        (line["seed"], line["varied"], line["n"]): line
+        for line in kept_lines(path, "seed", "varied", "n")
+    }
     wanted = [(spec, varied, n) for spec in specs for varied, ns in VARIED.items() for n in ns]
     waiting = [job for job in wanted if (job[0].seed, job[1], job[2]) not in done]
     with path.open("a") as file:

@@ -31,10 +31,11 @@ from analyzer.gap.score import (
 )
 from analyzer.gap.workflow import GapOutcome, find_gap
 from hil_sim.study import CaseSpec, sealed
-from protocols.errors import ArmodalError
+from protocols.errors import ArmodalError, SessionError
+from tui.console import say
 from tui.gap_further import further
 
-__all__ = ["Line", "run_case", "run_study", "seal_hashes"]
+__all__ = ["Line", "kept_lines", "run_case", "run_study", "seal_hashes"]
 
 Line = dict[str, Any]
 
@@ -182,6 +183,54 @@ def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> l
     return rows
 
 
+def kept_lines(path: Path, *keys: str) -> list[Line]:
+    """Return the lines of a study's file, and leave the file so that it can be gone on with.
+
+    A last line that was torn is taken out of the file, and said.
+
+    Parameters
+    ----------
+    keys
+        What every line must have.
+
+    Raises
+    ------
+    SessionError
+        If another line than the last is not one of a study.
+    """
+    if not path.exists():
+        return []
+    content = path.read_bytes()
+    rows = content.rstrip().split(b"\n") if content.strip() else []
+    lines, whole = [], 0
+    for number, row in enumerate(rows, start=1):
+        line = _line_of(row, keys)
+        if line is not None:
+            lines.append(line)
+            whole += len(row) + 1
+        elif number < len(rows):
+            raise SessionError(
+                f"{path}: line {number}: wanted an object with {', '.join(keys)}, got something "
+                "else; take the line out, or move the file away"
+            )
+        else:
+            say(f"{path}: line {number} is torn: it is dropped, and judged again")
+    kept = content[:whole] if content[:whole].endswith(b"\n") or not whole else content[:whole] + b"\n"
+    if kept != content:
+        path.write_bytes(kept)
+    return lines
+
+
+def _line_of(row: bytes, keys: Sequence[str]) -> Line | None:
+    try:
+        line = json.loads(row.decode())
+    except ValueError:
+        return None
+    if not isinstance(line, dict) or not all(isinstance(line.get(k), int | str) for k in keys):
+        return None
+    return line
+
+
 def run_study(
     specs: Sequence[CaseSpec],
     hashes: Mapping[int, str],
@@ -204,13 +253,17 @@ def run_study(
     tests
         Further ones that a case may have: every case that hides something, and of those that hide
         nothing each fifth.
+
+    Raises
+    ------
+    SessionError
+        If the file is not one of a study.
     """
-    done: dict[int, Line] = {}
-    if path.exists():
-        for text in path.read_text().splitlines():
-            line = json.loads(text)
-            if hashes.get(line.get("number")) == line.get("truth_sha256"):
-                done[line["number"]] = line
+    done: dict[int, Line] = {
+        line["number"]: line
+        for line in kept_lines(path, "number", "truth_sha256")
+        if hashes.get(line["number"]) == line["truth_sha256"]
+    }
     waiting = [spec for spec in specs if spec.number not in done]
     with path.open("a") as file:
         futures = [

@@ -32,7 +32,7 @@ def run_command(
         typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
     ] = None,
     time_scale: TimeScale = 1.0,
-    seed: Annotated[int, typer.Option(help="For everything random in the simulation.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
 ) -> None:
     """Guide the operator through a session, on screens that read from two metres.
 

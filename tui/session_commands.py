@@ -17,6 +17,7 @@ from tui.arm_commands import comma_numbers
 from tui.console import Json, out, print_json, say
 from tui.fit import FitSettings, fit_lines, fit_session
 from tui.mozzi import checked_posture
+from tui.output_file import check_output
 from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
 from tui.predict import predict_posture, prediction_json, prediction_tables
 from tui.results import identification_json, identification_tables
@@ -71,9 +72,9 @@ def fit(
         return
     out.print(table)
     for line in fit_lines(value):
-        out.print(line, markup=False)
+        out.print(line)
     for note in value["warnings"]:
-        out.print(f"note: {note}", markup=False)
+        out.print(f"note: {note}")
 
 
 @app.command("identify")
@@ -112,7 +113,7 @@ def identify_command(
         out.print(table)
     doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
     for note in (*result.notes, *doubts, *measured.warnings):
-        out.print(f"note: {note}", markup=False)
+        out.print(f"note: {note}")
 
 
 @app.command("predict")
@@ -145,7 +146,7 @@ def predict_command(
         for table in prediction_tables(prediction):
             out.print(table)
     for note in notes:
-        out.print(f"note: {note}", markup=False)
+        out.print(f"note: {note}")
 
 
 @app.command()
@@ -166,17 +167,18 @@ def report(
 
     Example: armodal report session.h5 --workspace 100000 --out report.html
     """
-    measured = read_session(session)
     path = output or session.with_suffix(".html")
+    beside = gap_path(session)
+    check_output(path, session, beside)
+    measured = read_session(session)
+    gap = read_gap(beside) if beside.exists() else None
     result = identify(measured, say)
     sections = []
     if workspace:
         say("workspace")
         sections.append(workspace_section(measured.header.arm, result, workspace))
-    beside = gap_path(session)
-    gap = read_gap(beside) if beside.exists() else None
     write_report(measured, result, path, sections=sections, gap=gap)
     if as_json:
         print_json({"report": str(path)})
     else:
-        out.print(f"report {path}", markup=False)
+        out.print(f"report {path}")

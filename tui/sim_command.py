@@ -25,7 +25,7 @@ app = typer.Typer(add_completion=False)
 @app.command()
 def sim(
     plant: Annotated[str, typer.Option(help="Shipped plant or a plant file.")] = "rv4frl",
-    seed: Annotated[int, typer.Option(help="For everything random in it.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="For everything random in it.")] = 1,
     time_scale: TimeScale = 1.0,
     directory: Annotated[Path | None, typer.Option("--out", help="Socket and ledger.")] = None,
     fault: Annotated[list[str] | None, typer.Option(help="A scripted fault; repeatable.")] = None,
@@ -59,7 +59,7 @@ def sim(
             sys.stdout.flush()
         else:
             for name, value in ports.items():
-                out.print(f"{name:<11}{value}", markup=False)
+                out.print(f"{name:<11}{value}")
         laboratory.wait()
 
 

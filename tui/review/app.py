@@ -201,7 +201,7 @@ class ReviewApp(App[int]):
         try:
             state.gap = read_gap(chosen)
         except ArmodalError as error:
-            self.notify(str(error), severity="error", timeout=20.0)
+            self.notify(str(error), severity="error", timeout=20.0, markup=False)
 
     def _fitted(self, number: int, view: PostureView) -> None:
         if self.state is not None:

@@ -19,6 +19,7 @@ from tui.review.run_pane import RunPane
 __all__ = ["GapPane", "read_gap"]
 
 _LIMIT = 64 * 1024 * 1024
+_NOT_SHOWN = (TypeError, ValueError, AttributeError, KeyError, IndexError, OverflowError)
 
 
 def read_gap(path: Path) -> dict[str, Any]:
@@ -27,7 +28,7 @@ def read_gap(path: Path) -> dict[str, Any]:
     Raises
     ------
     SessionError
-        If the file is not such an object.
+        If the file is not such an object, or cannot be shown.
     """
     try:
         size = path.stat().st_size
@@ -43,6 +44,13 @@ def read_gap(path: Path) -> dict[str, Any]:
             f"{path}: wanted an object with a verdict, got something else; give the result of "
             "`armodal gap --json`"
         )
+    try:
+        gap_view(value)
+    except _NOT_SHOWN as error:
+        raise SessionError(
+            f"{path}: wanted the values that `armodal gap --json` writes, got others ({error}); "
+            "give the result of `armodal gap`"
+        ) from error
     return value
 
 

@@ -68,6 +68,10 @@ def _table(*columns: str) -> Table:
     return table
 
 
+def _add(table: Table, *cells: str) -> None:
+    table.add_row(*map(Text, cells))  # brackets in a name are no markup
+
+
 def _titled(title: str, table: RenderableType, below: str = "") -> RenderableType:
     parts: list[RenderableType] = [Text(title, style="bold"), table]
     return Group(*parts, Text(below, style="italic")) if below else Group(*parts)
@@ -118,7 +122,8 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
             for value in (_error(row), _error(then), row.get("floor"))
         ]
         held = "not fitted to" if row.get("held_out") else "fitted"
-        table.add_row(
+        _add(
+            table,
             str(row.get("posture", "?")), *shown, f"{_bar(_error(row), _error(then))} {held}"
         )
     return _titled("Gap: difference over the FRFs, %", table)
@@ -185,7 +190,8 @@ def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
     table = _table("effect", "behind", "stands", "told apart by")
     for row in rows[:12]:
         stands = row.get("standing")
-        table.add_row(
+        _add(
+            table,
             _name(row),
             _number(row.get("behind"), 3),
             "-" if stands is None else "yes" if stands else "no",
@@ -211,7 +217,7 @@ def _stiffness(found: Mapping[str, Any]) -> RenderableType | None:
         return None
     table = _table("joint", "k", "range")
     for cells in rows:
-        table.add_row(*cells)
+        _add(table, *cells)
     return _titled("Joint stiffness over all rivals still standing, N m/rad", table)
 
 
@@ -251,7 +257,7 @@ def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
     table = _table("effect", "place", "parameter", "at most", "")
     for row in rows:
         cells = (str(row.get(key, "?")) for key in ("name", "place", "parameter"))
-        table.add_row(*cells, _number(row.get("largest")), str(row.get("unit", "")))
+        _add(table, *cells, _number(row.get("largest")), str(row.get("unit", "")))
     return _titled("Could still hide, 95 %", table)
 
 

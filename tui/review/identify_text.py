@@ -48,7 +48,7 @@ def _joints(rows: list[dict[str, Any]]) -> RenderableType:
     for row in rows:
         k, half = row["k_n_m_per_rad"], row["k_half_width_95"]
         table.add_row(
-            row["joint"],
+            Text(row["joint"]),
             f"{k:.0f}",
             f"{k - half:.0f} to {k + half:.0f}",
             f"{row['k_std_model']:.0f}",
@@ -69,7 +69,7 @@ def _axes(rows: list[dict[str, Any]]) -> RenderableType:
     for row in rows:
         k, half = row["k_n_m_per_rad"], row["k_half_width_95"]
         table.add_row(
-            row["link"],
+            Text(row["link"]),
             f"{k:.0f}",
             f"{k - half:.0f} to {k + half:.0f}",
             " ".join(f"{value:+.2f}" for value in row["direction_link"]),
@@ -83,7 +83,7 @@ def _validation(rows: list[dict[str, Any]]) -> RenderableType:
     for row in rows:
         measured = row["measured_hz"]
         table.add_row(
-            row["posture"],
+            Text(row["posture"]),
             str(row["mode"]),
             f"{row['predicted_hz']:.2f} ± {row['predicted_std_hz']:.2f}",
             "not found" if measured is None else f"{measured:.2f}",

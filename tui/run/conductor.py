@@ -209,10 +209,13 @@ class Conductor:
         level_n = suggested_level_n(self.state)
         if self.state.phase is not Phase.LAB or self.state.resuming or level_n is None:
             return
-        self.place = replace(
-            self.place, plan=with_trigger_level(self.place.plan, self.place.arm, level_n)
-        )
-        self.tell(TriggerChosen(plan=self.place.plan))
+        try:
+            plan = with_trigger_level(self.place.plan, self.place.arm, level_n)
+        except ArmodalError as error:
+            self.tell(HandIdle(trouble=str(error)))
+            return
+        self.place = replace(self.place, plan=plan)
+        self.tell(TriggerChosen(plan=plan))
         self._engine.send(TriggerLevel(level_n=level_n))
 
     def retake(self, place: tuple[str, str] | None = None) -> None:

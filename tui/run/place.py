@@ -78,11 +78,12 @@ def with_trigger_level(plan: Plan, arm: Arm, level_n: float) -> Plan:
     Raises
     ------
     PlanError
-        If the plan's text has no such key where it must be.
+        If the plan's text has no such key where it must be, or the level is no level.
     """
-    text, count = re.subn(
-        r"(?m)^(\s*level_n\s*=\s*)[-+0-9.eE_]+", rf"\g<1>{level_n:.3g}", plan.text, count=1
-    )
-    if count != 1:
-        raise PlanError(f"plan {plan.name}: wanted one line level_n = ... in [trigger], got none")
-    return plan_from_text(text, arm, origin=f"plan {plan.name}")
+    told = f"{level_n:.3g}"
+    for found in re.finditer(r"\blevel_n\s*=\s*([-+0-9.eE_]+)", plan.text):
+        text = plan.text[: found.start(1)] + told + plan.text[found.end(1) :]
+        changed = plan_from_text(text, arm, origin=f"plan {plan.name}")
+        if changed.trigger.level_n == float(told):  # else it stands in a comment
+            return changed
+    raise PlanError(f"plan {plan.name}: wanted level_n = ... of the trigger in its text, got none")
