@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +15,7 @@ from protocols.arm.files import load_arm
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
-from tui.console import Json, err, out, print_json, say
+from tui.console import Json, err, out, print_json, progress
 from tui.mozzi import (
     Elbow,
     deflection_json,
@@ -36,19 +35,6 @@ app = typer.Typer(add_completion=False)
 
 ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
 Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
-
-
-def _progress(what: str) -> Callable[[int, int], None]:
-    shown = -1
-
-    def show(done: int, wanted: int) -> None:
-        nonlocal shown
-        tenth = 10 * done // wanted
-        if tenth != shown:
-            shown = tenth
-            say(f"{what} {100 * done // wanted} %")
-
-    return show
 
 
 def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:
@@ -107,7 +93,7 @@ def plan_command(
         np.random.default_rng(seed),
         clearance=Clearance(floor_m=floor, base_radius_m=base_radius),
         n_tests=tests,
-        progress=_progress("search"),
+        progress=progress("search"),
     )
     if out_path is not None:
         write_plan(plan_text(found, name), out_path)
@@ -203,7 +189,7 @@ def workspace_command(
         n_postures=postures,
         seed=seed,
         workers=workers,
-        progress=_progress("postures"),
+        progress=progress("postures"),
     )
     if as_json:
         print_json(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +13,7 @@ from rich.console import Console
 
 from daq.clock import check_time_scale
 
-__all__ = ["Json", "TimeScale", "err", "out", "print_json", "say"]
+__all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say"]
 
 
 class _Console(Console):
@@ -42,6 +43,20 @@ TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a
 def say(text: str) -> None:
     """Tell what is being done."""
     err.print(f"· {text}", style="dim")
+
+
+def progress(what: str) -> Callable[[int, int], None]:
+    """Return what tells each tenth of a long work, called with what is done and what is wanted."""
+    shown = -1
+
+    def show(done: int, wanted: int) -> None:
+        nonlocal shown
+        tenth = 10 * done // wanted
+        if tenth != shown:
+            shown = tenth
+            say(f"{what} {100 * done // wanted} %")
+
+    return show
 
 
 def print_json(value: object) -> None:

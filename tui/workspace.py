@@ -24,6 +24,7 @@ from analyzer.workspace.survey import (
 )
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
+from tui.console import progress as told_progress
 
 __all__ = ["survey_to_files", "workspace_section", "workspace_table"]
 
@@ -91,6 +92,7 @@ def workspace_section(arm: Arm, result: Identification, n_postures: int) -> Repo
             damping_n_m_s_per_rad=structure.damping_n_m_s_per_rad,
         ),
         n_postures=n_postures,
+        progress=told_progress("postures"),
     )
     notes = list(survey.notes)
     if structure.axes:
