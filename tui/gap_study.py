@@ -215,16 +215,19 @@ def kept_lines(path: Path, *keys: str) -> list[Line]:
             )
         else:
             say(f"{path}: line {number} is torn: it is dropped, and judged again")
-    kept = content[:whole] if content[:whole].endswith(b"\n") or not whole else content[:whole] + b"\n"
-    if kept != content:
-        path.write_bytes(kept)
+    kept = content[:whole]
+    with path.open("r+b") as file:
+        file.truncate(len(kept))
+        if kept and not kept.endswith(b"\n"):
+            file.seek(len(kept))
+            file.write(b"\n")
     return lines
 
 
 def _line_of(row: bytes, keys: Sequence[str]) -> Line | None:
     try:
         line = json.loads(row.decode())
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     if not isinstance(line, dict) or not all(isinstance(line.get(k), int | str) for k in keys):
         return None

@@ -100,7 +100,8 @@ def write_session(
     except (OSError, RuntimeError, ValueError) as error:
         raise SessionError(
             f"the session file {target} cannot be written ({error}): free or choose another "
-            "place and run `armodal recover`; the journal is untouched"
+            "place and write it again; a journal, where there is one, is untouched: "
+            "`armodal recover` writes from it"
         ) from error
     finally:
         with suppress(OSError):  # gone by its renaming, or never made

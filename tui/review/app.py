@@ -13,6 +13,7 @@ from textual import work
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.events import Resize
+from textual.markup import escape
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static, TabbedContent, TabPane
@@ -297,7 +298,7 @@ class ReviewApp(App[int]):
         self.redraw()
         kind = "by hand" if view.by_hand else "automatic"
         count = 0 if view.model is None else len(view.model.modes)
-        self.notify(f"{view.name}: {count} modes {kind}")
+        self.notify(f"{view.name}: {count} modes {kind}", markup=False)
 
     def on_run_pane_done(self, message: RunPane.Done) -> None:
         """Keep a result."""
@@ -327,7 +328,7 @@ class ReviewApp(App[int]):
             self.notify("refit the picks first (r), then save", severity="warning")
             return
         if self._save():
-            self.notify(f"picked poles saved: {picked_path(self.path)}", timeout=8.0)
+            self.notify(f"picked poles saved: {picked_path(self.path)}", timeout=8.0, markup=False)
 
     def _save(self) -> bool:
         if self.state is None:
@@ -336,7 +337,7 @@ class ReviewApp(App[int]):
         try:
             write_picked(picked_path(self.path), self.state.opened.session, picks)
         except ArmodalError as error:
-            self.notify(str(error), severity="error", timeout=15.0)
+            self.notify(str(error), severity="error", timeout=15.0, markup=False)
             return False
         self.state.unsaved = False
         self.redraw()
@@ -381,7 +382,7 @@ class ReviewApp(App[int]):
             return
         for number, view in enumerate(self.state.views):
             yield SystemCommand(
-                f"Posture {view.name}",
+                f"Posture {escape(view.name)}",
                 "Look at this posture",
                 lambda number=number: self._go_to_posture(number),
             )

@@ -19,7 +19,15 @@ from tui.review.run_pane import RunPane
 __all__ = ["GapPane", "read_gap"]
 
 _LIMIT = 64 * 1024 * 1024
-_NOT_SHOWN = (TypeError, ValueError, AttributeError, KeyError, IndexError, OverflowError)
+_NOT_SHOWN = (
+    TypeError,
+    ValueError,
+    AttributeError,
+    KeyError,
+    IndexError,
+    OverflowError,
+    RecursionError,
+)
 
 
 def read_gap(path: Path) -> dict[str, Any]:
@@ -35,7 +43,7 @@ def read_gap(path: Path) -> dict[str, Any]:
         value = json.loads(path.read_text(encoding="utf-8")) if size <= _LIMIT else None
     except OSError as error:
         raise SessionError(f"{path}: {error.strerror}; give the result of `armodal gap`") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise SessionError(
             f"{path}: wanted JSON, got {error}; give the result of `armodal gap`"
         ) from error
@@ -98,6 +106,6 @@ proposed next test as a plan file beside the session and asks whether to measure
         try:
             keep_plan(next_test_plan(session, self.state.gap), path)
         except ArmodalError as error:
-            self.app.notify(str(error), severity="error", timeout=10.0)
+            self.app.notify(str(error), severity="error", timeout=10.0, markup=False)
         else:
             self.post_message(self.Planned(next_run(session, path)))

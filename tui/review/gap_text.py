@@ -123,8 +123,7 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
         ]
         held = "not fitted to" if row.get("held_out") else "fitted"
         _add(
-            table,
-            str(row.get("posture", "?")), *shown, f"{_bar(_error(row), _error(then))} {held}"
+            table, str(row.get("posture", "?")), *shown, f"{_bar(_error(row), _error(then))} {held}"
         )
     return _titled("Gap: difference over the FRFs, %", table)
 

@@ -117,9 +117,9 @@ class RunApp(App[int]):
             if self._bell:
                 self.bell()
         if isinstance(event, HandIdle) and event.trouble:
-            self.notify(event.trouble, severity="error")
+            self.notify(event.trouble, severity="error", markup=False)
         if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
-            self.notify(event.text, severity="warning")
+            self.notify(event.text, severity="warning", markup=False)
         if isinstance(event, HitJudged | Failed):
             self._overview = False
             if self.screen_stack and isinstance(self.screen, HelpScreen):

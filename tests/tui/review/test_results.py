@@ -73,6 +73,40 @@ def test_a_file_that_is_no_gap_result_is_refused(tmp_path, text):
         read_gap(path)
 
 
+WRONG_TYPES = [
+    '{"verdict": "named", "effects": [{"parameters": [1]}]}',
+    '{"verdict": "named", "where": [{"ratio": 2, "band_hz": ["a", "b"]}]}',
+    '{"verdict": "named", "gap_before": [{"posture": [1]}], "gap_after": []}',
+    '{"verdict": "x", "gap_before": [{"frf_error": 1}], "gap_after": [{"frf_error": 1e999}]}',
+]
+
+
+@pytest.mark.parametrize("text", WRONG_TYPES)
+def test_a_gap_result_of_wrong_types_is_refused(tmp_path, text):
+    path = tmp_path / "g.json"
+    path.write_text(text)
+    with pytest.raises(SessionError, match=r"g\.json: wanted the values"):
+        read_gap(path)
+
+
+def test_brackets_in_a_gap_result_are_no_markup():
+    rows = [{"name": "[/effect]", "posture": "[/test]", "frf_error": 0.1}]
+    shown = plain(gap_view({"verdict": "named", "rivals": rows, "gap_before": rows}))
+    assert "[/effect]" in shown
+    assert "[/test]" in shown
+
+
+def test_a_damaged_gap_result_kept_beside_the_session_is_one_message(drive, screen_text):
+    async def steps(app, pilot):
+        assert "s.gap.json: wanted the values" in last_told(app)
+        assert len(app._notifications) == 1
+        assert app.state.gap is None
+        await pilot.press("8")
+        assert "enter: find where" in screen_text(app)
+
+    drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(WRONG_TYPES[0]))
+
+
 def test_a_command_tells_its_progress_and_its_result():
     heard = []
     code = "import sys; print('· step', file=sys.stderr); print('{\"a\": 1}')"

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import re
+
 import pytest
-from made import ARM, BOARD, HAMMER_PLAN, PLAN, after, fresh, judged, trial
+from made import ARM, BOARD, HAMMER_PLAN, LAB_EVENTS, PLAN, after, fresh, judged, trial
+from stage import Stage, play
 
 from daq.journal_writer import JournalWriter
 from protocols.board.messages import encode_dictionary
 from protocols.errors import SessionError
+from protocols.plan import plan_from_text
 from protocols.session.journal import Mark, MarkKind, encode_hit, encode_mark
 from protocols.session.records import SessionHeader
 from tui.run.place import find_place, with_trigger_level
@@ -74,6 +78,35 @@ def test_a_trigger_level_taken_is_in_the_plans_text():
     assert plan.sha256 != PLAN.sha256
     assert "level_n = 12.5" in plan.text
     assert plan.postures[0].points == PLAN.postures[0].points
+
+
+INLINE = re.sub(r"\[trigger\]\n.*\n.*\n", "", PLAN.text).replace(
+    "hits_per_point", 'trigger = { level_n = 10.0, slope = "rising" }\nhits_per_point', 1
+)
+
+
+@pytest.mark.parametrize("before", ["", "# level_n = 3.0 was too low\n"])
+def test_a_trigger_level_is_taken_where_armodal_plan_writes_it(before):
+    plan = plan_from_text(before + INLINE, ARM, origin="inline")
+    changed = with_trigger_level(plan, ARM, 12.5)
+    assert changed.trigger.level_n == 12.5
+    assert changed.text == plan.text.replace("level_n = 10.0", "level_n = 12.5")
+
+
+def test_a_trigger_level_that_cannot_be_taken_is_one_notice(tmp_path):
+    quoted = INLINE.replace("level_n =", '"level_n" =')
+    stage = Stage(tmp_path, plan=plan_from_text(quoted, ARM, origin="quoted"))
+
+    async def body(pilot):
+        await stage.tell(pilot, *LAB_EVENTS, *[trial(90.0)] * FEWEST_TRIALS)
+        await pilot.press("a")
+        await pilot.pause()
+        (notice,) = stage.app._notifications
+        assert "wanted level_n" in notice.message
+        assert stage.app.conductor.place.plan.trigger.level_n == 10.0
+        assert stage.sent == []
+
+    play(stage, body)
 
 
 def test_too_few_trial_hits_suggest_nothing():
