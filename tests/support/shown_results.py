@@ -8,7 +8,15 @@ GAP = {
             "name": "base",
             "title": "Base rocking",
             "place": "base",
-            "parameters": {"rock_x": {"value": 1.0e5, "std": 10.0, "low": 9.0e4, "high": 1.1e5}},
+            "parameters": {
+                "rock_x": {
+                    "unit": "N m/rad",
+                    "value": 1.0e5,
+                    "std": 5.1e3,
+                    "low": 9.0e4,
+                    "high": 1.1e5,
+                }
+            },
             "confidence": 0.97,
             "confused_with": ["bearing"],
             "remedy": "Tighten the bolts.",

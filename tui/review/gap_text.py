@@ -51,14 +51,21 @@ def _number(value: object, digits: int = 4) -> str:
 
 
 def _parameters(row: Mapping[str, Any]) -> list[str]:
+    """Lines of an effect's parameters, as the kept file has them or as `gap --json` prints them."""
     told = []
-    std, units = row.get("std", {}), row.get("units", {})
     for name, value in row.get("parameters", {}).items():
-        unit = f" {units.get(name, '')}".rstrip() if isinstance(units, Mapping) else ""
-        spread = std.get(name) if isinstance(std, Mapping) else None
-        beside = "" if spread is None else f" ± {_number(spread, 2)}"
-        told.append(f"{name} {_number(value)}{beside}{unit}")
+        found = value if isinstance(value, Mapping) else _interval(row, name, value)
+        unit = f" {found.get('unit', '')}".rstrip()
+        low, high = _number(found.get("low")), _number(found.get("high"))
+        spread = _number(found.get("std"), 2)
+        told.append(f"{name} {_number(found['value'])} ± {spread}{unit} (95 %: {low} to {high})")
     return told
+
+
+def _interval(row: Mapping[str, Any], name: str, value: object) -> Mapping[str, Any]:
+    low, high = row.get("interval_95", {}).get(name, (None, None))
+    std, unit = (row.get(key, {}).get(name) for key in ("std", "units"))
+    return {"value": value, "std": std, "unit": unit or "", "low": low, "high": high}
 
 
 def _table(*columns: str) -> Table:

@@ -1,13 +1,17 @@
 """Identify and Gap: commands beside the app, and what their results look like."""
 
 import asyncio
+import json
 import sys
 
 import pytest
 from rich.console import Console
+from support.gap_results import made_result
 from support.shown_results import GAP
 
+from analyzer.report import gap_to_json
 from protocols.errors import EstimateError, SessionError
+from tui.gap import gap_json
 from tui.review.command_run import CommandRun
 from tui.review.gap_pane import read_gap
 from tui.review.gap_text import gap_view
@@ -39,6 +43,15 @@ def test_the_verdict_the_sizes_and_what_to_do_are_on_the_gap_screen():
     assert "10.0" in shown
     assert "█ 9" in shown  # the worst axis of the point counts
     assert "10000 to 30000" in shown
+
+
+def test_a_parameter_reads_alike_from_the_kept_file_and_from_the_command():
+    """With its unit, its deviation and its interval."""
+    result = made_result("named", ["payload"])
+    kept = plain(gap_view(json.loads(gap_to_json(result))))
+    (line,) = (row.strip() for row in kept.split("\n") if row.strip().startswith("size "))
+    assert line == "size 1 ± 0.1 kg (95 %: 0.8 to 1.2)"
+    assert line in plain(gap_view(gap_json(result, {})))
 
 
 def test_the_map_of_eighteen_points_fits_eighty_columns():
