@@ -10,9 +10,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.table import Table
 
+from analyzer.arm.same_parts import check_same_parts
 from analyzer.gap.add import added_effects, joint_estimates
 from analyzer.gap.records import GapResult, PostureGap, Verdict
 from analyzer.gap.workflow import GapOutcome
@@ -23,8 +23,6 @@ from protocols.errors import ArmError, SessionError
 from protocols.session.records import Session
 
 __all__ = ["gap_json", "gap_tables", "keep_gap", "replace_text", "with_arm"]
-
-_SAME_POINT_M = 1e-6  # positions are copied, not measured again
 
 
 def keep_gap(
@@ -77,27 +75,8 @@ def with_arm(session: Session, arm: Arm) -> Session:
     ArmError
         If joints, links or points are not those that were measured.
     """
-    old = session.header.arm
-    _must_match(arm, "joints", [j.name for j in old.joints], [j.name for j in arm.joints])
-    _must_match(arm, "links", [j.link.name for j in old.joints], [j.link.name for j in arm.joints])
-    _must_match(arm, "points", [p.id for p in old.points], [p.id for p in arm.points])
-    for was, now in zip(old.points, arm.points, strict=True):
-        moved = float(np.linalg.norm(was.position_m - now.position_m))
-        if now.link != was.link or moved > _SAME_POINT_M:
-            raise ArmError(
-                f"arm '{arm.name}': point '{now.id}' is not where the session measured it "
-                f"({1e3 * moved:.0f} mm off, link '{now.link}' instead of '{was.link}'); "
-                "give an arm file with the session's points"
-            )
+    check_same_parts(session.header.arm, arm)
     return replace(session, header=replace(session.header, arm=arm))
-
-
-def _must_match(arm: Arm, what: str, wanted: list[str], came: list[str]) -> None:
-    if wanted != came:
-        raise ArmError(
-            f"arm '{arm.name}' does not match the session: wanted the {what} "
-            f"{', '.join(wanted)}, got {', '.join(came)}; give the arm file of the measured arm"
-        )
 
 
 def replace_text(path: Path, text: str) -> None:

@@ -111,7 +111,8 @@ def conclude(
         notes += [advice.why_none] if advice.why_none else []
     points = [point.id for point in final.hypothesis.ordinary.arm.points]
     where = disagreement_map(sharp, before, points)
-    left = disagreement_map(sharp, final, points)
+    is_outside = verdict is Verdict.OUTSIDE_LIBRARY
+    left = disagreement_map(sharp, final, points) if is_outside else where
     measured = _measured_modes(modes_of, sharp)
     first = named[0][2] if named else held_out(sharp, before, test)
     last = named[-1][3] if named else first

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from analyzer.arm.reduced import model_modes, reduce_model
+from analyzer.arm.same_parts import check_same_parts
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.gap.fit import Stage
 from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
-from protocols.arm.records import Arm
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.session.records import Session
@@ -117,7 +117,7 @@ def with_test(
             "wanted a further test with records of its hits, got one without; give a session "
             "that was measured with armodal"
         )
-    _check_same_arm(superset.arm, session.header.arm)
+    check_same_parts(superset.arm, session.header.arm)
     made: list[Stage] = []
     posed: dict[str, PosedModel] = {}
     for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
@@ -132,24 +132,6 @@ def with_test(
         models = [*old.models, *(posed[own.name] for own in lines)]
         made.append(Stage(superset, [*old.lines, *lines], Discrepancy(), models=models))
     return tuple(made)
-
-
-def _check_same_arm(arm: Arm, other: Arm) -> None:
-    def parts(of: Arm) -> dict[str, list[str]]:
-        return {
-            "arm": [of.name],
-            "joints": [joint.name for joint in of.joints],
-            "links": [joint.link.name for joint in of.joints],
-            "points": [f"{point.id} on {point.link}" for point in of.points],
-        }
-
-    wanted, came = parts(arm), parts(other)
-    for what, names in wanted.items():
-        if came[what] != names:
-            raise EstimateError(
-                f"wanted a further test of the same {what}, {', '.join(names)}, got one of "
-                f"{', '.join(came[what])}; give sessions of one arm"
-            )
 
 
 def of_test(posture: str, number: int) -> str:

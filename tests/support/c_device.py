@@ -181,3 +181,8 @@ class Device:
 
     def of(self, kind):
         return [frame for frame in self.frames if frame.header.type is kind]
+
+
+def accepts(encoded):
+    """Whether C takes a dictionary."""
+    return C.ab_dictionary_check(encoded, len(encoded), FFI.new("ab_dictionary_head *"))

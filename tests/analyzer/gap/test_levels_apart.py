@@ -22,7 +22,7 @@ from analyzer.gap.weigh import Discrepancy
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
 from protocols.arm.files import load_arm
-from protocols.errors import EstimateError
+from protocols.errors import ArmError
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,12 @@ def test_a_further_test_of_an_arm_with_other_points_is_refused(linear):
     arm = linear.header.arm
     more = replace(arm, points=(*arm.points, replace(arm.points[0], id="new")))
     other = replace(linear, header=replace(linear.header, arm=more))
-    with pytest.raises(EstimateError, match=r"the same points, .* new on"):
+    with pytest.raises(ArmError, match=r"wanted the points .* new; give"):
+        with_test(stages, superset, other, 2)
+    moved = replace(arm.points[0], position_m=arm.points[0].position_m + 0.01)
+    beside = replace(arm, points=(moved, *arm.points[1:]))
+    other = replace(linear, header=replace(linear.header, arm=beside))
+    with pytest.raises(ArmError, match="is not where the session measured it"):
         with_test(stages, superset, other, 2)
 
 
