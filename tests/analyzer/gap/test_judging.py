@@ -22,7 +22,6 @@ from analyzer.gap.effects import (
     wrist_coupling,
 )
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.intervals import intervals
 from analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
@@ -33,6 +32,7 @@ from analyzer.gap.space import Parameter, Space
 from analyzer.gap.workflow import _judged
 from protocols.arm.files import load_arm
 from tests.support.gap_results import made_result
+from tests.support.made_fits import made_fit
 
 
 def test_vectors_count_deviations_and_keep_to_bounds():
@@ -135,19 +135,9 @@ def fitted(value, std):
         effect=link_axis.WORDS, place="l", parameters=(size,), size="size", least_certain=15.0
     )
     curvature = np.array([[1.0 / std**2 - 1.0]])  # the prior adds its own
-    return Fit(
-        hypothesis=Hypothesis(ordinary=None, instances=(axis,)),
-        space=Space([size]),
-        u=np.array([value]),
-        cost=0.0,
-        first_cost=0.0,
-        misfit=(0.0,),
-        curvature=curvature,
-        slope=np.zeros(1),
-        free=np.ones(1, dtype=bool),
-        converged=True,
-        n_iterations=1,
-    )
+    hypothesis = Hypothesis(ordinary=None, instances=(axis,))
+    fit = made_fit(hypothesis, cost=0.0, space=Space([size]), u=[value])
+    return replace(fit, curvature=curvature)
 
 
 def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_rests_on():
@@ -217,19 +207,8 @@ def rival(words, place, cost):
     size = Parameter(name="size", unit="", mean=0.0, std=1.0)
     ordinary = SimpleNamespace(arm=SimpleNamespace(joints=JOINTS), level_span=0.0)
     instance = Instance(effect=words, place=place, parameters=(size,), size="size", material=0.1)
-    return Fit(
-        hypothesis=Hypothesis(ordinary=ordinary, instances=(instance,)),
-        space=Space([size]),
-        u=np.array([1.0]),
-        cost=cost,
-        first_cost=cost,
-        misfit=(cost,),
-        curvature=np.zeros((1, 1)),
-        slope=np.zeros(1),
-        free=np.ones(1, dtype=bool),
-        converged=True,
-        n_iterations=1,
-    )
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+    return made_fit(hypothesis, cost=cost, space=Space([size]), u=[1.0])
 
 
 JOINTS = [

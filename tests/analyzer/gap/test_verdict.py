@@ -2,18 +2,16 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from analyzer.gap.effects import bearing, gravity_compensator
 from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import Judged, Thresholds
 from analyzer.gap.records import Verdict
 from analyzer.gap.rivals import Rivals
-from analyzer.gap.space import Space
 from analyzer.gap.verdict import verdict_of
+from tests.support.made_fits import made_fit
 
 # A thousand residuals, soft and hard hits together.
 OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
@@ -22,20 +20,8 @@ ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()), level_span=0.0, level
 
 def fit_that_leaves(misfit, *instances):
     """A fit with a misfit a residual."""
-    cost = 0.5 * misfit * 1000
-    return Fit(
-        hypothesis=Hypothesis(ordinary=ORDINARY, instances=instances),
-        space=Space([]),
-        u=np.zeros(0),
-        cost=cost,
-        first_cost=cost,
-        misfit=(cost,),
-        curvature=np.zeros((0, 0)),
-        slope=np.zeros(0),
-        free=np.ones(0, dtype=bool),
-        converged=True,
-        n_iterations=1,
-    )
+    hypothesis = Hypothesis(ordinary=ORDINARY, instances=instances)
+    return made_fit(hypothesis, cost=0.5 * misfit * 1000)
 
 
 STANDING = (
