@@ -1,24 +1,29 @@
-"""Fits made up for tests of what judges them."""
+"""Fits made by hand: a structure, and a covariance of its parameters as one wants it."""
 
 import numpy as np
+from small_fit import state_of
 
-from analyzer.gap.fit import Fit
-from analyzer.gap.space import Space
+from analyzer.identification.frf_fit import FrfFit
+from analyzer.identification.parameters import ParameterNames
+from analyzer.identification.scatter import ParameterScatter
+
+N_CLUSTERS = 11  # equal ones: ten degrees of freedom
 
 
-def made_fit(hypothesis, *, cost, space=None, u=()):
-    """A fit that ended at a cost, of which no curvature is known: its evidence is its cost."""
-    n = len(u)
-    return Fit(
-        hypothesis=hypothesis,
-        space=space or Space([]),
-        u=np.array(u, dtype=float),
-        cost=cost,
-        first_cost=cost,
-        misfit=(cost,),
-        curvature=np.zeros((n, n)),
-        slope=np.zeros(n),
-        free=np.ones(n, dtype=bool),
-        converged=True,
-        n_iterations=1,
+def made_fit(superset, structure, covariance=None, postures=("test 1",)):
+    """Return a fit that found `structure`, with a covariance shared by eleven equal mountings."""
+    names = ParameterNames.of(superset.arm, structure, postures)
+    n = len(names.names)
+    covariance = np.zeros((n, n)) if covariance is None else np.asarray(covariance, dtype=float)
+    return FrfFit(
+        state=state_of(structure, len(postures)),
+        parameters=names,
+        scatter=ParameterScatter(
+            covariance=covariance,
+            cluster_share=np.broadcast_to(np.eye(n) / N_CLUSTERS, (N_CLUSTERS, n, n)),
+        ),
+        cost=1.0,
+        n_data=1,
+        relative_residual=np.zeros(len(postures)),
+        iterations=1,
     )

@@ -1,0 +1,24 @@
+"""Fits made up for tests of what judges them."""
+
+import numpy as np
+
+from analyzer.gap.fit import Fit
+from analyzer.gap.space import Space
+
+
+def made_fit(hypothesis, *, cost, space=None, u=()):
+    """A fit that ended at a cost, of which no curvature is known: its evidence is its cost."""
+    n = len(u)
+    return Fit(
+        hypothesis=hypothesis,
+        space=space or Space([]),
+        u=np.array(u, dtype=float),
+        cost=cost,
+        first_cost=cost,
+        misfit=(cost,),
+        curvature=np.zeros((n, n)),
+        slope=np.zeros(n),
+        free=np.ones(n, dtype=bool),
+        converged=True,
+        n_iterations=1,
+    )
