@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,13 @@ import numpy as np
 from analyzer.gap.advice import NARROWS, plan_text
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.hit_levels import middle_level
-from analyzer.gap.next_test import evidence_brought, possible_tests
+from analyzer.gap.levels import any_level, weighed_anew
+from analyzer.gap.next_test import evidence_brought
+from analyzer.gap.possible_tests import possible_tests
 from analyzer.gap.records import GapResult, Verdict
 from analyzer.gap.score import instance_of_truth, mark
 from analyzer.gap.stages import with_test
+from analyzer.gap.weigh import Discrepancy
 from analyzer.gap.workflow import GapOutcome, find_gap
 from hil_sim.study import SealedCase
 from protocols.plan import plan_from_text
@@ -157,8 +161,16 @@ def nearer_first(
 def _evidence(
     stages: tuple[Stage, ...], session: Session, test: Session, nearer: Fit, other: Fit
 ) -> float:
-    """Of soft and hard hits apart where the session's were."""
+    """Of soft and hard hits apart where the session's were, and weighed as those."""
     ordinary = nearer.hypothesis.ordinary
+    superset, sharp = ordinary.superset, stages[-1]
     about = middle_level(session) if ordinary.level_span else None
-    tested = with_test(stages, ordinary.superset, test, 2, level_about=about)[-1]
-    return evidence_brought(nearer, other, tested)
+    tested = with_test(stages, superset, test, 2, level_about=about)
+    lines = tested[-1].lines
+    if about is not None:
+        postures = tuple(dict.fromkeys(own.name for own in lines))
+        present = replace(nearer.hypothesis, ordinary=replace(ordinary, postures=postures))
+        free = any_level(tested[-2], present, nearer.values)
+        lines = (*sharp.lines, *weighed_anew(tested[-1], free)[len(sharp.lines) :])
+    stage = Stage(superset, lines, Discrepancy(), models=tested[-1].models)
+    return evidence_brought(nearer, other, stage)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.next_test import Test, hidden_rival, proposed
+from analyzer.gap.next_test import hidden_rival, proposed
+from analyzer.gap.possible_tests import Test
 from analyzer.gap.records import NextTest
 from analyzer.gap.scan import Candidate
 from protocols.arm.records import Arm

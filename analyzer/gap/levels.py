@@ -14,13 +14,13 @@ import numpy as np
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.effects.level import any_change
-from analyzer.gap.fit import Stage, fit_hypothesis
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines, between
 from analyzer.gap.scan import scan_instances
 from analyzer.gap.weigh import Discrepancy
 
-__all__ = ["told_apart"]
+__all__ = ["any_level", "told_apart", "weighed_anew"]
 
 _LEAST_GAIN = 12.0  # of cost by the linear look
 
@@ -57,20 +57,23 @@ def told_apart(
     gain = scan_instances(middle, fit, changes)[0].gain
     if gain < _LEAST_GAIN:
         return None
-    any_level = replace(present, instances=(*present.instances, *changes))
-    free = fit_hypothesis(middle, any_level, start=fit.values, max_iterations=8)
+    free = any_level(middle, present, fit.values)
     anew = tuple(
-        Stage(
-            superset, _weighed_anew(stage, any_level, free.values), discrepancy, models=stage.models
-        )
+        Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
         for stage in stages
     )
     return anew, gain
 
 
-def _weighed_anew(
-    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
-) -> list[PostureLines]:
+def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:
+    """Fit a hypothesis with every joint free to change with the hit's level."""
+    wider = replace(present, instances=(*present.instances, *any_change(present.ordinary)))
+    return fit_hypothesis(stage, wider, start=start, max_iterations=8)
+
+
+def weighed_anew(stage: Stage, free: Fit) -> list[PostureLines]:
+    """Soft and hard lines with what `any_level` leaves of their difference as its variance."""
+    hypothesis, values = free.hypothesis, free.values
     found: list[PostureLines] = []
     for p in range(0, len(stage.lines), 2):
         soft, hard = stage.lines[p : p + 2]

@@ -20,18 +20,16 @@ from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.posed import PosedModel
+from analyzer.gap.possible_tests import Doable, Test, possible_tests
 from analyzer.gap.scan import Candidate
 from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Discrepancy, Weighing
 from protocols.arm.records import Tolerances
-from protocols.plan_records import KnownMass
 
 __all__ = [
-    "Test",
     "evidence_brought",
     "expected_evidence",
     "hidden_rival",
-    "possible_tests",
     "proposed",
 ]
 
@@ -39,123 +37,12 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 NAME = "next"
-_N_POSTURES = 14
-_PART_OF_RANGE = 0.8
-_MASS = 0.03  # of the arm's, bolted to its last link
-_STATES = 3  # postures in which brakes, masses, levels and the base are tried
-_WIDER = 1.5  # times as hard, and as soft: harder may overdrive the sensor
+_PLENTY = 100.0  # nats that no better test is looked for: they tell already
+_BETTER = 1.1  # times the evidence: for less nothing more is asked of the laboratory
+_NO_BETTER = 0.5  # nats
+_ROUNDS = 4
 _PINNED = 0.02  # of a hidden size: how firmly it is held
 _STEPS, _STEPS_AGAIN = 6, 12
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Test:
-    """A posture to measure in, and how."""
-
-    __test__ = False  # no test of pytest's
-
-    joints_rad: Array  # (n_joints,)
-    hit_direction: Array  # (3,) unit, base frame
-    hit_point: str | None = None  # None: where the session was hit
-    more_points: tuple[str, ...] = ()  # for the sensor, beside the session's
-    peaks_n: tuple[float, ...] = ()  # wanted, one a hit; empty: as in the session
-    brakes: bool = False
-    known_mass: KnownMass | None = None
-
-    @property
-    def words(self) -> str:
-        """Return what to do."""
-        angles = ", ".join(f"{a:.0f}" for a in np.rad2deg(self.joints_rad))
-        hit = ", ".join(f"{x:+.2f}" for x in self.hit_direction)
-        where = "hits" if self.hit_point is None else f"hits on point {self.hit_point}"
-        words = f"measure all points with the joints at {angles} deg, {where} along ({hit}) in base"
-        if self.more_points:
-            words += f", and points {', '.join(self.more_points)}"
-        if self.peaks_n:
-            words += f", hits of about {', '.join(f'{peak:.0f}' for peak in self.peaks_n)} N"
-        if self.brakes:
-            words += ", the brakes on"
-        if self.known_mass is not None:
-            body = self.known_mass
-            words += f", {body.mass_kg:.1f} kg bolted to {body.link}"
-        return words
-
-
-def possible_tests(stage: Stage, fit: Fit, *, rng: np.random.Generator) -> list[Test]:
-    """What a laboratory can do: other postures, hits and levels, brakes, a known mass.
-
-    Points of the base that the session left out are measured too, in some of its postures; where
-    soft and hard hits are apart, others are softer and harder.
-
-    Other points are hit square to the surface their sensors stand on.
-    """
-    superset = fit.hypothesis.ordinary.superset
-    arm = superset.arm
-    # Soft and hard hits are of one posture.
-    measured = list({own.name: own for own in stage.lines}.values())
-    directions = [measured[0].hit_direction[0], *np.eye(3)]
-    low, high = np.array([joint.range_rad for joint in arm.joints]).T
-    middle, half = (low + high) / 2.0, _PART_OF_RANGE * (high - low) / 2.0
-    # A posture nobody would move to tells no more: within a right angle of those measured.
-    near = np.mean([own.joints_rad for own in measured], axis=0)
-    low, high = np.maximum(middle - half, near - 1.6), np.minimum(middle + half, near + 1.6)
-    tests = []
-    for i in range(_N_POSTURES):
-        posture = low + (high - low) * rng.random(len(low))
-        direction = directions[i % len(directions)]
-        tests.append(Test(joints_rad=posture, hit_direction=np.asarray(direction)))
-    for own, point in zip(measured, _other_points(measured, fit), strict=False):
-        inward = -superset.posture(own.joints_rad).point_rotation[point][:, 2]
-        name = arm.points[point].id
-        tests.append(Test(joints_rad=own.joints_rad, hit_direction=inward, hit_point=name))
-    base = _base_points(measured, fit)
-    for own in measured[:_STATES]:
-        plain = Test(joints_rad=own.joints_rad, hit_direction=own.hit_direction[0])
-        if base:
-            tests.append(replace(plain, more_points=base))
-        if own.level:
-            tests.append(replace(plain, peaks_n=_wider(stage, own)))
-    last = arm.joints[-1].link
-    body = KnownMass(
-        link=last.name,
-        mass_kg=round(_MASS * sum(joint.link.mass_kg for joint in arm.joints), 1),
-        center_m=np.asarray(last.center_m),
-    )
-    for own in measured[:_STATES]:
-        plain = Test(joints_rad=own.joints_rad, hit_direction=own.hit_direction[0])
-        tests.append(replace(plain, brakes=True))
-        if body.mass_kg > 0.0:
-            tests.append(replace(plain, known_mass=body))
-    return tests
-
-
-def _other_points(measured: Sequence[PostureLines], fit: Fit) -> list[int]:
-    """One on every moving link that was not hit, beyond the others' first."""
-    was_hit = set(measured[0].hit_point.tolist())
-    links = fit.hypothesis.ordinary.superset.point_link
-    hit_links = {links[point] for point in was_hit}
-    first: dict[int, int] = {}
-    for point in np.unique(measured[0].sensor_point).tolist():
-        if links[point] >= 0 and links[point] not in hit_links:
-            first.setdefault(int(links[point]), point)
-    return [first[link] for link in sorted(first, reverse=True)]
-
-
-def _base_points(measured: Sequence[PostureLines], fit: Fit) -> tuple[str, ...]:
-    """Those the sensor was not at; none where the hammer moves and the sensor stays."""
-    if len(measured[0].hit_point) > 1:
-        return ()
-    superset = fit.hypothesis.ordinary.superset
-    seen = set(measured[0].sensor_point.tolist())
-    at_base = np.flatnonzero(np.asarray(superset.point_link) < 0).tolist()
-    return tuple(superset.arm.points[point].id for point in at_base if point not in seen)
-
-
-def _wider(stage: Stage, like: PostureLines) -> tuple[float, ...]:
-    """Peaks of a posture's softest and hardest hits, further apart, and the one between."""
-    peaks = [own.peak_n for own in stage.lines if own.name == like.name]
-    soft, hard = min(peaks) / _WIDER, max(peaks) * _WIDER
-    return soft, float(np.sqrt(soft * hard)), hard
 
 
 def proposed(
@@ -163,17 +50,32 @@ def proposed(
     rivals: Sequence[Fit],
     *,
     rng: np.random.Generator,
-    tests: Sequence[Test] | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> tuple[Test, float] | None:
-    """The test of most evidence between rivals, and how much in nats; None where there is one."""
+    """The test of most evidence between rivals, and how much in nats; None where there is one.
+
+    The best of all kinds, then changed in one choice at a time while that brings clearly more.
+    """
     if len(rivals) < 2:
         return None
     tell("the next test")
-    candidates = possible_tests(stage, rivals[0], rng=rng) if tests is None else tests
-    gains = [expected_evidence(stage, rivals, test) for test in candidates]
+    can = Doable.of(stage, rivals[0])
+    tests = possible_tests(stage, rivals[0], rng=rng)
+    best, gain = _best(stage, rivals, tests)
+    for _ in range(_ROUNDS):
+        if gain > _PLENTY:
+            break
+        other, more = _best(stage, rivals, list(can.beside(best, rng)))
+        if more < max(_BETTER * gain, gain + _NO_BETTER):
+            break
+        best, gain = other, more
+    return best, gain
+
+
+def _best(stage: Stage, rivals: Sequence[Fit], tests: Sequence[Test]) -> tuple[Test, float]:
+    gains = [expected_evidence(stage, rivals, test) for test in tests]
     best = int(np.argmax(gains))
-    return candidates[best], float(gains[best])
+    return tests[best], float(gains[best])
 
 
 def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:

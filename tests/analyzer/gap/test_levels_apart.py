@@ -11,8 +11,9 @@ from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hit_levels import middle_level
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import Judged, Thresholds, follows_no_level
-from analyzer.gap.next_test import expected_evidence, possible_tests
+from analyzer.gap.next_test import expected_evidence
 from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.possible_tests import Doable, possible_tests
 from analyzer.gap.records import Verdict
 from analyzer.gap.rivals import Rivals
 from analyzer.gap.sensors import scan_sensors
@@ -161,6 +162,10 @@ def test_the_next_test_may_hit_softer_and_harder_where_both_are_apart(apart):
     for test in wider:
         assert test.peaks_n[0] < soft < test.peaks_n[1] < hard < test.peaks_n[2]
         assert "hits of about" in test.words
+    beside = list(Doable.of(apart[0], null).beside(wider[0], np.random.default_rng(1)))
+    (softest,) = {test.peaks_n for test in beside} - {wider[0].peaks_n}
+    assert softest[0] < wider[0].peaks_n[0]
+    assert softest[2] == wider[0].peaks_n[2]  # harder may overdrive the sensor
     # Softer and harder tell a joint that follows the level from one that does not: more than the
     # session's own levels would in the same posture.
     rival = fit_hypothesis(
