@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import System
-from analyzer.gap.response import Response, applied, lines_last, of_hits
+from analyzer.gap.response import Response, of_hits, real_times
 
 __all__ = ["Change", "by_change"]
 
@@ -46,10 +46,8 @@ class Change:
 
 def by_change(found: Response, change: Change) -> ComplexArray:
     """Derivative (P, m, 3, L) by a parameter that changes the systems as told."""
-    system, s = found.system, found.s_rad_s
-    P, L, m, n = found.x.shape
-    flat = found.x.reshape(P, L * m, n)
-    dZx = np.zeros((P, L, m, n), dtype=np.complex128)
+    system, x = found.system, found.x
+    dZx = np.zeros_like(x)
     for matrix, kind in (
         (change.mass, "mass"),
         (change.damping, "damping"),
@@ -57,33 +55,27 @@ def by_change(found: Response, change: Change) -> ComplexArray:
         (change.loss, "loss"),
     ):
         if matrix is not None:
-            by = (flat @ matrix.swapaxes(1, 2)).reshape(P, L, m, n)
-            dZx += found.weight(kind)[:, :, None, None] * by
-    U = system.moved[:, None]
-    s2 = (s**2)[:, :, None, None]
+            dZx += found.weight(kind)[:, None, None] * real_times(matrix[:, None], x)
+    U = system.moved
+    s2 = (found.s_rad_s**2)[:, None, None]
     if change.sensor_mass_kg is not None:
-        load = applied(U.swapaxes(-1, -2), applied(U, found.x))
+        load = real_times(U.swapaxes(-1, -2) @ U, x)
         dZx += change.sensor_mass_kg[:, None, None, None] * s2 * load
     if change.moved is not None and system.sensor_mass_kg.any():
-        dU = change.moved[:, None]
-        both = applied(dU.swapaxes(-1, -2), applied(U, found.x)) + applied(
-            U.swapaxes(-1, -2), applied(dU, found.x)
-        )
-        dZx += system.sensor_mass_kg[:, None, None, None] * s2 * both
-    if change.hit is not None:
-        push = np.einsum("pha,phan->phn", system.force, change.hit)
-        dZx -= of_hits(push, found.hit)[:, None]
-    if change.force is not None:
-        push = np.einsum("pha,phan->phn", change.force, system.hit)
-        dZx -= of_hits(push, found.hit)[:, None]
-    y = -applied(found.under_loads, dZx)
+        both = change.moved.swapaxes(-1, -2) @ U
+        both = both + both.swapaxes(-1, -2)
+        dZx += system.sensor_mass_kg[:, None, None, None] * s2 * real_times(both, x)
+    for force, hit in ((system.force, change.hit), (change.force, system.hit)):
+        if force is not None and hit is not None:
+            push = np.einsum("pha,phan->phn", force, hit)
+            dZx -= of_hits(push, found.hit)[..., None]
+    y = -np.asarray(sum(found.under_loads[:, :, i] * dZx[:, :, i, None] for i in range(x.shape[2])))
     more = np.zeros_like(y)
     if change.seen is not None:
-        more += s2 * applied(change.seen[:, None], found.x)
+        more += s2 * real_times(change.seen, x)
     if change.tilted is not None:
-        more += applied(change.tilted[:, None], found.x)
-    if change.seen is not None or change.tilted is not None:
-        y = y + found.factor[:, :, None, None] * applied(system.mix[:, None], more)
+        more += real_times(change.tilted, x)
+    y += found.factor[:, None, None] * real_times(system.mix, more)
     if change.mix is not None:
-        y = y + applied(change.mix[:, None], found.true_axes)
-    return lines_last(y)
+        y += real_times(change.mix, found.true_axes)
+    return y

@@ -21,7 +21,7 @@ from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.response import Response, hysteresis, respond
+from analyzer.gap.response import Response, as_single, hysteresis, respond
 from analyzer.gap.space import Space
 from analyzer.gap.systems import angle_slopes, motion_slopes, stacked_slopes, systems
 
@@ -92,7 +92,7 @@ class Postures:
 
     def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
         """Predict the postures' FRFs."""
-        return self._solved(hypothesis, values).found
+        return self._solved(hypothesis, values).exact
 
     def derivatives(
         self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
@@ -102,12 +102,12 @@ class Postures:
         Returns
         -------
         y : (P, m, 3, L) complex128
-        dy : (n_parameters, P, m, 3, L) complex128
+        dy : (n_parameters, P, m, 3, L) complex64
             Rows of parameters that do not act here are zero.
         """
         posed = self._solved(hypothesis, values)
-        y = posed.found.values
-        dy = np.empty((len(space), *y.shape), dtype=np.complex128)
+        y, std = posed.exact.values, as_single(space.std)
+        dy = np.empty((len(space), *y.shape), dtype=np.complex64)
         idle = set(space.index.values())
         for name, derivative in chain(
             posed.by_joints(),
@@ -123,14 +123,14 @@ class Postures:
                 continue
             i = space.index[name]
             if i in idle:
-                np.multiply(derivative, space.std[i], out=dy[i])
+                np.multiply(derivative, std[i], out=dy[i], casting="same_kind")
                 idle.remove(i)
             else:
-                dy[i] += derivative * space.std[i]
+                dy[i] += derivative * std[i]
         dy[list(idle)] = 0.0
         for p, name, own in posed.by_aims():
             if name in space.index:
-                dy[space.index[name], p] += own * space.std[space.index[name]]
+                dy[space.index[name], p] += own * std[space.index[name]]
         return y, dy
 
     def interface_columns(
@@ -209,8 +209,13 @@ class _Solved:
     hypothesis: Hypothesis
     plain: Sequence[Assembly]  # without effects
     assemblies: Sequence[Assembly]
-    found: Response
+    exact: Response
     values: Mapping[str, float]
+
+    @property
+    def found(self) -> Response:
+        """Return what derivatives are made of."""
+        return self.exact.single
 
     @property
     def ordinary(self) -> Ordinary:
@@ -238,7 +243,7 @@ class _Solved:
             by_loss = by_loss + turn * by_stiffness
         for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():
             slopes = np.array([own.log_slopes[parameter][1:] for own in self.assemblies])
-            by_k, by_c = slopes.T[:, :, None, None, None]
+            by_k, by_c = as_single(slopes).T[:, :, None, None, None]
             yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
         yield "loss", by_loss
 
@@ -284,7 +289,7 @@ class _Solved:
         y = found.values
         for axis, letter in enumerate("xyz"):
             column = found.system.mix[..., axis]  # (P, m, 3) of the recorded channels
-            true = found.true_axes[..., axis].swapaxes(1, 2)  # (P, m, L)
+            true = found.true_axes[:, :, axis]  # (P, m, L)
             yield f"ln gain {letter}", column[..., None] * true[:, :, None]
         yield "ln hammer", -y
         yield "delay", -found.s_rad_s[:, None, None, :] * y
@@ -303,7 +308,7 @@ class _Solved:
 
     def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
-        slopes = angle_slopes(self.assemblies, self.found.system, near)
+        slopes = angle_slopes(self.assemblies, self.exact.system, near)
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
         return zip(names, self.found.by_slopes(slopes), strict=True)
 
@@ -354,18 +359,18 @@ class _Solved:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
                 other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
-                if not np.array_equal(other.decay_rad_s, self.found.system.decay_rad_s):
-                    there = respond(other, s_rad_s, self.found.hit)
-                    yield parameter.name, (there.values - self.found.values) / step
+                if not np.array_equal(other.decay_rad_s, self.exact.system.decay_rad_s):
+                    there = respond(other, s_rad_s, self.exact.hit)
+                    yield parameter.name, (there.values - self.exact.values) / step
                     continue
-                change = Change.between(self.found.system, other, step)
-                yield parameter.name, by_change(self.found, change)
+                change = Change.between(self.exact.system, other, step)
+                yield parameter.name, by_change(self.exact, change)
 
 
 def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArray:
     """Sum of columns (P, m, 3, L), each with a weight (P,) of every posture."""
     return np.asarray(
-        sum(c * w[:, None, None, None] for c, w in zip(columns, weights, strict=True))
+        sum(c * w[:, None, None, None] for c, w in zip(columns, as_single(weights), strict=True))
     )
 
 

@@ -18,13 +18,14 @@ A loss factor eta is causal, constant at every frequency, and leaves k as it is 
 A compliance gamma with loss tau changes H by w w' d(gamma / (1 + tau s)), w the motion per unit
 torque inside that compliance: also at gamma = 0.
 
-Axes of arrays: P postures, L lines, m mountings, n coordinates.
+Axes of arrays: P postures, m mountings, n coordinates, L lines, which are last wherever single
+lines need no matrix: few long operations instead of many small ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -32,14 +33,18 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.gap.assembly import System
+from analyzer.gap.geometry import skew
 from analyzer.gap.systems import MotionSlopes, Slopes
 
-__all__ = ["Response", "applied", "hysteresis", "lines_last", "of_hits", "respond"]
+__all__ = ["Response", "as_single", "hysteresis", "of_hits", "real_times", "respond"]
 
-Array = npt.NDArray[np.float64]
+Array = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+_SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex64}
 
 
+_TURN = ((1, 2), (2, 0), (0, 1))
+_AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
 _REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has its stiffness k
 
 
@@ -56,42 +61,45 @@ class Response:
     s_rad_s: ComplexArray  # (P, L)
     hit: npt.NDArray[np.int64]  # (P, m) index into the system's hits
     factor: ComplexArray  # (P, L) of all channels: scale and delay
-    x: ComplexArray  # (P, L, m, n) motion under the hit
-    true_axes: ComplexArray  # (P, L, m, 3) before channels were mixed, factor included
+    x: ComplexArray  # (P, m, n, L) motion under the hit
+    true_axes: ComplexArray  # (P, m, 3, L) before channels were mixed, factor included
     inner: ComplexArray  # (P, L, n, n) A^-1: column i is w of coordinate i
     H: ComplexArray  # (P, L, n, n) receptance without the accelerometer
-    HU: ComplexArray  # (P, L, m, 3, n) rows H U
-    S: ComplexArray  # (P, L, m, 3, 3)
+    HU: ComplexArray  # (P, m, n, 3, L) columns H U'
+    S: ComplexArray  # (P, m, 3, 3, L)
 
     @cached_property
     def under_loads(self) -> ComplexArray:
-        """(P, L, m, 3, n) motion under unit loads on the recorded axes, factor included.
+        """(P, m, n, 3, L) motion under unit loads on the recorded axes, factor included.
 
         Along the recorded channels, so that their mixing is inside.
         """
         system = self.system
-        P, L, m, n = self.x.shape
+        P, m, n, L = self.x.shape
         s2 = (self.s_rad_s**2)[:, :, None, None]
         seen, tilted = (
             (system.mix @ of).reshape(P, 1, m * 3, n) for of in (system.seen, system.tilted)
         )
-        Y0 = np.matmul(s2 * seen + tilted, self.H).reshape(P, L, m, 3, n)
-        U_turned = system.moved[:, None].swapaxes(-1, -2)
-        Y = Y0 - np.matmul(np.matmul(np.matmul(Y0, U_turned), self.S), self.HU)
-        return np.asarray(Y * self.factor[:, :, None, None, None])
+        Y0 = _lines_last(np.matmul(s2 * seen + tilted, self.H), m)
+        Y0U = real_times(system.moved, Y0.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
+        for c in range(3):
+            load = sum(Y0U[:, :, b] * self.S[:, :, b, c, None] for b in range(3))  # (P, m, 3, L)
+            Y0 -= self.HU[:, :, :, c, None] * np.asarray(load)[:, :, None]
+        Y0 *= self.factor[:, None, None, None]
+        return Y0
 
     @cached_property
-    def by_line(self) -> tuple[ComplexArray, ComplexArray]:
-        """`x` as (P, n, m, L) and `under_loads` as (P, n, m, 3, L): derivatives are such."""
-        return (
-            np.ascontiguousarray(self.x.transpose(0, 3, 2, 1)),
-            np.ascontiguousarray(self.under_loads.transpose(0, 4, 2, 3, 1)),
+    def single(self) -> Response:
+        """The same in single precision: enough for derivatives, at half the cost."""
+        own = (f.name for f in fields(self) if f.name not in ("system", "hit"))
+        return replace(
+            self, system=_in_single(self.system), **{n: as_single(getattr(self, n)) for n in own}
         )
 
     @property
     def values(self) -> ComplexArray:
         """(P, m, 3, L) accelerance as recorded."""
-        return lines_last(applied(self.system.mix[:, None], self.true_axes))
+        return real_times(self.system.mix, self.true_axes)
 
     def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
         """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.
@@ -99,15 +107,16 @@ class Response:
         `row` (P, n), `weight` (P, L).
         """
         at = np.flatnonzero(np.any(row, axis=0))
-        x, Y = self.by_line
-        load = np.asarray(sum(Y[:, i] * row[:, i, None, None, None] for i in at))
-        stretch = np.asarray(sum(x[:, i] * -row[:, i, None, None] for i in at))
+        x, Y = self.x, self.under_loads
+        row, weight = row.astype(x.real.dtype, copy=False), weight.astype(x.dtype, copy=False)
+        load = np.asarray(sum(Y[:, :, i] * row[:, i, None, None, None] for i in at))
+        stretch = np.asarray(sum(x[:, :, i] * -row[:, i, None, None] for i in at))
         return np.asarray(load * (stretch * weight[:, None, :])[:, :, None])
 
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
         """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
-        x, Y = self.by_line
-        return np.asarray(Y[:, i] * (x[:, j] * -self.weight(kind)[:, None, :])[:, :, None])
+        stretch = self.x[:, :, j] * -self.weight(kind)[:, None, :]
+        return np.asarray(self.under_loads[:, :, i] * stretch[:, :, None])
 
     def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
         """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
@@ -126,22 +135,23 @@ class Response:
         H has the compliance as a factor on both sides: where none is zero that is divided out.
         """
         gamma = self.system.compliance[:, list(coordinates)]
-        found = np.empty((len(coordinates), *self._shape), dtype=np.complex128)
-        locked = [i for i, column in enumerate(gamma.T) if not column.all()]
+        found = np.empty((len(coordinates), *self._shape), dtype=self.x.dtype)
+        locked = [i for i, column in enumerate(gamma.T) if (column < _AS_LOCKED).any()]
         if locked:
             left, right = self.through_compliances([coordinates[i] for i in locked])
             found[locked] = left * right[:, :, :, None]
         s, loss_s = self.s_rad_s, self.system.compliance_loss_s
-        x, Y = self.by_line
         for i, at in enumerate(coordinates):
             if i not in locked:
-                weight = (1.0 + loss_s[:, at, None] * s) / gamma[:, i, None] ** 2
-                np.multiply(Y[:, at], (x[:, at] * weight[:, None, :])[:, :, None], out=found[i])
+                yields = gamma[:, i, None]
+                torque = self.x[:, :, at] * ((1.0 + loss_s[:, at, None] * s) / yields)[:, None, :]
+                load = self.under_loads[:, :, at] * (1.0 / yields)[:, None, None]
+                np.multiply(load, torque[:, :, None], out=found[i])
         return found
 
     @property
     def _shape(self) -> tuple[int, ...]:
-        P, L, m, _ = self.x.shape
+        P, m, _, L = self.x.shape
         return P, m, 3, L
 
     def through_compliances(self, coordinates: Sequence[int]) -> tuple[ComplexArray, ComplexArray]:
@@ -152,25 +162,42 @@ class Response:
         recorded : (k, P, m, 3, L), torque : (k, P, m, L), the compliance's own lag included
         """
         system, s = self.system, self.s_rad_s
-        P, L, m, n = self.x.shape
-        w = self.inner[..., list(coordinates)]  # (P, L, n, k)
+        P, m, n, L = self.x.shape
+        k = len(coordinates)
+        w = np.ascontiguousarray(self.inner[..., list(coordinates)].transpose(0, 2, 3, 1))
+        w = w.reshape(P, 1, n, k * L)
+        HU = self.HU.reshape(P, m, n, 3 * L)
+        s2 = (s**2)[:, None, None, None]
 
         def through(rows: Array) -> ComplexArray:
-            """(P, L, m, 3, k)."""
-            return np.asarray(np.matmul(rows.reshape(P, 1, m * 3, n), w).reshape(P, L, m, 3, -1))
+            """(P, m, rows, k, L) motion by a unit yield, the accelerometer left out."""
+            return real_times(rows, w).reshape(P, m, -1, k, L)
 
-        s2 = (s**2)[:, :, None, None, None]
-        o_w = s2 * through(system.seen) + through(system.tilted)
-        HU = self.HU.swapaxes(-1, -2)
-        o_HU = s2 * np.matmul(system.seen[:, None], HU) + np.matmul(system.tilted[:, None], HU)
-        SUw = np.matmul(self.S, through(system.moved))
-        o_w = np.matmul(system.mix[:, None], o_w - np.matmul(o_HU, SUw))
-        b = self._forces()  # (P, m, n)
-        b_HU = np.matmul(self.HU, b[:, None, ..., None]).swapaxes(-1, -2)  # (P, L, m, 1, 3)
-        w_b = np.matmul(b[:, None], w) - np.matmul(b_HU, SUw)[..., 0, :]  # (P, L, m, k)
-        lag = 1.0 / (1.0 + system.compliance_loss_s[:, None, list(coordinates)] * s[..., None])
-        torque = w_b * (self.factor[..., None] * lag)[:, :, None, :]
-        return o_w.transpose(4, 0, 2, 3, 1), torque.transpose(3, 0, 2, 1)
+        def loaded(rows: Array) -> ComplexArray:
+            """(P, m, rows, 3, L) motion by a unit pull of the accelerometer."""
+            return real_times(rows, HU).reshape(P, m, -1, 3, L)
+
+        Uw = through(system.moved)
+        SUw = [
+            np.asarray(sum(self.S[:, :, a, b, None] * Uw[:, :, b] for b in range(3)))
+            for a in range(3)
+        ]
+
+        def with_sensor(motion: ComplexArray, by_pull: ComplexArray) -> ComplexArray:
+            for a in range(3):
+                motion = motion - by_pull[:, :, :, a, None] * SUw[a][:, :, None]
+            return motion
+
+        o_w = with_sensor(
+            s2 * through(system.seen) + through(system.tilted),
+            s2 * loaded(system.seen) + loaded(system.tilted),
+        )
+        recorded = real_times(system.mix, o_w.reshape(P, m, 3, k * L)).reshape(P, m, 3, k, L)
+        b = self._forces()[:, :, None].astype(self.x.real.dtype, copy=False)  # (P, m, 1, n)
+        w_b = with_sensor(through(b), loaded(b))[:, :, 0]
+        lag = 1.0 / (1.0 + system.compliance_loss_s[:, list(coordinates), None] * s[:, None])
+        torque = w_b * (self.factor[:, None] * lag)[:, None]  # (P, m, k, L)
+        return recorded.transpose(3, 0, 1, 2, 4), torque.transpose(2, 0, 1, 3)
 
     def _forces(self) -> Array:
         """(P, m, n) generalised force of the hit of each mounting."""
@@ -191,67 +218,66 @@ class Response:
 
     def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
         """`J` (P, 6, n)."""
-        P, m, _, L = shape = self._shape
-        x, Y = self.by_line
-        V = _real_times(J, x).reshape(P, 6, m, L) * -(self.s_rad_s**2)[:, None, None, :]
-        W = _real_times(J, Y).reshape(P, 6, m, 3, L)
-        products = W[:, :, None] * V[:, None, :, :, None]  # (P, 6, 6, m, 3, L)
-        y = _real_times(changes.reshape(-1, 36), products.reshape(P, 36, -1))
-        return np.asarray(y.reshape(P, -1, *shape[1:]).swapaxes(0, 1))
+        P, m, n, L = self.x.shape
+        J, changes = (of.astype(self.x.real.dtype, copy=False) for of in (J, changes))
+        V = real_times(J[:, None], self.x)  # (P, m, 6, L)
+        V *= -(self.s_rad_s**2)[:, None, None, :]
+        W = real_times(J[:, None], self.under_loads.reshape(P, m, n, 3 * L))
+        products = W.reshape(P, m, 6, 1, 3, L) * V[:, :, None, :, None]  # (P, m, 6, 6, 3, L)
+        changes = changes.reshape(*changes.shape[:-2], 36)
+        if changes.ndim == 3:  # of each posture
+            changes = changes[:, None]
+        y = real_times(changes, products.reshape(P, m, 36, 3 * L))
+        return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (P, 3) of one hit."""
-        b = (change[:, None] @ self.system.hit[:, hit])[:, 0]  # (P, n)
-        mine = (self.hit == hit).astype(np.float64)
-        return lines_last(applied(self.under_loads, b[:, None, None]) * mine[:, None, :, None])
+        b = (change[:, None] @ self.system.hit[:, hit])[:, None]  # (P, 1, 1, n)
+        P, m, n, L = self.x.shape
+        b = b.astype(self.x.real.dtype, copy=False)
+        y = real_times(b, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, L)
+        return np.asarray(y * (self.hit == hit)[:, :, None, None])
 
     def by_shift(self) -> ComplexArray:
         """Derivatives (3, P, m, 3, L) by a shift of each mounting along its own sensor's axes.
 
         The accelerometer's mass is taken to stay where it is.
         """
-        turn = applied(self.system.turned[:, None], self.x)  # (P, L, m, 3)
-        scale = (self.factor * self.s_rad_s**2)[:, :, None, None]
-        moved = [np.cross(turn, axis) * scale for axis in np.eye(3)]
-        return np.stack([lines_last(applied(self.system.mix[:, None], a)) for a in moved])
+        turn = real_times(self.system.turned, self.x)  # (P, m, 3, L)
+        turn = turn * (self.factor * self.s_rad_s**2)[:, None, None]
+        return np.stack([-real_times(self.system.mix @ skew(axis), turn) for axis in np.eye(3)])
 
     def by_slopes(self, slopes: Slopes) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by the k joint angles; slopes of P postures."""
         system = self.system
-        P, L, m, n = self.x.shape
+        x, Y = self.x, self.under_loads
+        P, m, n, L = x.shape
         k = slopes.mass.shape[1]
-        s2 = (self.s_rad_s**2)[:, None, :, None, None]  # (P, 1, L, 1, 1)
-        x = self.x.swapaxes(1, 2)  # (P, m, L, n)
-        parts = np.concatenate([x.real, x.imag], axis=2)  # BLAS takes no parts where they lie
-
-        def of_motion(rows: Array) -> ComplexArray:
-            """(P, m, L, j) of real rows (P, m or 1, n, j)."""
-            found = np.matmul(parts, rows)
-            return np.asarray(found[:, :, :L] + 1j * found[:, :, L:])
-
-        mix = system.mix[:, None]
-        seen = [slopes.moved, mix @ slopes.seen, mix @ slopes.tilted]  # (P, k, m, 3, n) each
-        rows = np.concatenate([by.transpose(0, 2, 4, 1, 3).reshape(P, m, n, -1) for by in seen], -1)
-        moved, shown, tilted = of_motion(rows).reshape(P, m, L, 3, k, 3).transpose(3, 0, 1, 2, 4, 5)
-        by_mass = slopes.mass.transpose(0, 3, 1, 2).reshape(P, 1, n, k * n)
-        pull = s2 * of_motion(by_mass).reshape(P, m, L, k, n)
-        if system.sensor_mass_kg.any():
-            U, dU = system.moved, slopes.moved
-            load = _times(moved.reshape(P, m, L * k, 3), U).reshape(P, m, L, k, n)
-            still = of_motion(U.swapaxes(2, 3))  # (P, m, L, 3)
-            by_still = dU.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n)
-            load += _times(still, by_still).reshape(P, m, L, k, n)
-            pull += system.sensor_mass_kg[:, None, None, None, None] * s2 * load
-        push = np.einsum("pha,pkhan->phkn", system.force, slopes.hit)
-        pull -= of_hits(push, self.hit)[:, :, None]
-        y = -np.matmul(pull, self.under_loads.transpose(0, 2, 1, 4, 3))  # (P, m, L, k, 3)
-        y += self.factor[:, None, :, None, None] * (s2 * shown + tilted)
-        return np.asarray(y.transpose(3, 0, 1, 4, 2))
+        real = x.real.dtype
+        dU = slopes.moved.transpose(0, 2, 1, 4, 3).reshape(P, m, k * n, 3).astype(real, copy=False)
+        load = (dU @ system.moved).reshape(P, m, k, n, n)
+        load = (load + load.swapaxes(-1, -2)) * system.sensor_mass_kg[:, None, None, None, None]
+        rows = np.empty((P, m, k, n + 6, n), real)
+        rows[..., :n, :] = slopes.mass[:, None] + load
+        for at, of in ((n, slopes.seen), (n + 3, slopes.tilted)):
+            own = of.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n).astype(real, copy=False)
+            shown = (system.mix @ own).reshape(P, m, 3, k, n)
+            rows[..., at : at + 3, :] = shown.swapaxes(2, 3)
+        moved = real_times(rows.reshape(P, m, k * (n + 6), n), x).reshape(P, m, k, n + 6, L)
+        s2 = (self.s_rad_s**2)[:, None, None, None]
+        push = of_hits(np.einsum("pha,pkhan->phkn", system.force, slopes.hit), self.hit)
+        pull = s2 * moved[..., :n, :] - push[..., None].astype(real, copy=False)
+        y = s2 * moved[..., n : n + 3, :] + moved[..., n + 3 :, :]
+        y *= self.factor[:, None, None, None]
+        for i in range(n):
+            y -= Y[:, :, None, i] * pull[..., i, None, :]
+        return np.asarray(y.transpose(2, 0, 1, 3, 4))
 
     def by_motion(self, slopes: MotionSlopes) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by k parameters with which a coordinate moves otherwise."""
         system, at, k = self.system, slopes.at, len(slopes.at)
-        x, Y = self.by_line
+        x, Y = self.x, self.under_loads
+        P, m, n, _ = x.shape
         s2 = (self.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)
         mass_kg = system.sensor_mass_kg[:, None, None, None]
         inertia = slopes.mass[:, None] + mass_kg * (slopes.moved.swapaxes(2, 3) @ system.moved)
@@ -259,59 +285,51 @@ class Response:
         def through(spring: Array, of: ComplexArray) -> ComplexArray:
             """(P, m, k, ..., L) of inertia and spring with what (P, m, n, ..., L) moves."""
             rows = np.concatenate([inertia, np.broadcast_to(spring[:, None], inertia.shape)], 2)
-            P, m, n = of.shape[:3]
-            flat = np.ascontiguousarray(of).reshape(P, m, n, -1).view(np.float64)
-            both = np.matmul(rows, flat).view(np.complex128).reshape(P, m, 2 * k, *of.shape[3:])
+            rows = rows.astype(of.real.dtype, copy=False)
+            both = real_times(rows, of.reshape(P, m, n, -1)).reshape(P, m, 2 * k, *of.shape[3:])
             weight = s2 if of.ndim == 4 else s2[..., None, :]
             return np.asarray(weight * both[:, :, :k] + both[:, :, k:])
 
-        push = np.einsum("pha,phak->phk", system.force, slopes.hit)
-        pull = through(slopes.stiffness_row, x.swapaxes(1, 2)) - of_hits(push, self.hit)[..., None]
-        load = through(slopes.stiffness_column, Y.swapaxes(1, 2))  # (P, m, k, 3, L)
+        push = np.einsum("pha,phak->phk", system.force, slopes.hit).astype(x.real.dtype)
+        pull = through(slopes.stiffness_row, x) - of_hits(push, self.hit)[..., None]
+        load = through(slopes.stiffness_column, Y)  # (P, m, k, 3, L)
         seen, tilted = (
-            (system.mix @ of).swapaxes(2, 3)[..., None] for of in (slopes.seen, slopes.tilted)
+            (system.mix @ of).swapaxes(2, 3)[..., None].astype(x.real.dtype)
+            for of in (slopes.seen, slopes.tilted)
         )
         load -= self.factor[:, None, None, None] * (s2[..., None, :] * seen + tilted)
-        y = Y[:, at] * pull.swapaxes(1, 2)[:, :, :, None]
-        y += load.swapaxes(1, 2) * x[:, at][:, :, :, None]
-        return np.asarray(-y.swapaxes(0, 1))
+        y = Y[:, :, at] * pull[:, :, :, None]
+        y += load * x[:, :, at][:, :, :, None]
+        return np.asarray(-y.transpose(2, 0, 1, 3, 4))
 
 
-def applied(matrix: ComplexArray | Array, vector: ComplexArray | Array) -> ComplexArray:
-    """Matrices (..., a, b) times vectors (..., b)."""
-    return np.asarray(np.matmul(matrix, vector[..., None])[..., 0])
+def as_single(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Floating-point values in single precision."""
+    return values.astype(_SINGLE[values.dtype])
 
 
-def _real_times(real: Array, z: ComplexArray) -> ComplexArray:
-    """Real (..., k, n) by complex (P, n, ...), contiguous: (P, k, all the rest)."""
-    P, n = z.shape[:2]
-    return np.asarray(np.matmul(real, z.reshape(P, n, -1).view(np.float64)).view(np.complex128))
-
-
-def _times(z: ComplexArray, real: Array) -> ComplexArray:
-    """Complex (..., k, n) by real (..., n, j) matrices."""
-    found = np.empty(
-        (*np.broadcast_shapes(z.shape[:-2], real.shape[:-2]), z.shape[-2], real.shape[-1]),
-        dtype=np.complex128,
+def _in_single(system: System) -> System:
+    arrays = (f.name for f in fields(system) if f.name != "pieces")
+    pieces = {
+        link: replace(own, motion=as_single(own.motion)) for link, own in system.pieces.items()
+    }
+    return replace(
+        system, pieces=pieces, **{name: as_single(getattr(system, name)) for name in arrays}
     )
-    # Copies: BLAS takes no parts of complex numbers where they lie.
-    found.real = np.matmul(np.ascontiguousarray(z.real), real)
-    found.imag = np.matmul(np.ascontiguousarray(z.imag), real)
-    return found
 
 
-def _rows(of: Array, H: ComplexArray) -> ComplexArray:
-    """(P, L, m, 3, n) of (P, m, 3, n) on the left of H."""
-    P, m, _, n = of.shape
-    return np.asarray(np.matmul(of.reshape(P, 1, m * 3, n), H).reshape(P, -1, m, 3, n))
+def real_times(real: Array, z: ComplexArray) -> ComplexArray:
+    """Real (..., k, n) by complex (..., n, L), its lines contiguous: (..., k, L)."""
+    return np.asarray(np.matmul(real, z.view(z.real.dtype)).view(z.dtype))
 
 
-def lines_last(y: ComplexArray) -> ComplexArray:
-    """(P, L, m, 3) to (P, m, 3, L)."""
-    return np.asarray(y.transpose(0, 2, 3, 1))
+def _lines_last(rows: ComplexArray, m: int) -> ComplexArray:
+    """(P, L, m * 3, n) to (P, m, n, 3, L), contiguous."""
+    P, L, _, n = rows.shape
+    return np.ascontiguousarray(rows.reshape(P, L, m, 3, n).transpose(0, 2, 4, 3, 1))
 
 
-def of_hits(by_hit: Array, hit: npt.NDArray[np.int64]) -> Array:
+def of_hits(by_hit: npt.NDArray[Any], hit: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
     """(P, n_hits, ...) to (P, m, ...): each mounting's own hit."""
     if by_hit.shape[1] == 1:
         return np.broadcast_to(by_hit, (*hit.shape, *by_hit.shape[2:]))
@@ -324,16 +342,16 @@ def _hit_forces(system: System) -> Array:
 
 
 def _inverse(M: ComplexArray) -> ComplexArray:
-    """Inverses of matrices (..., 3, 3), by cross products of their rows."""
-    a, b, c = M[..., 0, :], M[..., 1, :], M[..., 2, :]
-    columns = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-1)
-    return np.asarray(columns / np.sum(a * columns[..., 0], axis=-1)[..., None, None])
+    """Inverses of matrices (..., 3, 3, L), by cross products of their rows."""
+    a, b, c = (M[..., i, :, :] for i in range(3))
+    columns = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-2)
+    return np.asarray(columns / np.sum(a * columns[..., 0, :], axis=-2)[..., None, None, :])
 
 
 def _cross(a: ComplexArray, b: ComplexArray) -> ComplexArray:
+    """(..., 3, L)."""
     return np.stack(
-        [a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in ((1, 2), (2, 0), (0, 1))],
-        axis=-1,
+        [a[..., i, :] * b[..., j, :] - a[..., j, :] * b[..., i, :] for i, j in _TURN], axis=-2
     )
 
 
@@ -359,22 +377,28 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     inner = np.linalg.inv(A)
     H = inner * scale[:, :, None, :]  # symmetric
     U = system.moved  # (P, m, 3, n)
-    HU = _rows(U, H)
-    ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, :, None, None, None]
-    S = ms2 * _inverse(np.eye(3) + ms2 * np.matmul(HU, U[:, None].swapaxes(-1, -2)))
+    P, m, _, n = U.shape
+    L = s.shape[1]
+    HU = _lines_last(np.matmul(U.reshape(P, 1, m * 3, n), H), m)
+    ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, None, None, None]
+    UHU = real_times(U, HU.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
+    S = ms2 * _inverse(np.eye(3)[..., None] + ms2 * UHU)
     by_hit = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
-    x0 = of_hits(by_hit.swapaxes(1, 2), hit).swapaxes(1, 2)  # (P, L, m, n)
-    SUx = applied(S, applied(U[:, None], x0))
-    x = x0 - np.matmul(SUx[..., None, :], HU)[..., 0, :]
+    x0 = of_hits(np.ascontiguousarray(by_hit.transpose(0, 2, 3, 1)), hit)  # (P, m, n, L)
+    Ux = real_times(U, x0)  # (P, m, 3, L)
+    x = x0.copy()
+    for a in range(3):
+        pull = sum(S[:, :, a, b] * Ux[:, :, b] for b in range(3))
+        x -= HU[:, :, :, a] * np.asarray(pull)[:, :, None]
     factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
-    raw = by_line**2 * applied(system.seen[:, None], x) + applied(system.tilted[:, None], x)
+    raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
     return Response(
         system=system,
         s_rad_s=s,
         hit=hit,
         factor=factor,
         x=x,
-        true_axes=raw * factor[:, :, None, None],
+        true_axes=raw * factor[:, None, None],
         inner=inner,
         H=H,
         HU=HU,

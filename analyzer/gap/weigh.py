@@ -179,11 +179,12 @@ def summed(
         for parts in zip(*((w.lines.values, w.scale, w.prior) for w in weighings), strict=True)
     )
     r, N = _stacked((values - y) * scale), _nuisance(scale, prior, y)
-    J = _stacked(dy.reshape(n, -1, 3, L) * scale)  # (n, P m, 3, 2L)
+    J = _stacked(dy.reshape(n, -1, 3, L) * scale.astype(dy.real.dtype))  # (n, P m, 3, 2L)
     Nr = np.einsum("milk,mil->mik", N, r)
-    JN = np.matmul(J.transpose(1, 2, 0, 3), N)  # (P m, 3, n, 3)
+    JN = np.matmul(J.transpose(1, 2, 0, 3), N.astype(J.dtype))  # (P m, 3, n, 3)
     solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
-    flat = J.reshape(n, -1)
+    # Their products in double precision: steps are made of the smallest eigenvalues.
+    flat = J.reshape(n, -1).astype(np.float64)
     gradient = -(flat @ r.reshape(-1)) + np.einsum("mink,mik->n", JN, solved[..., -1])
     by_errors = JN.transpose(2, 0, 1, 3).reshape(n, -1)
     curvature = flat @ flat.T - by_errors @ solved[..., :-1].reshape(-1, n)
@@ -203,7 +204,7 @@ def _nuisance(scale: Array, prior: Array, y: ComplexArray) -> Array:
 
 def _stacked(z: ComplexArray) -> Array:
     """Real and imaginary parts in turn along the last axis."""
-    return np.ascontiguousarray(z).view(np.float64)
+    return np.ascontiguousarray(z).view(z.real.dtype)
 
 
 def _solved(N: Array, right: Array) -> Array:

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_gap_fits import made_fit
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.effects import (
@@ -33,6 +32,7 @@ from analyzer.gap.space import Parameter, Space
 from analyzer.gap.workflow import _judged
 from protocols.arm.files import load_arm
 from tests.support.gap_results import made_result
+from tests.support.made_gap_fits import made_fit
 
 
 def test_vectors_count_deviations_and_keep_to_bounds():

@@ -3,7 +3,6 @@
 from types import SimpleNamespace
 
 import pytest
-from made_gap_fits import made_fit
 
 from analyzer.gap.effects import bearing, gravity_compensator
 from analyzer.gap.effects.effect import Instance
@@ -12,6 +11,7 @@ from analyzer.gap.judge import Judged, Thresholds
 from analyzer.gap.records import Verdict
 from analyzer.gap.rivals import Rivals
 from analyzer.gap.verdict import verdict_of
+from tests.support.made_gap_fits import made_fit
 
 # A thousand residuals, soft and hard hits together.
 OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
