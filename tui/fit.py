@@ -47,6 +47,16 @@ class FitSettings:
     keep_hits: int | None = None
     max_order: int = 60
 
+    def __post_init__(self) -> None:
+        """Raise `EstimateError` for windows that cannot be, also where no hits are to be windowed."""
+        end, force_s = self.exponential_end, self.force_s
+        if end is not None and not 0.0 < end <= 1.0:
+            raise EstimateError(
+                f"exponential window: wanted an end value in (0, 1], got {end}; 1 is none"
+            )
+        if force_s is not None and not 0.0 < force_s < np.inf:
+            raise EstimateError(f"force window: wanted a length above 0 s, got {force_s}")
+
     def applied_to(self, session: Session) -> Session:
         """Return the session as if its plan had asked for these windows and averages."""
         plan = session.header.plan

@@ -182,6 +182,11 @@ def put(index, value):
     return change
 
 
+def test_impossible_windows_are_told_where_there_are_no_hits_to_be_windowed(frf_session):
+    refused(frf_session, "in \\(0, 1\\]", "--exponential-end", "2")
+    refused(frf_session, "above 0 s, got inf", "--force-window", "inf")
+
+
 @pytest.mark.parametrize(
     ("change", "word"),
     [
