@@ -48,7 +48,7 @@ class FitSettings:
     max_order: int = 60
 
     def __post_init__(self) -> None:
-        """Raise `EstimateError` for windows that cannot be, also where no hits are to be windowed."""
+        """Raise `EstimateError` for windows that cannot be, also where there are no hits."""
         end, force_s = self.exponential_end, self.force_s
         if end is not None and not 0.0 < end <= 1.0:
             raise EstimateError(

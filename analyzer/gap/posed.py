@@ -102,13 +102,14 @@ class Postures:
         Returns
         -------
         y : (P, m, 3, L) complex128
-        dy : (n_parameters, P, m, 3, L) complex64
+        dy : (n_parameters, P, m, 3, L) complex64, or complex128 far from anything sensible
             Rows of parameters that do not act here are zero.
         """
         posed = self._solved(hypothesis, values)
-        y, std = posed.exact.values, as_single(space.std)
-        dy = np.empty((len(space), *y.shape), dtype=np.complex64)
-        idle = set(space.index.values())
+        y = posed.exact.values
+        std = space.std.astype(posed.found.x.real.dtype)
+        dy = np.empty((len(space), *y.shape), dtype=posed.found.x.dtype)
+        idle = set(range(len(space)))
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
@@ -215,7 +216,7 @@ class _Solved:
     @property
     def found(self) -> Response:
         """Return what derivatives are made of."""
-        return self.exact.single
+        return self.exact.for_derivatives
 
     @property
     def ordinary(self) -> Ordinary:

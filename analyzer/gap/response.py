@@ -44,6 +44,7 @@ _SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex
 
 
 _TURN = ((1, 2), (2, 0), (0, 1))
+_SENSIBLE = 1e3  # m/N or rad/N: products of two such, with masses and s^2, are below 1e38
 _AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
 _REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has its stiffness k
 
@@ -89,8 +90,13 @@ class Response:
         return Y0
 
     @cached_property
-    def single(self) -> Response:
-        """The same in single precision: enough for derivatives, at half the cost."""
+    def for_derivatives(self) -> Response:
+        """The same in single precision, enough at half the cost; itself where that is too narrow.
+
+        A trial far from anything believable may lie near a pole, with an answer beyond all sense.
+        """
+        if not np.abs(self.x).max() < _SENSIBLE:
+            return self
         own = (f.name for f in fields(self) if f.name not in ("system", "hit"))
         return replace(
             self, system=_in_single(self.system), **{n: as_single(getattr(self, n)) for n in own}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from analyzer.arm.superset import Superset
+from analyzer.gap.effects import link_axis
 from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
@@ -87,6 +88,53 @@ def test_postures_solved_together_are_each_alone(superset, lines, ordinary):
         size = np.abs(by_each).max(axis=(1, 2, 3), keepdims=True)
         # Sums in another order: differences of parameters that act by them lose some digits.
         np.testing.assert_allclose(dy[:, p] / (size + 1e-30), by_each / (size + 1e-30), atol=1e-6)
+
+
+def test_derivatives_in_single_precision_are_those_in_double(
+    superset, lines, ordinary, monkeypatch
+):
+    """All effects at once, each beside any other: sums that cancel to a five-hundredth at most."""
+    kinds = {instance.effect.name: instance for instance in all_instances(ordinary)}
+    hypothesis = Hypothesis(ordinary=ordinary, instances=tuple(kinds.values()))
+    space = hypothesis.space()
+    values = space.values(np.clip(space.start() + 0.1, space.low, space.high))
+    y, dy = Postures([PosedModel(superset, ANGLES[0])], lines[:1]).derivatives(
+        hypothesis, space, values
+    )
+    # What is beyond all sense, here everything, is left as it is.
+    monkeypatch.setattr("analyzer.gap.response._SENSIBLE", 0.0)
+    exact = Postures([PosedModel(superset, ANGLES[0])], lines[:1]).derivatives(
+        hypothesis, space, values
+    )
+    assert (dy.dtype, exact[1].dtype) == (np.complex64, np.complex128)
+    np.testing.assert_array_equal(y, exact[0])
+    size = np.abs(exact[1]).max(axis=(1, 2, 3, 4), keepdims=True)
+    assert np.count_nonzero(size) > 100
+    np.testing.assert_allclose(
+        dy / (size + 1e-30), exact[1] / (size + 1e-30), rtol=0, atol=500 * np.finfo(np.float32).eps
+    )
+
+
+def test_what_does_not_act_is_zero_whatever_memory_held_before(
+    superset, lines, ordinary, monkeypatch
+):
+    """An effect given twice acts once: the linear look asks so where one link has two starts."""
+    axis = link_axis.at_axis(ordinary, 2, np.eye(3)[0], np.zeros(3))
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(axis, axis))
+    space = hypothesis.space()
+    empty = np.empty
+
+    def spoilt(*args, **options):
+        found = empty(*args, **options)
+        if found.dtype.kind in "fc":
+            found.fill(np.nan)
+        return found
+
+    monkeypatch.setattr(np, "empty", spoilt)
+    posed = Postures([PosedModel(superset, ANGLES[0])], lines[:1])
+    _, dy = posed.derivatives(hypothesis, space, {p.name: p.first for p in space.parameters})
+    assert len(space) == len(space.index) + len(axis.parameters)
+    assert np.isfinite(dy).all()
 
 
 def test_postures_of_other_shape_are_solved_apart(stage):
