@@ -10,7 +10,9 @@ from made import (
     AT_POINT,
     AT_POSTURE,
     HIT_EVENTS,
+    after,
     finished,
+    fresh,
     judged,
     prompted,
 )
@@ -18,6 +20,7 @@ from stage import Stage, play
 
 from daq.session_machine import PromptKind, skip
 from tui.run.help import HelpScreen
+from tui.run.views.progress import outcome_text
 
 
 def test_only_a_durable_hit_is_called_accepted(tmp_path):
@@ -91,6 +94,18 @@ def test_the_end_says_what_to_do_with_the_session(tmp_path):
         assert "q: leave" in stage.text()
 
     play(stage, body)
+
+
+def test_a_session_that_ends_with_skipped_points_says_so_and_how_to_measure_them():
+    state = after(fresh(), *HIT_EVENTS)
+    ended = finished(complete=False, reason="1 of 40 planned points were skipped and lack hits")
+    half = outcome_text(after(state, ended), 80).plain
+    assert "r: go on at the same point" in half
+    partly = outcome_text(after(state, prompted(all_done()), ended), 80).plain
+    assert "r: measure what was skipped" in partly
+    assert partly.splitlines()[0] != half.splitlines()[0]  # another large word
+    whole = outcome_text(after(state, prompted(all_done()), finished()), 80).plain
+    assert "r: " not in whole
 
 
 def test_the_hit_that_finishes_a_posture_is_answered_on_the_posture_screen(tmp_path):

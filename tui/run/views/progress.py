@@ -108,7 +108,12 @@ def outcome_text(state: RunState, width: int) -> Text:
     if state.phase is not Phase.ENDED or finished is None:
         done = state.prompt is not None and state.prompt.posture is None
         return last_hit_text(state) if done else Text("")
-    word, style = ("DONE", GOOD) if finished.complete else ("PAUSED", WARN)
+    if finished.complete:
+        word, style, again = "DONE", GOOD, ""
+    elif hits_left(state):
+        word, style, again = "PAUSED", WARN, "r: go on at the same point   "
+    else:
+        word, style, again = "SKIPPED", WARN, "r: measure what was skipped   "
     text = big(word, style, width=width, height=3)
     text.append(
         f"\n{finished.accepted} hits accepted, {finished.rejected} not: {finished.reason}\n"
@@ -122,6 +127,5 @@ def outcome_text(state: RunState, width: int) -> Text:
         text.append("the session file is being written ...\n", style=DIM)
     else:
         text.append(f"look at the modes: armodal review {state.session_file}\n", style="bold")
-    again = "" if finished.complete else "r: go on at the same point   "
     text.append(f"{again}q: leave", style="bold")
     return text
