@@ -33,6 +33,7 @@ from tui.review.picked_file import picked_path, read_picked, write_picked
 from tui.review.posture_view import (
     OpenSession,
     PostureView,
+    automatic_again,
     fit_automatic,
     fit_picked,
     open_session,
@@ -267,8 +268,8 @@ class ReviewApp(App[int]):
         """Show the automatic choice again."""
         if self.state is None or self.state.view.automatic is None:
             return
-        was = self.state.view
-        self._change_model(self.state.posture, fit_automatic(self.state.opened.superset, was))
+        again = automatic_again(self.state.opened.superset, self.state.view)
+        self._change_model(self.state.posture, again)
 
     def on_stabilisation_picture_refit(self) -> None:
         """Refit from the picks, beside the screen."""

@@ -22,6 +22,7 @@ from protocols.session.records import Session
 __all__ = [
     "OpenSession",
     "PostureView",
+    "automatic_again",
     "fit_automatic",
     "fit_picked",
     "open_session",
@@ -122,8 +123,14 @@ def fit_automatic(superset: Superset, view: PostureView) -> PostureView:
         model = fit_modes(view.frf)
     except EstimateError as error:
         return replace(view, problem=str(error))
-    fitted = _with_model(superset, view, model)
-    return replace(fitted, automatic=model, by_hand=False)
+    return automatic_again(superset, replace(view, automatic=model))
+
+
+def automatic_again(superset: Superset, view: PostureView) -> PostureView:
+    """A fitted posture with its automatic choice, whatever was picked since."""
+    if view.automatic is None:
+        raise ValueError(f"posture '{view.name}' has no automatic choice yet: fit it first")
+    return replace(_with_model(superset, view, view.automatic), by_hand=False)
 
 
 def fit_picked(superset: Superset, view: PostureView) -> PostureView:

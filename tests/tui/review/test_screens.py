@@ -242,6 +242,25 @@ def test_a_click_on_a_pole_goes_there(drive):
     drive(steps, size=(160, 45))
 
 
+def test_the_automatic_choice_comes_back_without_another_fit(drive, monkeypatch):
+    def fit(*_):
+        pytest.fail("what is known was fitted again")
+
+    async def steps(app, pilot):
+        automatic = app.state.view.automatic
+        app.state.views[0] = replace(app.state.view, picks=(), changed=True, by_hand=True)
+        monkeypatch.setattr("tui.review.posture_view.fit_modes", fit)
+        await pilot.press("3", "a")
+        await pilot.pause()
+        view = app.state.view
+        assert view.picks == tuple(mode.pole_rad_s for mode in automatic.modes)
+        assert not view.changed
+        assert not view.by_hand
+        assert view.model is automatic
+
+    drive(steps)
+
+
 def _opened_changed(opened, arm, joints_rad):
     header = replace(opened.session.header, arm=arm)
     frf = replace(opened.views[0].frf, joints_rad=joints_rad)
