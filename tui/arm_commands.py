@@ -15,7 +15,7 @@ from protocols.arm.files import load_arm
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
-from tui.console import Json, err, out, print_json, progress
+from tui.console import Json, err, out, print_json, progress, say
 from tui.mozzi import (
     Elbow,
     deflection_json,
@@ -212,6 +212,7 @@ def calibrate_command(
 
     Example: armodal calibrate-inertia my-arm.toml targets.toml --out my-arm-calibrated.toml
     """
+    say("the likeliest inertias, from either side of the belief")
     found, text = calibrate(arm, targets, name or out_path.stem)
     write_arm(text, out_path)
     if as_json:
@@ -231,7 +232,7 @@ def reproduce_command(
 
     Example: armodal reproduce --json
     """
-    figures = reproduce_papers(postures)
+    figures = reproduce_papers(postures, say)
     if as_json:
         rows: list[dict[str, Any]] = [figure_json(figure) for figure in figures]
         print_json({"figures": rows})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from typing import Any
 
 from rich import box
@@ -23,21 +24,19 @@ TARGETS = ARMS_DIRECTORY.parent / "targets"
 STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
 
 
-def reproduce_papers(n_postures: int) -> list[Figure]:
+def reproduce_papers(n_postures: int, tell: Callable[[str], None]) -> list[Figure]:
     """Compute every figure of the three papers on the shipped arms."""
     calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
     bare = load_arm(TARGETS / "viper_s650-uncalibrated.toml")
     targets = load_inertia_targets(TARGETS / "viper_s650-without-table4.toml", bare)
-    return [
-        *figures_000(load_arm("rv4frl")),
-        *figures_001(predicting),
-        *figures_002(
-            calibrated,
-            predicting,
-            calibrate_from_file(bare, targets),
-            n_postures=n_postures,
-        ),
-    ]
+    tell("file 000: three joints and a structural compliance of the RV-4FRL")
+    figures = [*figures_000(load_arm("rv4frl"))]
+    tell("file 001: three joints of the Viper and its Mozzi axis")
+    figures += figures_001(predicting)
+    tell("the Viper's inertias from the figures of file 002")
+    calibration = calibrate_from_file(bare, targets)
+    tell(f"file 002: five joints of the Viper, {n_postures} postures")
+    return figures + figures_002(calibrated, predicting, calibration, n_postures=n_postures)
 
 
 def figure_json(figure: Figure) -> dict[str, Any]:
