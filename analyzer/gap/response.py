@@ -42,8 +42,7 @@ Array = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 _SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex64}
 
-
-_TURN = ((1, 2), (2, 0), (0, 1))
+_TURN = ((1, 2), (2, 0), (0, 1))  # axes of a cross product's parts
 _SENSIBLE = 1e3  # m/N or rad/N: products of two such, with masses and s^2, are below 1e38
 _AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
 _REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has its stiffness k
@@ -223,17 +222,14 @@ class Response:
         return np.asarray(np.sum(parts, axis=0))
 
     def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
-        """`J` (P, 6, n)."""
+        """`J` (P, 6, n), `changes` (k, 6, 6)."""
         P, m, n, L = self.x.shape
         J, changes = (of.astype(self.x.real.dtype, copy=False) for of in (J, changes))
         V = real_times(J[:, None], self.x)  # (P, m, 6, L)
         V *= -(self.s_rad_s**2)[:, None, None, :]
         W = real_times(J[:, None], self.under_loads.reshape(P, m, n, 3 * L))
         products = W.reshape(P, m, 6, 1, 3, L) * V[:, :, None, :, None]  # (P, m, 6, 6, 3, L)
-        changes = changes.reshape(*changes.shape[:-2], 36)
-        if changes.ndim == 3:  # of each posture
-            changes = changes[:, None]
-        y = real_times(changes, products.reshape(P, m, 36, 3 * L))
+        y = real_times(changes.reshape(-1, 36), products.reshape(P, m, 36, 3 * L))
         return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
