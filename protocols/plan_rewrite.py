@@ -16,6 +16,8 @@ __all__ = ["text_with_posture"]
 
 _LONGEST_NAME = 64
 _TOLERANCE_DEG = 0.5
+# Of the softest hit that is wanted: hits below two trigger levels are judged too soft.
+_TRIGGER_PART = 0.4
 
 
 def text_with_posture(
@@ -27,6 +29,8 @@ def text_with_posture(
     fixed_point: str | None = None,
 ) -> str:
     """Return a plan's text with one posture alone, everything else as it was.
+
+    But for a trigger level that would not see the softest hits that are wanted: it is lowered.
 
     Parameters
     ----------
@@ -62,6 +66,9 @@ def text_with_posture(
     if posture.peaks_n:
         table["peaks_n"] = [round(float(x), 1) for x in posture.peaks_n]
         document["hits_per_point"] = max(plan.hits_per_point, len(posture.peaks_n))
+        level_n = _TRIGGER_PART * min(posture.peaks_n)
+        if level_n < plan.trigger.level_n:
+            document["trigger"] = {**document["trigger"], "level_n": round(level_n, 2)}
     postures = tomlkit.aot()
     postures.append(table)
     document.pop("postures", None)

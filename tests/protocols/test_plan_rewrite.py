@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from daq.judge import JudgeLimits
 from protocols.arm.files import load_arm
 from protocols.errors import PlanError
 from protocols.plan import load_plan, plan_from_text
@@ -57,3 +58,16 @@ def test_a_known_mass_on_a_link_that_is_not_there_is_refused(arm, plan):
     body = KnownMass(link="tail", mass_kg=1.0, center_m=np.zeros(3))
     with pytest.raises(PlanError, match=r"known_mass\.link: wanted a link of the arm"):
         text_with_posture(plan, arm, replace(plan.postures[0], known_mass=body), comment="why")
+
+
+def test_the_trigger_sees_the_softest_hits_that_are_wanted(arm, plan):
+    def made(*peaks_n):
+        wanted = replace(plan.postures[0], peaks_n=peaks_n)
+        return plan_from_text(text_with_posture(plan, arm, wanted, comment="why"), arm)
+
+    soft = made(6.0, 30.0, 150.0)
+    assert soft.trigger.level_n * JudgeLimits().soft < 6.0
+    assert soft.trigger.rising == plan.trigger.rising
+    assert soft.postures[0].peaks_n == (6.0, 30.0, 150.0)
+    # Where the plan's own trigger sees them it stays.
+    assert made(30.0, 70.0, 150.0).trigger == plan.trigger
