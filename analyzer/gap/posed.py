@@ -20,6 +20,7 @@ from analyzer.gap.change import Change, by_change
 from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
+from analyzer.gap.moved_otherwise import by_motion, by_slopes
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.response import Response, as_single, hysteresis, respond
 from analyzer.gap.space import Space
@@ -311,7 +312,7 @@ class _Solved:
         """Joint angles, by which the encoders are off."""
         slopes = angle_slopes(self.assemblies, self.exact.system, near)
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
-        return zip(names, self.found.by_slopes(slopes), strict=True)
+        return zip(names, by_slopes(self.found, slopes), strict=True)
 
     def by_terms(self) -> Iterator[tuple[str, ComplexArray]]:
         """What effects add linearly."""
@@ -335,7 +336,7 @@ class _Solved:
         names = [name for name, (at, _) in motions if system.compliance[:, at].any()]
         if names:
             slopes = motion_slopes(self.assemblies, system, names)
-            yield from zip(names, self.found.by_motion(slopes), strict=True)
+            yield from zip(names, by_motion(self.found, slopes), strict=True)
 
     def by_differences(
         self, space: Space, s_rad_s: ComplexArray

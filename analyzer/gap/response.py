@@ -34,7 +34,6 @@ import numpy.typing as npt
 
 from analyzer.gap.assembly import System
 from analyzer.gap.geometry import skew
-from analyzer.gap.systems import MotionSlopes, Slopes
 
 __all__ = ["Response", "as_single", "hysteresis", "of_hits", "real_times", "respond"]
 
@@ -248,61 +247,6 @@ class Response:
         turn = real_times(self.system.turned, self.x)  # (P, m, 3, L)
         turn = turn * (self.factor * self.s_rad_s**2)[:, None, None]
         return np.stack([-real_times(self.system.mix @ skew(axis), turn) for axis in np.eye(3)])
-
-    def by_slopes(self, slopes: Slopes) -> ComplexArray:
-        """Derivatives (k, P, m, 3, L) by the k joint angles; slopes of P postures."""
-        system = self.system
-        x, Y = self.x, self.under_loads
-        P, m, n, L = x.shape
-        k = slopes.mass.shape[1]
-        real = x.real.dtype
-        dU = slopes.moved.transpose(0, 2, 1, 4, 3).reshape(P, m, k * n, 3).astype(real, copy=False)
-        load = (dU @ system.moved).reshape(P, m, k, n, n)
-        load = (load + load.swapaxes(-1, -2)) * system.sensor_mass_kg[:, None, None, None, None]
-        rows = np.empty((P, m, k, n + 6, n), real)
-        rows[..., :n, :] = slopes.mass[:, None] + load
-        for at, of in ((n, slopes.seen), (n + 3, slopes.tilted)):
-            own = of.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n).astype(real, copy=False)
-            shown = (system.mix @ own).reshape(P, m, 3, k, n)
-            rows[..., at : at + 3, :] = shown.swapaxes(2, 3)
-        moved = real_times(rows.reshape(P, m, k * (n + 6), n), x).reshape(P, m, k, n + 6, L)
-        s2 = (self.s_rad_s**2)[:, None, None, None]
-        push = of_hits(np.einsum("pha,pkhan->phkn", system.force, slopes.hit), self.hit)
-        pull = s2 * moved[..., :n, :] - push[..., None].astype(real, copy=False)
-        y = s2 * moved[..., n : n + 3, :] + moved[..., n + 3 :, :]
-        y *= self.factor[:, None, None, None]
-        for i in range(n):
-            y -= Y[:, :, None, i] * pull[..., i, None, :]
-        return np.asarray(y.transpose(2, 0, 1, 3, 4))
-
-    def by_motion(self, slopes: MotionSlopes) -> ComplexArray:
-        """Derivatives (k, P, m, 3, L) by k parameters with which a coordinate moves otherwise."""
-        system, at, k = self.system, slopes.at, len(slopes.at)
-        x, Y = self.x, self.under_loads
-        P, m, n, _ = x.shape
-        s2 = (self.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)
-        mass_kg = system.sensor_mass_kg[:, None, None, None]
-        inertia = slopes.mass[:, None] + mass_kg * (slopes.moved.swapaxes(2, 3) @ system.moved)
-
-        def through(spring: Array, of: ComplexArray) -> ComplexArray:
-            """(P, m, k, ..., L) of inertia and spring with what (P, m, n, ..., L) moves."""
-            rows = np.concatenate([inertia, np.broadcast_to(spring[:, None], inertia.shape)], 2)
-            rows = rows.astype(of.real.dtype, copy=False)
-            both = real_times(rows, of.reshape(P, m, n, -1)).reshape(P, m, 2 * k, *of.shape[3:])
-            weight = s2 if of.ndim == 4 else s2[..., None, :]
-            return np.asarray(weight * both[:, :, :k] + both[:, :, k:])
-
-        push = np.einsum("pha,phak->phk", system.force, slopes.hit).astype(x.real.dtype)
-        pull = through(slopes.stiffness_row, x) - of_hits(push, self.hit)[..., None]
-        load = through(slopes.stiffness_column, Y)  # (P, m, k, 3, L)
-        seen, tilted = (
-            (system.mix @ of).swapaxes(2, 3)[..., None].astype(x.real.dtype)
-            for of in (slopes.seen, slopes.tilted)
-        )
-        load -= self.factor[:, None, None, None] * (s2[..., None, :] * seen + tilted)
-        y = Y[:, :, at] * pull[:, :, :, None]
-        y += load * x[:, :, at][:, :, :, None]
-        return np.asarray(-y.transpose(2, 0, 1, 3, 4))
 
 
 def as_single(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
