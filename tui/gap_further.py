@@ -103,7 +103,7 @@ def _width(result: GapResult) -> float:
 def _random_tests(
     laboratory: SimulatedLaboratory, session: Session, outcome: GapOutcome
 ) -> list[Session]:
-    """Measured tests out of those that the proposed one was chosen from."""
+    """Measured tests out of those that the search for the proposed one begins with."""
     rng = np.random.default_rng(_SEED)
     tests = possible_tests(outcome.stages[-1], outcome.final, rng=rng)
     measured = []
