@@ -109,8 +109,9 @@ class System:
 class Assembly:
     """A posture being put together; effects add to it.
 
-    `compliance_of`, `loss_of`, `terms_of` and `stretches_of` say where a parameter acts linearly,
-    `motion_of` which coordinate moves otherwise with it: those derivatives are known.
+    `compliance_of`, `loss_of`, `terms_of`, `stretches_of` and `inertia_of` say where a parameter
+    acts linearly, `motion_of` which coordinate moves otherwise with it, `turns_of` which stretch
+    does: those derivatives are known.
     """
 
     geometry: PostureGeometry
@@ -130,6 +131,8 @@ class Assembly:
     terms_of: dict[str, list[tuple[str, int, int, float]]] = field(default_factory=dict)
     stretches: list[tuple[str, Array, float]] = field(default_factory=list)
     stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
+    # By parameter: of a stretch its kind and row, and what its value times the row changes a unit.
+    turns_of: dict[str, tuple[str, Array, Array]] = field(default_factory=dict)
     # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates between pieces:
     # the link, how many pieces do not move with it, and whether each point does not.
     pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
@@ -139,6 +142,8 @@ class Assembly:
     factors: dict[str, tuple[float, float]] = field(default_factory=dict)
     log_slopes: dict[str, tuple[str, float, float]] = field(default_factory=dict)
     link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
+    # By parameter: a link, and by what (6, 6) its spatial inertia changes a unit.
+    inertia_of: dict[str, tuple[int, Array]] = field(default_factory=dict)
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
     mix: Array | None = None
@@ -227,11 +232,23 @@ class Assembly:
                 self.terms_of.setdefault(parameter, []).append((kind, a, b, slope))
 
     def add_stretch(
-        self, kind: str, row: Array, value: float, *, parameter: str, slope: float
+        self,
+        kind: str,
+        row: Array,
+        value: float,
+        *,
+        parameter: str,
+        slope: float,
+        turns: Mapping[str, Array] | None = None,
     ) -> None:
-        """Add a spring or damper that stretches by row (n so far,) times the coordinates."""
+        """Add a spring or damper that stretches by row (n so far,) times the coordinates.
+
+        Parameters of `turns` change the row by as much a unit.
+        """
         self.stretches.append((kind, row, value))
         self.stretches_of.setdefault(parameter, []).append((kind, row, slope))
+        for name, change in (turns or {}).items():
+            self.turns_of[name] = (kind, row, value * change)
 
     def joint_row(self, joint: str) -> Array:
         """Return (n so far,) what stretches a joint's spring."""
@@ -249,24 +266,13 @@ class Assembly:
 
     def add_body(self, link: int, mass_kg: float, center_m: Array, inertia_kg_m2: Array) -> None:
         """Bolt a body to a link (its frame)."""
-        self.link_inertia[link] = self.link_inertia[link] + spatial_inertia(
-            mass_kg, center_m, inertia_kg_m2
-        )
-        self.link_moments[link] = self.link_moments[link] + mass_kg * np.append(1.0, center_m)
+        inertia = spatial_inertia(mass_kg, center_m, inertia_kg_m2)
+        self.add_inertia(link, inertia, mass_kg * np.append(1.0, center_m))
 
-    def add_small_body(
-        self, link: int, mass_kg: float, center_m: Array, more_kg_m: Array, inertia_kg_m2: Array
-    ) -> None:
-        """Bolt on a body at `center_m` whose first moment is `more_kg_m` more: linear in both."""
-        at, by = spatial_inertia(1.0, center_m, np.zeros((3, 3))), skew(more_kg_m)
-        inertia = mass_kg * at
-        inertia[:3, 3:] -= by
-        inertia[3:, :3] += by
-        inertia[3:, 3:] += inertia_kg_m2 - skew(center_m) @ by - by @ skew(center_m)
+    def add_inertia(self, link: int, inertia: Array, moments: Array) -> None:
+        """Bolt a body to a link (its frame): spatial inertia (6, 6), mass and first moments (4,)."""
         self.link_inertia[link] = self.link_inertia[link] + inertia
-        self.link_moments[link] = self.link_moments[link] + np.append(
-            mass_kg, mass_kg * center_m + more_kg_m
-        )
+        self.link_moments[link] = self.link_moments[link] + moments
 
     def _add(self, name: str, column: Array, compliance: float, loss_s: float) -> int:
         self.names[name] = len(self.columns)

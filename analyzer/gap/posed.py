@@ -118,6 +118,7 @@ class Postures:
             posed.by_measurement(),
             posed.by_angles(self._slopes()),
             posed.by_terms(),
+            posed.by_turns(),
             posed.by_motions(),
             posed.by_differences(space, self._s_rad_s),
         ):
@@ -279,10 +280,14 @@ class _Solved:
             )
 
     def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Masses, centres and tensors of the links."""
+        """Masses, centres and tensors of the links, and what is bolted to them."""
+        bolted = self.assemblies[0].inertia_of
         for link in range(len(self.ordinary.arm.joints)):
             names = self.ordinary.inertia_names(link)
             changes = _inertia_changes(self.ordinary, link, names, self.values)
+            more = {name: slope for name, (at, slope) in bolted.items() if at == link}
+            if more:
+                names, changes = (*names, *more), np.concatenate([changes, [*more.values()]])
             yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
 
     def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
@@ -329,6 +334,14 @@ class _Solved:
             ]
             yield name, _weighed_sum(columns, slopes.T)
 
+    def by_turns(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What turns the stretch of an effect's spring or damper: r r' changes on both sides."""
+        for name, (kind, _, _) in self.assemblies[0].turns_of.items():
+            of_all = [own.turns_of[name] for own in self.assemblies]
+            row, change = (np.stack([own[side] for own in of_all]) for side in (1, 2))
+            if change.any():
+                yield name, self.found.by_stretches(row, change, self.found.weight(kind))
+
     def by_motions(self) -> Iterator[tuple[str, ComplexArray]]:
         """What a coordinate that gives way moves; nothing where it is locked."""
         system = self.found.system
@@ -348,6 +361,8 @@ class _Solved:
             *first.loss_of,
             *first.terms_of,
             *first.stretches_of,
+            *first.inertia_of,
+            *first.turns_of,
             *first.motion_of,
             *first.log_slopes,
         }

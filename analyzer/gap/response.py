@@ -110,12 +110,24 @@ class Response:
 
         `row` (P, n), `weight` (P, L).
         """
+        load, stretch = self._along(row)
+        weight = weight.astype(self.x.dtype, copy=False)
+        return np.asarray(load * (stretch * -weight[:, None, :])[:, :, None])
+
+    def by_stretches(self, one: Array, other: Array, weight: ComplexArray) -> ComplexArray:
+        """Derivative by an element between two stretches (P, n), both ways."""
+        (load, stretch), (load_other, stretch_other) = self._along(one), self._along(other)
+        weight = weight[:, None, None, :]
+        y = load * stretch_other[:, :, None] + load_other * stretch[:, :, None]
+        return np.asarray(-weight * y)
+
+    def _along(self, row: Array) -> tuple[ComplexArray, ComplexArray]:
+        """(P, m, 3, L) under the loads and (P, m, L) under the hit, along a row (P, n)."""
         at = np.flatnonzero(np.any(row, axis=0))
-        x, Y = self.x, self.under_loads
-        row, weight = row.astype(x.real.dtype, copy=False), weight.astype(x.dtype, copy=False)
-        load = np.asarray(sum(Y[:, :, i] * row[:, i, None, None, None] for i in at))
-        stretch = np.asarray(sum(x[:, :, i] * -row[:, i, None, None] for i in at))
-        return np.asarray(load * (stretch * weight[:, None, :])[:, :, None])
+        row = row.astype(self.x.real.dtype, copy=False)
+        load = sum(self.under_loads[:, :, i] * row[:, i, None, None, None] for i in at)
+        stretch = sum(self.x[:, :, i] * row[:, i, None, None] for i in at)
+        return np.asarray(load), np.asarray(stretch)
 
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
         """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""

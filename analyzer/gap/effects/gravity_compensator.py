@@ -40,9 +40,10 @@ STD = 0.3  # of the joint's stiffness, where it is square to its lever
 _MATERIAL = 0.03
 _RATIO, _LN_RATIO_STD = 1.5, 0.3
 _ANY_ANGLE = 3.0
+_STEP = 1e-5  # for slopes
 
 
-def share(angle_rad: npt.ArrayLike, ratio: float) -> Array:
+def share(angle_rad: npt.ArrayLike, ratio: npt.ArrayLike) -> Array:
     """Stiffness about the joint over what it is where the cylinder is square to the shorter arm.
 
     Parameters
@@ -52,9 +53,9 @@ def share(angle_rad: npt.ArrayLike, ratio: float) -> Array:
     ratio
         Of the fixed arm to the turning one.
     """
-    phi = np.asarray(angle_rad, dtype=np.float64)
+    phi, ratio = np.asarray(angle_rad, dtype=np.float64), np.asarray(ratio, dtype=np.float64)
     square = (ratio * np.sin(phi)) ** 2 / (1.0 + ratio**2 - 2.0 * ratio * np.cos(phi) + 1e-9)
-    return np.asarray(square / min(1.0, ratio) ** 2)
+    return np.asarray(square / np.minimum(1.0, ratio) ** 2)
 
 
 def lifting_joints(ordinary: Ordinary) -> tuple[int, ...]:
@@ -86,13 +87,20 @@ def _beside(ordinary: Ordinary, i: int) -> Instance:
     k = 1.0 if joint.stiffness is None else joint.stiffness.value
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        phi = float(assembly.lines.joints_rad[i]) + values[angle]
-        part = float(share(phi, float(np.exp(values[ratio])))) * k
-        at, tau = assembly.names[joint.name], values[loss]
-        assembly.add_term("stiffness", at, at, values[stiff] * part, parameter=stiff, slope=part)
-        c = values[stiff] * part * tau
+        phi, log_ratio = float(assembly.lines.joints_rad[i]) + values[angle], values[ratio]
+        beside = (phi, phi + _STEP, phi), (log_ratio, log_ratio, log_ratio + _STEP)
+        part, *moved = k * share(beside[0], np.exp(beside[1]))
+        at, tau, size = assembly.names[joint.name], values[loss], values[stiff]
+        assembly.add_term("stiffness", at, at, size * part, parameter=stiff, slope=part)
+        c = size * part * tau
         assembly.add_term("damping", at, at, c, parameter=stiff, slope=part * tau)
-        assembly.terms_of.setdefault(loss, []).append(("damping", at, at, values[stiff] * part))
+        assembly.terms_of.setdefault(loss, []).append(("damping", at, at, size * part))
+        for name, other in zip((angle, ratio), moved, strict=True):
+            slope = size * (other - part) / _STEP
+            assembly.terms_of[name] = [
+                ("stiffness", at, at, slope),
+                ("damping", at, at, slope * tau),
+            ]
 
     return Instance(
         effect=WORDS,

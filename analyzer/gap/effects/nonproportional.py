@@ -81,8 +81,16 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         start, end = (np.array([values[n] for n in names]) for names in (starts, ends))
-        row = _row(assembly.geometry, near, far, start, end) @ np.stack(assembly.columns, axis=1)
-        assembly.add_stretch("damping", row, values[name], parameter=name, slope=1.0)
+        columns = np.stack(assembly.columns, axis=1)
+        row, slopes = _row(assembly.geometry, near, far, start, end)
+        assembly.add_stretch(
+            "damping",
+            row @ columns,
+            values[name],
+            parameter=name,
+            slope=1.0,
+            turns=dict(zip((*starts, *ends), slopes @ columns, strict=True)),
+        )
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         return {
@@ -119,18 +127,38 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
 
 def velocity(geometry: PostureGeometry, link: int, place_m: Array) -> tuple[Array, Array]:
     """Place (3,) in the base frame and velocity (3, N) by the superset's freedoms of a point."""
-    J = geometry.link_jacobian[link]
-    R = J[:3, :3].T  # the base's own motion, seen along the link's axes
+    J, R = geometry.link_jacobian[link], _axes(geometry, link)
     turned = R @ J[:3, 3:6]  # minus the cross product with the link's origin
     origin = np.array([turned[1, 2], turned[2, 0], turned[0, 1]])
     return origin + R @ place_m, R @ (J[:3] - skew(place_m) @ J[3:])
 
 
-def _row(geometry: PostureGeometry, near: int, far: int, start: Array, end: Array) -> Array:
+def _axes(geometry: PostureGeometry, link: int) -> Array:
+    """(3, 3) from the link's frame to the base's: how a place moves with its coordinates."""
+    return np.asarray(geometry.link_jacobian[link][:3, :3].T)
+
+
+def _row(
+    geometry: PostureGeometry, near: int, far: int, start: Array, end: Array
+) -> tuple[Array, Array]:
+    """Row (N,) that stretches the damper, and its slopes (6, N) by the places of both ends."""
     to, v = velocity(geometry, far, end)
     at = start
     if near != FLOOR:
         at, v_from = velocity(geometry, near, start)
         v = v - v_from
     line = to - at
-    return np.asarray(line / max(float(np.linalg.norm(line)), _LEAST_M) @ v)
+    length = max(float(np.linalg.norm(line)), _LEAST_M)
+    u = line / length
+    turned = (v - np.outer(u, u @ v)) / length  # what the end's own way turns the line into
+    if near == FLOOR:
+        by_start = -turned
+    else:
+        by_start = -_by_place(geometry, near, u, turned)
+    return u @ v, np.concatenate([by_start, _by_place(geometry, far, u, turned)])
+
+
+def _by_place(geometry: PostureGeometry, link: int, u: Array, turned: Array) -> Array:
+    """(3, N) of what a place's coordinates change: the line's way, and the place's velocity."""
+    R, spin = _axes(geometry, link), geometry.link_jacobian[link][3:]
+    return np.asarray(R.T @ turned + np.cross(u @ R, spin.T).T)

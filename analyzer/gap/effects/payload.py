@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly
+from analyzer.gap.assembly import Assembly, spatial_inertia
 from analyzer.gap.effects.effect import EffectWords, Instance
+from analyzer.gap.geometry import skew
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
@@ -30,6 +32,7 @@ _WRIST_FROM = 5  # the last joint of an arm of six or more
 _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of no mass
 _STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
+_STEP = 1e-6  # kg and kg m, for slopes
 _RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's own tolerance
 
 
@@ -54,19 +57,37 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
     total = sum(j.link.mass_kg for j in ordinary.arm.joints)
     mass = f"payload {name}"
     moments = [f"payload moment {axis} {name}" for axis in "xyz"]
+    names = (mass, *moments)
 
-    def lever(values: Mapping[str, float]) -> Array:
-        first = np.array([values[m] for m in moments])
-        return np.clip(first / max(values[mass], _LEAST_KG), -_FURTHEST_M, _FURTHEST_M)
+    def lever(first: Array, mass_kg: float) -> Array:
+        return np.clip(first / max(mass_kg, _LEAST_KG), -_FURTHEST_M, _FURTHEST_M)
+
+    def inertia(by: Array) -> Array:
+        """(6, 6) by mass and first moments (4,): linear in them but for the smallest part."""
+        mass_kg, first = float(by[0]), by[1:]
+        d, moved = lever(first, mass_kg), skew(first)
+        found = spatial_inertia(mass_kg, center, mass_kg * _RADIUS_M**2 * np.eye(3))
+        found[:3, 3:] -= moved
+        found[3:, :3] += moved
+        found[3:, 3:] -= skew(center) @ moved + moved @ skew(center) + mass_kg * skew(d) @ skew(d)
+        return found
+
+    @lru_cache(maxsize=2)  # for all postures
+    def body(*by: float) -> tuple[Array, Array]:
+        here = inertia(np.array(by))
+        slopes = [(inertia(by + _STEP * way) - here) / _STEP for way in np.eye(len(by))]
+        return here, np.array(slopes)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        first = np.array([values[m] for m in moments])
-        d = lever(values)
-        own = _RADIUS_M**2 * np.eye(3) + d @ d * np.eye(3) - np.outer(d, d)
-        assembly.add_small_body(link, values[mass], center, first, values[mass] * own)
+        mass_kg, *first = (values[name] for name in names)
+        here, slopes = body(mass_kg, *first)
+        assembly.add_inertia(link, here, np.append(mass_kg, mass_kg * center + first))
+        for name, slope in zip(names, slopes, strict=True):
+            assembly.inertia_of[name] = link, slope
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
-        return {"link": name, "point_m": (center + lever(values)).tolist()}
+        first = np.array([values[m] for m in moments])
+        return {"link": name, "point_m": (center + lever(first, values[mass])).tolist()}
 
     return Instance(
         effect=WORDS,

@@ -60,7 +60,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             for kind, value in (("stiffness", k), ("damping", c), ("loss", k * values["loss"])):
                 assembly.add_term(kind, own, own, value)
                 assembly.add_term(kind, own, link, -value)
-            assembly.add_term("mass", own, own, values[inertia])
+            assembly.add_term("mass", own, own, values[inertia], parameter=inertia)
             assembly.stretched_by[joint] = own
 
         moment = carried_moment(ordinary, i)
