@@ -270,7 +270,7 @@ class Assembly:
         self.add_inertia(link, inertia, mass_kg * np.append(1.0, center_m))
 
     def add_inertia(self, link: int, inertia: Array, moments: Array) -> None:
-        """Bolt a body to a link (its frame): spatial inertia (6, 6), mass and first moments (4,)."""
+        """Bolt a body to a link: its inertia (6, 6), mass and first moments (4,) in that frame."""
         self.link_inertia[link] = self.link_inertia[link] + inertia
         self.link_moments[link] = self.link_moments[link] + moments
 

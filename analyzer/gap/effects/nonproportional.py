@@ -151,10 +151,7 @@ def _row(
     length = max(float(np.linalg.norm(line)), _LEAST_M)
     u = line / length
     turned = (v - np.outer(u, u @ v)) / length  # what the end's own way turns the line into
-    if near == FLOOR:
-        by_start = -turned
-    else:
-        by_start = -_by_place(geometry, near, u, turned)
+    by_start = -turned if near == FLOOR else -_by_place(geometry, near, u, turned)
     return u @ v, np.concatenate([by_start, _by_place(geometry, far, u, turned)])
 
 
