@@ -20,7 +20,7 @@ from analyzer.gap.posed import PosedModel, Postures
 from analyzer.gap.space import Space
 from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, summed
 
-__all__ = ["Fit", "Stage", "better_start", "fit_hypothesis"]
+__all__ = ["Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class Stage:
         models: Sequence[PosedModel] | None = None,
     ) -> None:
         self.lines = tuple(lines)
-        self.models = tuple(models or (PosedModel(superset, p.joints_rad) for p in lines))
+        self.models = tuple(models or models_of(superset, self.lines))
         self.weighings = tuple(
             Weighing(p, superset.arm.tolerances, discrepancy) for p in self.lines
         )
@@ -131,7 +131,7 @@ class Stage:
     ) -> list[float]:
         """chi^2 / 2 of each posture; infinite where a response outgrows the arithmetic."""
         cost_of: dict[int, float] = {}
-        for rows, together in self._once(hypothesis, postures):
+        for rows, together in self.once(hypothesis, postures):
             y = together.response(hypothesis, values).values
             cost_of |= {p: self.weighings[p].cost(y[i]) for p, i in rows}
         return [cost_of[p] if cost_of[p] >= 0.0 else float("inf") for p in postures]
@@ -145,7 +145,7 @@ class Stage:
     ) -> list[Quadratic]:
         """Misfit, gradient and curvature of each posture."""
         found: dict[int, Quadratic] = {}
-        for rows, together in self._once(hypothesis, postures):
+        for rows, together in self.once(hypothesis, postures):
             y, dy = together.derivatives(hypothesis, space, values)
             found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for p, i in rows}
         return [found[p] for p in postures]
@@ -161,28 +161,33 @@ class Stage:
         gradient = np.zeros(len(space))
         curvature = np.zeros((len(space), len(space)))
         cost_of: dict[int, float] = {}
-        for rows, together in self._once(hypothesis, postures):
+        for rows, together in self.once(hypothesis, postures):
             y, dy = together.derivatives(hypothesis, space, values)
             own, at = zip(*rows, strict=True)
-            if at != tuple(range(len(y))):  # soft and hard hits share one
-                y, dy = y[list(at)], dy[:, list(at)]
-            part, costs = summed([self.weighings[p] for p in own], y, dy)
+            part, costs = summed([self.weighings[p] for p in own], y, dy, at)
             gradient += part.gradient
             curvature += part.curvature
             cost_of |= dict(zip(own, costs, strict=True))
         each = tuple(cost_of[p] for p in postures)
         return Quadratic(cost=sum(each), gradient=gradient, curvature=curvature), each
 
-    def _once(
+    def once(
         self, hypothesis: Hypothesis, postures: Sequence[int]
     ) -> Iterator[tuple[list[tuple[int, int]], Postures]]:
-        """What is solved together, and which row of it each posture has.
+        """Give what is solved together, and which row of it each posture has.
 
         Soft and hard hits of a posture share one while nothing follows the level.
         """
         first_of = range(len(self.lines)) if hypothesis.by_level else self._first_of
         for own, together in self.together(tuple(dict.fromkeys(first_of[p] for p in postures))):
             yield [(p, own.index(first_of[p])) for p in postures if first_of[p] in own], together
+
+
+def models_of(superset: Superset, lines: Sequence[PostureLines]) -> list[PosedModel]:
+    """Return a model for each of the lines; soft and hard hits of a posture share one."""
+    own = {of.name: of.joints_rad for of in lines}
+    models = {name: PosedModel(superset, joints_rad) for name, joints_rad in own.items()}
+    return [models[of.name] for of in lines]
 
 
 def _firsts(lines: Sequence[PostureLines], models: Sequence[PosedModel]) -> list[int]:

@@ -167,14 +167,16 @@ def _lines_of(
     changed = replace(session, header=header, hits=hits)
     result = []
     for name in dict.fromkeys(hit.posture for hit in chosen):
-        dynamics = superset.posture(_joints(session, name))
+        joints_rad = _joints(session, name)  # of all its hits: soft and hard share what they can
+        dynamics = superset.posture(joints_rad)
 
         def axes(point: str, rotation: Array = dynamics.point_rotation) -> Array:
             return np.asarray(rotation[superset.point_index[point]])
 
         frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
         lines = _thinned(superset, frf, stage, plan.sensor.mass_kg)
-        result.append(replace(lines, level=level, peak_n=float(np.exp(_mean_level(chosen)))))
+        peak_n = float(np.exp(_mean_level(chosen)))
+        result.append(replace(lines, joints_rad=joints_rad, level=level, peak_n=peak_n))
     return tuple(result)
 
 

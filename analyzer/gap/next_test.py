@@ -23,7 +23,7 @@ from analyzer.gap.posed import PosedModel
 from analyzer.gap.possible_tests import Doable, Test, possible_tests
 from analyzer.gap.scan import Candidate
 from analyzer.gap.space import Parameter, Space
-from analyzer.gap.weigh import Discrepancy, Weighing
+from analyzer.gap.weigh import Discrepancy, Weighing, summed
 from protocols.arm.records import Tolerances
 
 __all__ = [
@@ -35,6 +35,8 @@ __all__ = [
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+# Of lines and rows, predictions and their derivatives, as `fit.Stage.once` has them.
+_Answer = tuple[list[tuple[int, int]], ComplexArray, ComplexArray]
 
 NAME = "next"
 _PLENTY = 100.0  # nats that no better test is looked for: they tell already
@@ -89,19 +91,28 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
     superset = rivals[0].hypothesis.ordinary.superset
     model = PosedModel(superset, test.joints_rad)
     blanks, floors = _lines(stage, superset.point_index, test)
+    of_test = Stage(superset, blanks, Discrepancy(), models=[model for _ in blanks])
     ready = [_Ready.of(rival) for rival in rivals]
-    slopes = [
-        [model.derivatives(r.hypothesis, b, r.space, r.values) for b in blanks] for r in ready
-    ]
+    answers = [_answers(of_test, own) for own in ready]
     least = np.inf
     for true, other in permutations(range(len(ready)), 2):
+        would = {p: y[i] for rows, y, _ in answers[true] for p, i in rows}
         weighings = [
-            _weighing(blank, floor, would, superset.arm.tolerances)
-            for blank, floor, (would, _) in zip(blanks, floors, slopes[true], strict=True)
+            _weighing(blank, floor, would[p], superset.arm.tolerances)
+            for p, (blank, floor) in enumerate(zip(blanks, floors, strict=True))
         ]
-        surprise = [_surprise(weighings, ready[i], slopes[i]) for i in (true, other)]
+        surprise = [_surprise(weighings, ready[i], answers[i]) for i in (true, other)]
         least = min(least, surprise[1] - surprise[0])
     return float(least)
+
+
+def _answers(of_test: Stage, ready: _Ready) -> list[_Answer]:
+    """What a rival would give, soft and hard hits at once."""
+    every = range(len(of_test.lines))
+    return [
+        (rows, *together.derivatives(ready.hypothesis, ready.space, ready.values))
+        for rows, together in of_test.once(ready.hypothesis, every)
+    ]
 
 
 def _weighing(
@@ -167,7 +178,8 @@ class _Ready:
     hypothesis: Hypothesis
     space: Space
     values: Mapping[str, float]
-    curvature: Array  # of what its fit knows, priors included
+    curvature: Array  # of what its fit knows, priors included; of what is free
+    log_det: float  # of that
     free: npt.NDArray[np.bool_]
 
     @classmethod
@@ -182,7 +194,9 @@ class _Ready:
         A[np.ix_(at, at)] += fit.curvature
         free = np.ones(len(space), dtype=bool)
         free[at] = fit.free
-        return cls(hypothesis, space, values, A, free)
+        A = A[np.ix_(free, free)]
+        log_det = float(np.linalg.slogdet(A)[1])
+        return cls(hypothesis, space, values, A, log_det, free)
 
 
 def _lines(
@@ -230,17 +244,15 @@ def _lines(
     return found, floors
 
 
-def _surprise(
-    weighings: Sequence[Weighing],
-    ready: _Ready,
-    slopes: Sequence[tuple[ComplexArray, ComplexArray]],
-) -> float:
+def _surprise(weighings: Sequence[Weighing], ready: _Ready, answers: Sequence[_Answer]) -> float:
     """-ln p of the lines, integrated over what the rival leaves open; up to a constant."""
-    parts = [w.quadratic(y, dy) for w, (y, dy) in zip(weighings, slopes, strict=True)]
+    parts = [
+        summed([weighings[p] for p, _ in rows], y, dy, [i for _, i in rows])[0]
+        for rows, y, dy in answers
+    ]
     f = ready.free
-    A = ready.curvature[np.ix_(f, f)]
-    both = A + sum(part.curvature[np.ix_(f, f)] for part in parts)
+    both = ready.curvature + sum(part.curvature[np.ix_(f, f)] for part in parts)
     g = np.sum([part.gradient[f] for part in parts], axis=0)
-    log_dets = np.linalg.slogdet(both)[1] - np.linalg.slogdet(A)[1]
+    log_dets = np.linalg.slogdet(both)[1] - ready.log_det
     cost = sum(part.cost for part in parts)
     return float(cost - 0.5 * g @ np.linalg.solve(both, g) + 0.5 * log_dets)

@@ -125,9 +125,8 @@ def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space,
     wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *new))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **fit.values}
-    parts = stage.quadratics(wide, space, values, range(len(stage.lines)))
-    gradient = np.sum([p.gradient for p in parts], axis=0)
-    return space, gradient, np.sum([p.curvature for p in parts], axis=0)
+    whole, _ = stage.whole_quadratic(wide, space, values, range(len(stage.lines)))
+    return space, whole.gradient, whole.curvature
 
 
 def scan_axes(

@@ -11,7 +11,7 @@ from analyzer.arm.reduced import model_modes, reduce_model
 from analyzer.arm.same_parts import check_same_parts
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
-from analyzer.gap.fit import Stage
+from analyzer.gap.fit import Stage, models_of
 from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
@@ -119,18 +119,17 @@ def with_test(
         )
     check_same_parts(superset.arm, session.header.arm)
     made: list[Stage] = []
-    posed: dict[str, PosedModel] = {}
+    models: list[PosedModel] = []
     for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
         band = (_frequency(old, 0) * (1.0 - _ROUNDING), _frequency(old, -1) * (1.0 + _ROUNDING))
         step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         tested = own_lines(superset, session, stage, level_about=level_about)
         lines = [replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)]
-        for own in lines:
-            if own.name not in posed:
-                posed[own.name] = PosedModel(superset, own.joints_rad)
-        models = [*old.models, *(posed[own.name] for own in lines)]
-        made.append(Stage(superset, [*old.lines, *lines], Discrepancy(), models=models))
+        models = models or models_of(superset, lines)
+        made.append(
+            Stage(superset, [*old.lines, *lines], Discrepancy(), models=[*old.models, *models])
+        )
     return tuple(made)
 
 

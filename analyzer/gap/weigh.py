@@ -149,7 +149,7 @@ class Weighing:
 
     def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
         """Misfit of a prediction with its derivatives (n, m, 3, L)."""
-        return summed([self], y[None], dy[:, None])[0]
+        return summed([self], y[None], dy[:, None], [0])[0]
 
     def _residual(self, y: ComplexArray) -> Array:
         return _stacked((self.lines.values - y) * self.scale)
@@ -159,41 +159,74 @@ class Weighing:
 
 
 def summed(
-    weighings: Sequence[Weighing], y: ComplexArray, dy: ComplexArray
+    weighings: Sequence[Weighing], y: ComplexArray, dy: ComplexArray, at: Sequence[int]
 ) -> tuple[Quadratic, list[float]]:
-    """Misfit of P postures with lines alike, all at once.
+    """Misfit of lines alike, all at once.
 
     Parameters
     ----------
+    weighings, at
+        Of each measurement, and which of the predictions is of it: soft and hard hits share one.
     y, dy
-        Their predictions (P, m, 3, L) and derivatives (n, P, m, 3, L).
+        P predictions (P, m, 3, L) and their derivatives (n, P, m, 3, L).
 
     Returns
     -------
-    The sum over the postures, and the cost of each.
+    The sum over the measurements, and the cost of each.
     """
     n, P, m, _, L = dy.shape
-    y = y.reshape(-1, 3, L)
-    values, scale, prior = (
-        np.concatenate(parts)
-        for parts in zip(*((w.lines.values, w.scale, w.prior) for w in weighings), strict=True)
-    )
-    r, N = _stacked((values - y) * scale), _nuisance(scale, prior, y)
-    J = _stacked(dy.reshape(n, -1, 3, L) * scale.astype(dy.real.dtype))  # (n, P m, 3, 2L)
-    Nr = np.einsum("milk,mil->mik", N, r)
-    JN = np.matmul(J.transpose(1, 2, 0, 3), N.astype(J.dtype))  # (P m, 3, n, 3)
-    solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
-    # Their products in double precision: steps are made of the smallest eigenvalues.
+    # A prediction's derivatives have the root of all its weights, of which each measurement has a
+    # part: one product serves soft and hard hits.
+    square = np.zeros((P, m, 3, L))
+    for weighing, p in zip(weighings, at, strict=True):
+        square[p] += weighing.scale**2
+    root = np.sqrt(square)
+    J = _stacked(dy * root.astype(dy.real.dtype))  # (n, P, m, 3, 2L)
+    # Products in double precision: steps are made of the smallest eigenvalues.
     flat = J.reshape(n, -1).astype(np.float64)
-    gradient = -(flat @ r.reshape(-1)) + np.einsum("mink,mik->n", JN, solved[..., -1])
-    by_errors = JN.transpose(2, 0, 1, 3).reshape(n, -1)
-    curvature = flat @ flat.T - by_errors @ solved[..., :-1].reshape(-1, n)
-    by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * solved[..., -1], axis=-1)
-    costs = 0.5 * by_channel.reshape(P, m * 3).sum(axis=1)
+    curvature = flat @ flat.T
+    gradient = np.zeros(n)
+    pull = np.zeros(J.shape[1:])
+    costs = np.zeros(len(at))
+    for turn in _turns(at):
+        rows = [at[k] for k in turn]
+        own = [weighings[k] for k in turn]
+        there = y[rows].reshape(-1, 3, L)
+        values, scale, prior = (
+            np.concatenate(of)
+            for of in zip(*((w.lines.values, w.scale, w.prior) for w in own), strict=True)
+        )
+        r = _stacked((values - there) * scale)
+        N = _nuisance(scale, prior, there)
+        Nr = np.einsum("milk,mil->mik", N, r)
+        part = np.repeat(scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
+        J_own = (J if rows == list(range(P)) else J[:, rows]).reshape(n, -1, 3, 2 * L)
+        # (rows m, 3, n, 3)
+        JN = np.matmul(J_own.transpose(1, 2, 0, 3), (part[..., None] * N).astype(J.dtype))
+        solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
+        by_errors = JN.transpose(2, 0, 1, 3).reshape(n, -1)
+        curvature -= by_errors @ solved[..., :-1].reshape(-1, n)
+        gradient += by_errors @ solved[..., -1].reshape(-1)
+        pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
+        by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * solved[..., -1], axis=-1)
+        costs[turn] = 0.5 * by_channel.reshape(-1, m * 3).sum(axis=1)
+    gradient -= flat @ pull.reshape(-1)
     whole = Quadratic(
         cost=float(costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
     )
     return whole, costs.tolist()
+
+
+def _turns(at: Sequence[int]) -> list[list[int]]:
+    """Measurements in turns, each prediction once a turn."""
+    turns: list[list[int]] = []
+    seen: dict[int, int] = {}
+    for k, p in enumerate(at):
+        turn = seen[p] = seen.get(p, -1) + 1
+        if turn == len(turns):
+            turns.append([])
+        turns[turn].append(k)
+    return turns
 
 
 def _nuisance(scale: Array, prior: Array, y: ComplexArray) -> Array:

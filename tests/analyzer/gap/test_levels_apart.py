@@ -92,6 +92,24 @@ def test_soft_and_hard_hits_solved_once_weigh_as_if_solved_each(apart, kinds):
         np.testing.assert_allclose(
             other.curvature, one.curvature, rtol=1e-7, atol=1e-7 * np.abs(one.curvature).max()
         )
+    whole, costs = stage.whole_quadratic(hypothesis, space, values, range(len(stage.lines)))
+    np.testing.assert_allclose(costs, [one.cost for one in alone], rtol=1e-9)
+    # Weights of both hits are in the derivatives before these go to single precision.
+    for name in ("gradient", "curvature"):
+        want = np.sum([getattr(one, name) for one in alone], axis=0)
+        size = np.max([np.abs(getattr(one, name)).max() for one in alone])
+        np.testing.assert_allclose(getattr(whole, name), want, rtol=0, atol=1e-6 * size)
+
+
+@pytest.mark.parametrize(("kinds", "solved"), [((), 1), ((lambda o: friction.instances(o)[0],), 2)])
+def test_soft_and_hard_hits_of_a_posture_are_solved_once_where_nothing_follows_the_level(
+    apart, kinds, solved
+):
+    hypothesis = of_session(apart, *kinds)
+    for stage in apart:
+        rows = [own for own, _ in stage.once(hypothesis, range(len(stage.lines)))]
+        n_solved = sum(len({i for _, i in own}) for own in rows)
+        assert n_solved == solved * len(stage.lines) // 2
 
 
 def test_names_that_follow_no_level_leave_out_what_soft_and_hard_hits_showed(apart):
