@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Callable
+from functools import lru_cache
 
 from analyzer.gap import effects
 from analyzer.gap.effects.effect import Instance
@@ -13,6 +14,7 @@ from analyzer.gap.ordinary import Ordinary
 __all__ = ["all_instances"]
 
 
+@lru_cache(maxsize=8)  # of an arm and its postures; asked for in every round
 def all_instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """Return every effect at every place of an arm where it may be."""
     found: list[Instance] = []

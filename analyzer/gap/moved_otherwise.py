@@ -26,20 +26,27 @@ def by_slopes(found: Response, slopes: Slopes) -> ComplexArray:
     dU = slopes.moved.transpose(0, 2, 1, 4, 3).reshape(P, m, k * n, 3).astype(real, copy=False)
     load = (dU @ system.moved).reshape(P, m, k, n, n)
     load = (load + load.swapaxes(-1, -2)) * system.sensor_mass_kg[:, None, None, None, None]
-    rows = np.empty((P, m, k, n + 6, n), real)
+    rows = np.empty((P, m, k, n + 3, n), real)
     rows[..., :n, :] = slopes.mass[:, None] + load
-    for at, of in ((n, slopes.seen), (n + 3, slopes.tilted)):
-        own = of.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n).astype(real, copy=False)
-        shown = (system.mix @ own).reshape(P, m, 3, k, n)
-        rows[..., at : at + 3, :] = shown.swapaxes(2, 3)
-    moved = real_times(rows.reshape(P, m, k * (n + 6), n), x).reshape(P, m, k, n + 6, L)
-    s2 = (found.s_rad_s**2)[:, None, None, None]
+    seen, tilted = (
+        (system.mix @ of.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n).astype(real, copy=False))
+        .reshape(P, m, 3, k, n)
+        .swapaxes(2, 3)
+        for of in (slopes.seen, slopes.tilted)
+    )
+    rows[..., n:, :] = seen
+    s2 = (found.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)
+    moved = real_times(rows.reshape(P, m, -1, n), s2 * x).reshape(P, m, k, n + 3, L)
+    tilt = real_times(np.ascontiguousarray(tilted).reshape(P, m, -1, n), x)
     push = of_hits(np.einsum("pha,pkhan->phkn", system.force, slopes.hit), found.hit)
-    pull = s2 * moved[..., :n, :] - push[..., None].astype(real, copy=False)
-    y = s2 * moved[..., n : n + 3, :] + moved[..., n + 3 :, :]
+    pull = moved[..., :n, :]
+    pull -= push[..., None].astype(real, copy=False)
+    y = moved[..., n:, :] + tilt.reshape(P, m, k, 3, L)
     y *= found.factor[:, None, None, None]
+    part = np.empty_like(y)
     for i in range(n):
-        y -= Y[:, :, None, i] * pull[..., i, None, :]
+        np.multiply(Y[:, :, None, i], pull[..., i, None, :], out=part)
+        y -= part
     return np.asarray(y.transpose(2, 0, 1, 3, 4))
 
 

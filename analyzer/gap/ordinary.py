@@ -84,62 +84,7 @@ class Ordinary:
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter with its prior."""
-        arm, tolerances = self.arm, self.arm.tolerances
-        found: list[Parameter] = []
-        for i in self.elastic:
-            joint = arm.joints[i]
-            found.append(_log(f"ln k {joint.name}", joint.stiffness, _LEAST_LN_K_STD))
-            found.append(_log(f"ln c {joint.name}", joint.damping, _LEAST_LN_C_STD))
-        found.append(
-            Parameter(
-                name="loss", unit="", mean=_LOSS_MEAN, std=_LOSS_STD, low=0.0, high=_LOSS_LIMIT
-            )
-        )
-        for joint in arm.joints:
-            found += [
-                Parameter(
-                    name=f"bearing {side} {joint.name}",
-                    unit="rad/(N m)",
-                    mean=_BEARING_MEAN * self.compliance,
-                    std=_BEARING_STD * self.compliance,
-                    low=0.0,
-                    high=self.bearing_limit,
-                )
-                for side in "ab"
-            ]
-            link = joint.link.name
-            std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
-            found += [
-                Parameter(
-                    name=f"{what} {link}", unit="m" if what in _CENTER else "", mean=0.0, std=s
-                )
-                for what, s in zip(_INERTIAL, std, strict=True)
-            ]
-            found.append(
-                Parameter(
-                    name=f"encoder {joint.name}",
-                    unit="rad",
-                    mean=0.0,
-                    std=tolerances.encoder_offset_rad,
-                )
-            )
-        found += [
-            Parameter(name=f"ln gain {a}", unit="", mean=0.0, std=tolerances.sensor_gain)
-            for a in "xyz"
-        ]
-        found.append(Parameter(name="ln hammer", unit="", mean=0.0, std=tolerances.hammer_gain))
-        found.append(Parameter(name="delay", unit="s", mean=0.0, std=_DELAY_STD_S))
-        for name in self.postures:
-            found += [
-                Parameter(
-                    name=f"aim {side} {name}",
-                    unit="rad",
-                    mean=0.0,
-                    std=tolerances.hit_direction_rad,
-                )
-                for side in "ab"
-            ]
-        return tuple(_within_reason(p) for p in found)
+        return _parameters(self)
 
     def encoder(self, values: Mapping[str, float]) -> Array:
         """Return (n_joints,) what the arm's angles are beyond what was read."""
@@ -201,15 +146,12 @@ class Ordinary:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
                 at = assembly.add_spring(joint.name, column, k, c)
                 assembly.add_term("loss", at, at, k * values["loss"])
-        for i, joint in enumerate(arm.joints):
-            turn = across(np.asarray(joint.axis))
+        for joint, columns in zip(arm.joints, _across_joints(superset), strict=True):
             # A soft bearing has a loss of its own, a sound one hardly shows it.
             loss = f"bearing loss {joint.name}"
             loss_s = values.get(loss, _BEARING_LOSS_S)
-            for side, name in enumerate("ab"):
-                column = np.zeros(superset.n)
-                column[superset.interface_columns(i)][3:] = turn[:, side]
-                parameter = f"bearing {name} {joint.name}"
+            for side, column in zip("ab", columns, strict=True):
+                parameter = f"bearing {side} {joint.name}"
                 assembly.add_compliance(column, values[parameter], loss_s, parameter, loss)
         gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
         assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
@@ -222,9 +164,74 @@ class Ordinary:
         return assembly
 
 
+@lru_cache(maxsize=16)
+def _across_joints(superset: Superset) -> Array:
+    """(n_joints, 2, N) motion by each joint's two transverse compliances."""
+    found = np.zeros((len(superset.arm.joints), 2, superset.n))
+    for i, joint in enumerate(superset.arm.joints):
+        found[i][:, superset.interface_columns(i)][:, 3:] = across(np.asarray(joint.axis)).T
+    return frozen_array(found, np.float64)
+
+
 _FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
 _CENTER = ("cx", "cy", "cz")
 _INERTIAL = ("mass", *_CENTER, "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+@lru_cache(maxsize=16)  # asked for with every fit
+def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
+    arm, tolerances = ordinary.arm, ordinary.arm.tolerances
+    compliance = ordinary.compliance
+    found: list[Parameter] = []
+    for i in ordinary.elastic:
+        joint = arm.joints[i]
+        found.append(_log(f"ln k {joint.name}", joint.stiffness, _LEAST_LN_K_STD))
+        found.append(_log(f"ln c {joint.name}", joint.damping, _LEAST_LN_C_STD))
+    found.append(
+        Parameter(name="loss", unit="", mean=_LOSS_MEAN, std=_LOSS_STD, low=0.0, high=_LOSS_LIMIT)
+    )
+    for joint in arm.joints:
+        found += [
+            Parameter(
+                name=f"bearing {side} {joint.name}",
+                unit="rad/(N m)",
+                mean=_BEARING_MEAN * compliance,
+                std=_BEARING_STD * compliance,
+                low=0.0,
+                high=ordinary.bearing_limit,
+            )
+            for side in "ab"
+        ]
+        link = joint.link.name
+        std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
+        found += [
+            Parameter(name=f"{what} {link}", unit="m" if what in _CENTER else "", mean=0.0, std=s)
+            for what, s in zip(_INERTIAL, std, strict=True)
+        ]
+        found.append(
+            Parameter(
+                name=f"encoder {joint.name}",
+                unit="rad",
+                mean=0.0,
+                std=tolerances.encoder_offset_rad,
+            )
+        )
+    found += [
+        Parameter(name=f"ln gain {a}", unit="", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
+    ]
+    found.append(Parameter(name="ln hammer", unit="", mean=0.0, std=tolerances.hammer_gain))
+    found.append(Parameter(name="delay", unit="s", mean=0.0, std=_DELAY_STD_S))
+    for name in ordinary.postures:
+        found += [
+            Parameter(
+                name=f"aim {side} {name}",
+                unit="rad",
+                mean=0.0,
+                std=tolerances.hit_direction_rad,
+            )
+            for side in "ab"
+        ]
+    return tuple(_within_reason(p) for p in found)
 
 
 def _within_reason(parameter: Parameter) -> Parameter:

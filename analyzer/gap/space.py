@@ -58,5 +58,8 @@ class Space:
 
     def with_changes(self, changes: Mapping[str, Parameter], more: Sequence[Parameter]) -> Space:
         """Return a space with some priors replaced and some parameters added."""
-        kept = [replace(changes.get(p.name, p), name=p.name) for p in self.parameters]
+        kept = [
+            replace(changes[p.name], name=p.name) if p.name in changes else p
+            for p in self.parameters
+        ]
         return Space([*kept, *more])
