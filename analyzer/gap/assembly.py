@@ -21,9 +21,11 @@ import numpy.typing as npt
 from analyzer.gap.geometry import PostureGeometry, skew
 from analyzer.gap.lines import PostureLines
 
-__all__ = ["Assembly", "Pieces", "System", "spatial_inertia"]
+__all__ = ["BASE", "Assembly", "Pieces", "System", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
+
+BASE = -1  # where a link is asked for
 
 
 def spatial_inertia(mass_kg: float | Array, center_m: Array, inertia_kg_m2: Array) -> Array:
@@ -81,6 +83,7 @@ class System:
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     link_motion: Array  # (n_links, 6, n)
+    base_motion: Array  # (6, n)
     pieces: dict[int, Pieces]  # of links that give way along their length
     moved: Array  # (m, 3, n) the sensor's motion in base
     seen: Array  # (m, 3, n) the sensor's motion along its axes
@@ -110,7 +113,7 @@ class Assembly:
     """A posture being put together; effects add to it.
 
     `compliance_of`, `loss_of`, `terms_of`, `stretches_of` and `inertia_of` say where a parameter
-    acts linearly, `motion_of` which coordinate moves otherwise with it, `turns_of` which stretch
+    acts linearly, `motion_of` which coordinates move otherwise with it, `turns_of` which stretch
     does: those derivatives are known.
     """
 
@@ -123,8 +126,8 @@ class Assembly:
     # By parameter: its coordinates, and which part of its compliance each has.
     compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
-    # By parameter: a coordinate, and by what (N,) its motion changes a unit.
-    motion_of: dict[str, tuple[int, Array]] = field(default_factory=dict)
+    # By parameter: coordinates, and by what (N,) the motion of each changes a unit.
+    motion_of: dict[str, list[tuple[int, Array]]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
     stretched_by: dict[str, int] = field(default_factory=dict)
     terms: list[tuple[str, int, int, float]] = field(default_factory=list)
@@ -142,7 +145,7 @@ class Assembly:
     factors: dict[str, tuple[float, float]] = field(default_factory=dict)
     log_slopes: dict[str, tuple[str, float, float]] = field(default_factory=dict)
     link_inertia: list[Array] = field(default_factory=list)  # (6, 6) each
-    # By parameter: a link, and by what (6, 6) its spatial inertia changes a unit.
+    # By parameter: a link or the base, and by what (6, 6) its spatial inertia changes a unit.
     inertia_of: dict[str, tuple[int, Array]] = field(default_factory=dict)
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
@@ -150,6 +153,7 @@ class Assembly:
     force: Array | None = None
     hit_turn: Array = field(default_factory=lambda: np.eye(3))  # of every force, base axes
     sensor_mass_kg: float = 0.0  # beside what the file gives
+    sensor_mass_of: list[str] = field(default_factory=list)  # parameters that are added to it
     log_scale: float = 0.0
     delay_s: float = 0.0
     decay_rad_s: float = 0.0

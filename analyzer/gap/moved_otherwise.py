@@ -51,7 +51,7 @@ def by_slopes(found: Response, slopes: Slopes) -> ComplexArray:
 
 
 def by_motion(found: Response, slopes: MotionSlopes) -> ComplexArray:
-    """Derivatives (k, P, m, 3, L) by k parameters with which a coordinate moves otherwise."""
+    """Derivatives (k, P, m, 3, L) by k ways in which a coordinate moves otherwise."""
     system, at, k = found.system, slopes.at, len(slopes.at)
     x, Y = found.x, found.under_loads
     P, m, n, _ = x.shape

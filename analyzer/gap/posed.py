@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
-from analyzer.gap.assembly import Assembly, System
+from analyzer.gap.assembly import BASE, Assembly, System
 from analyzer.gap.change import Change, by_change
 from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from analyzer.gap.hypothesis import Hypothesis
@@ -120,6 +120,7 @@ class Postures:
             posed.by_terms(),
             posed.by_turns(),
             posed.by_motions(),
+            posed.by_sensor_mass(),
             posed.by_differences(space, self._s_rad_s),
         ):
             if name not in space.index:
@@ -280,8 +281,12 @@ class _Solved:
             )
 
     def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Masses, centres and tensors of the links, and what is bolted to them."""
+        """Masses, centres and tensors of links; what is bolted to them; the base's own."""
         bolted = self.assemblies[0].inertia_of
+        of_base = {name: slope for name, (at, slope) in bolted.items() if at == BASE}
+        if of_base:
+            by_base = self.found.by_base_inertia(np.array([*of_base.values()]))
+            yield from zip(of_base, by_base, strict=True)
         for link in range(len(self.ordinary.arm.joints)):
             names = self.ordinary.inertia_names(link)
             changes = _inertia_changes(self.ordinary, link, names, self.values)
@@ -343,13 +348,22 @@ class _Solved:
                 yield name, self.found.by_stretches(row, change, self.found.weight(kind))
 
     def by_motions(self) -> Iterator[tuple[str, ComplexArray]]:
-        """What a coordinate that gives way moves; nothing where it is locked."""
+        """What coordinates that give way move; nothing where they are locked."""
         system = self.found.system
-        motions = self.assemblies[0].motion_of.items()
-        names = [name for name, (at, _) in motions if system.compliance[:, at].any()]
-        if names:
-            slopes = motion_slopes(self.assemblies, system, names)
-            yield from zip(names, by_motion(self.found, slopes), strict=True)
+        moves = {
+            name: len(own)
+            for name, own in self.assemblies[0].motion_of.items()
+            if any(system.compliance[:, at].any() for at, _ in own)
+        }
+        if moves:
+            columns = iter(by_motion(self.found, motion_slopes(self.assemblies, system, [*moves])))
+            for name, n in moves.items():
+                yield name, np.sum([next(columns) for _ in range(n)], axis=0)
+
+    def by_sensor_mass(self) -> Iterator[tuple[str, ComplexArray]]:
+        """The accelerometer's mass."""
+        for name in self.assemblies[0].sensor_mass_of:
+            yield name, self.found.by_sensor_mass()
 
     def by_differences(
         self, space: Space, s_rad_s: ComplexArray
@@ -364,6 +378,7 @@ class _Solved:
             *first.inertia_of,
             *first.turns_of,
             *first.motion_of,
+            *first.sensor_mass_of,
             *first.log_slopes,
         }
         for instance in self.hypothesis.instances:

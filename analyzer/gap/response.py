@@ -232,6 +232,10 @@ class Response:
         parts = [self._by_inertia(J, own) for J, own in zip(motions, split, strict=True)]
         return np.asarray(np.sum(parts, axis=0))
 
+    def by_base_inertia(self, changes: Array) -> ComplexArray:
+        """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of the base's spatial inertia."""
+        return self._by_inertia(self.system.base_motion, changes)
+
     def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
         """`J` (P, 6, n), `changes` (k, 6, 6)."""
         P, m, n, L = self.x.shape
@@ -250,6 +254,15 @@ class Response:
         b = b.astype(self.x.real.dtype, copy=False)
         y = real_times(b, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, L)
         return np.asarray(y * (self.hit == hit)[:, :, None, None])
+
+    def by_sensor_mass(self) -> ComplexArray:
+        """Derivative by the mass of every accelerometer."""
+        P, m, n, L = self.x.shape
+        U = self.system.moved
+        motion = real_times(U, self.x)  # (P, m, 3, L)
+        motion *= -(self.s_rad_s**2)[:, None, None]
+        under = real_times(U, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
+        return np.asarray(sum(under[:, :, b] * motion[:, :, b, None] for b in range(3)))
 
     def by_shift(self) -> ComplexArray:
         """Derivatives (3, P, m, 3, L) by a shift of each mounting along its own sensor's axes.

@@ -37,7 +37,7 @@ class Slopes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionSlopes:
-    """Change of P systems with k parameters, each of which one coordinate moves otherwise with.
+    """Change of P systems with k ways in which one coordinate moves otherwise.
 
     Of a matrix its row and column `at` change: the mass by both alike.
     """
@@ -99,6 +99,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         compliance=np.array([own.compliance for own in assemblies]),
         compliance_loss_s=np.array([own.compliance_loss_s for own in assemblies]),
         link_motion=link_motion,
+        base_motion=base,
         pieces=pieces,
         moved=J[..., :3, :],
         seen=R @ J[..., :3, :],
@@ -168,13 +169,13 @@ def angle_slopes(
 def motion_slopes(
     assemblies: Sequence[Assembly], system: System, names: Sequence[str]
 ) -> MotionSlopes:
-    """Return how the matrices change with parameters that `Assembly.motion_of` knows.
+    """Return how the matrices change with parameters that `Assembly.motion_of` knows, in turn.
 
-    `system` stacked.
+    Each coordinate that a parameter moves has a row of its own. `system` stacked.
     """
     first, T = assemblies[0], _columns(assemblies)
-    at = [first.motion_of[name][0] for name in names]
-    changes = [[own.motion_of[name][1] for name in names] for own in assemblies]
+    at = [coordinate for name in names for coordinate, _ in first.motion_of[name]]
+    changes = [[way for name in names for _, way in own.motion_of[name]] for own in assemblies]
     dT = np.array(changes).swapaxes(1, 2)  # (P, N, k)
     P, N, k = dT.shape
     links = np.array([own.geometry.link_jacobian for own in assemblies])

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly, spatial_inertia
+from analyzer.gap.assembly import BASE, Assembly, spatial_inertia
 from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.geometry import skew
@@ -14,6 +15,8 @@ from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
+
+Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="base",
@@ -29,6 +32,8 @@ _MATERIAL = 0.01  # of rocking, of the arm's compliance
 _START = 0.05  # likewise of rocking: from nothing a fit finds its way slowly
 _SHIFT_MATERIAL = 2e-5  # m/N of shifting, likewise
 _FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
+_RADII_2_M2 = np.diag([0.015, 0.015, 0.02])  # of gyration
+_UP = skew(np.array([0.0, 0.0, 1.0]))
 _METRE = 0.3  # of lever between a shift's compliance and a rocking's
 
 
@@ -39,16 +44,19 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     mass, height, pivot = "base mass", "base height", "base pivot"
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        lever = skew(np.array([0.0, 0.0, values[pivot]]))
+        by_pivot = []
         for i, name in enumerate(names):
-            column = np.zeros(ordinary.superset.n)
+            column, way = np.zeros((2, ordinary.superset.n))
             column[i] = 1.0
             if i >= 3:  # rocking about a line through the pivot
-                column[:3] = lever[:, i - 3]
-            assembly.add_compliance(column, values[name], values[loss], name, loss)
-        center = np.array([0.0, 0.0, values[height]])
-        own = values[mass] * np.diag([0.015, 0.015, 0.02])
-        assembly.base_inertia = assembly.base_inertia + spatial_inertia(values[mass], center, own)
+                way[:3] = _UP[:, i - 3]
+                column += values[pivot] * way
+            at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+            by_pivot.append((at, way))
+        assembly.motion_of[pivot] = by_pivot[3:5]
+        here, by_mass, by_height = _inertia(values[mass], values[height])
+        assembly.base_inertia = assembly.base_inertia + here
+        assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
 
     rock = compliance_parameter("", ordinary)
     parameters = [
@@ -92,3 +100,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             material=_MATERIAL * ordinary.compliance,
         ),
     )
+
+
+def _inertia(mass_kg: float, height_m: float) -> tuple[Array, Array, Array]:
+    """The base's own (6, 6), and its slopes by mass and height."""
+    of_one = spatial_inertia(1.0, np.array([0.0, 0.0, height_m]), _RADII_2_M2)
+    by_height = np.zeros((6, 6))
+    by_height[:3, 3:], by_height[3:, :3] = -_UP, _UP
+    by_height[3:, 3:] = -2.0 * height_m * _UP @ _UP
+    return mass_kg * of_one, of_one, mass_kg * by_height

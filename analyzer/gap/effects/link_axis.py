@@ -76,7 +76,7 @@ def at_axis(
         column, slopes = line(*(values[m] for m in moves))
         at = assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
         for move, slope in zip(moves, slopes, strict=True):
-            assembly.motion_of[move] = at, slope
+            assembly.motion_of[move] = [(at, slope)]
         if before:
             shares = np.array([values[part], 1.0 - values[part]])
             assembly.pieces[link] = shares, np.zeros((2, 3))

@@ -31,6 +31,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         assembly.sensor_mass_kg += values[name]
+        assembly.sensor_mass_of.append(name)
 
     return (
         Instance(

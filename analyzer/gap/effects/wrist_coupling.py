@@ -49,6 +49,7 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
         at = assembly.names[a]
         turned = assembly.unit(column)
         assembly.columns[at] = assembly.columns[at] - values[name] * turned
+        assembly.motion_of[name] = [(at, -turned)]
         assembly.add_compliance(turned, values[own], values[loss], own, loss)
 
     return Instance(
