@@ -8,9 +8,8 @@ true.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -43,6 +42,7 @@ _PLENTY = 100.0  # nats that no better test is looked for: they tell already
 _BETTER = 1.1  # times the evidence: for less nothing more is asked of the laboratory
 _NO_BETTER = 0.5  # nats
 _ROUNDS = 4
+_AT_ONCE = 4  # tests whose postures are solved together
 _PINNED = 0.02  # of a hidden size: how firmly it is held
 _STEPS, _STEPS_AGAIN = 6, 12
 
@@ -75,44 +75,94 @@ def proposed(
 
 
 def _best(stage: Stage, rivals: Sequence[Fit], tests: Sequence[Test]) -> tuple[Test, float]:
-    gains = [expected_evidence(stage, rivals, test) for test in tests]
+    gains = expected_evidence(stage, rivals, tests)
     best = int(np.argmax(gains))
     return tests[best], float(gains[best])
 
 
-def expected_evidence(stage: Stage, rivals: Sequence[Fit], test: Test) -> float:
-    """Least evidence, over which rival is true and against which, that a test is expected to bring.
+def expected_evidence(stage: Stage, rivals: Sequence[Fit], tests: Sequence[Test]) -> Array:
+    """Least evidence, over which rival is true and against which, that tests are expected to bring.
 
     Parameters
     ----------
     stage
         The sharp lines; scatter and points are taken to be as in its first posture.
+
+    Returns
+    -------
+    (n_tests,) nats
     """
     superset = rivals[0].hypothesis.ordinary.superset
-    model = PosedModel(superset, test.joints_rad)
-    blanks, floors = _lines(stage, superset.point_index, test)
-    of_test = Stage(superset, blanks, Discrepancy(), models=[model for _ in blanks])
     ready = [_Ready.of(rival) for rival in rivals]
-    answers = [_answers(of_test, own) for own in ready]
-    least = np.inf
-    for true, other in permutations(range(len(ready)), 2):
-        would = {p: y[i] for rows, y, _ in answers[true] for p, i in rows}
-        weighings = [
-            _weighing(blank, floor, would[p], superset.arm.tolerances)
-            for p, (blank, floor) in enumerate(zip(blanks, floors, strict=True))
-        ]
-        surprise = [_surprise(weighings, ready[i], answers[i]) for i in (true, other)]
-        least = min(least, surprise[1] - surprise[0])
-    return float(least)
+    found = np.empty(len(tests))
+    for at_once in _alike(tests):
+        lines = [_lines(stage, superset.point_index, tests[t]) for t in at_once]
+        posed = [PosedModel(superset, tests[t].joints_rad) for t in at_once]
+        of_tests = Stage(
+            superset,
+            [blank for blanks, _ in lines for blank in blanks],
+            Discrepancy(),
+            models=[model for model, (blanks, _) in zip(posed, lines, strict=True) for _ in blanks],
+        )
+        answers = [_answers(of_tests, own) for own in ready]
+        first = 0
+        for t, (blanks, floors) in zip(at_once, lines, strict=True):
+            rows = range(first, first + len(blanks))
+            own = [_of_rows(answer, rows) for answer in answers]
+            found[t] = _least_evidence(blanks, floors, ready, own, superset.arm.tolerances)
+            first += len(blanks)
+    return found
 
 
-def _answers(of_test: Stage, ready: _Ready) -> list[_Answer]:
+def _alike(tests: Sequence[Test]) -> Iterator[list[int]]:
+    """Tests with the same mountings and brakes, a few at a time, to be solved at once."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for t, test in enumerate(tests):
+        alike.setdefault((test.more_points, test.brakes), []).append(t)
+    for own in alike.values():
+        for i in range(0, len(own), _AT_ONCE):
+            yield own[i : i + _AT_ONCE]
+
+
+def _answers(of_tests: Stage, ready: _Ready) -> list[_Answer]:
     """What a rival would give, soft and hard hits at once."""
-    every = range(len(of_test.lines))
+    every = range(len(of_tests.lines))
     return [
         (rows, *together.derivatives(ready.hypothesis, ready.space, ready.values))
-        for rows, together in of_test.once(ready.hypothesis, every)
+        for rows, together in of_tests.once(ready.hypothesis, every)
     ]
+
+
+def _of_rows(answers: Sequence[_Answer], rows: range) -> list[_Answer]:
+    """Answers of some lines alone, counted from the first."""
+    found: list[_Answer] = []
+    for pairs, y, dy in answers:
+        own = [(p - rows.start, i) for p, i in pairs if p in rows]
+        at = list(dict.fromkeys(i for _, i in own))
+        if own:
+            found.append(([(p, at.index(i)) for p, i in own], y[at], dy[:, at]))
+    return found
+
+
+def _least_evidence(
+    blanks: Sequence[PostureLines],
+    floors: Sequence[Array],
+    ready: Sequence[_Ready],
+    answers: Sequence[Sequence[_Answer]],
+    tolerances: Tolerances,
+) -> float:
+    """Of one test: its lines, and what each rival gives."""
+    least = np.inf
+    for true in range(len(ready)):
+        would = {p: y[i] for pairs, y, _ in answers[true] for p, i in pairs}
+        weighings = [
+            _weighing(blank, floor, would[p], tolerances)
+            for p, (blank, floor) in enumerate(zip(blanks, floors, strict=True))
+        ]
+        surprises = [_surprise(weighings, own, of) for own, of in zip(ready, answers, strict=True)]
+        others = (s for other, s in enumerate(surprises) if other != true)
+        least = min(least, min(others) - surprises[true])
+    return float(least)
 
 
 def _weighing(

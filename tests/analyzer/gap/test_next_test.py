@@ -42,28 +42,32 @@ def servo(known):
     return hidden_rival(stage, null, candidate, candidate.size_std)
 
 
+# Derivatives are in single precision, their sums in another order.
+ROUNDED = 1e-4
+
+
 def test_a_model_is_not_told_from_itself(known):
     stage, null = known
     test = Test(joints_rad=stage.lines[0].joints_rad, hit_direction=np.eye(3)[2])
     # The same number on both sides; only rounding is left.
-    assert expected_evidence(stage, [null, null], test) == pytest.approx(0.0, abs=1e-9)
+    assert expected_evidence(stage, [null, null], [test]) == pytest.approx([0.0], abs=1e-9)
 
 
 def test_brakes_tell_a_servo_from_none_better_than_the_same_posture_without(known, servo):
     stage, null = known
     free = Test(joints_rad=stage.lines[0].joints_rad, hit_direction=stage.lines[0].hit_direction[0])
     braked = replace(free, brakes=True)
-    without = expected_evidence(stage, [null, servo], free)
-    assert expected_evidence(stage, [null, servo], braked) > without
+    without, with_brakes = expected_evidence(stage, [null, servo], [free, braked])
+    assert with_brakes > without
 
 
 def test_the_proposed_one_is_as_good_as_any_of_its_kind_and_the_same_each_time(known, servo):
     stage, null = known
     rivals = [null, servo]
     test, gain = proposed(stage, rivals, rng=np.random.default_rng(1))
-    assert gain == expected_evidence(stage, rivals, test)
+    assert expected_evidence(stage, rivals, [test]) == pytest.approx([gain], rel=ROUNDED)
     tests = possible_tests(stage, null, rng=np.random.default_rng(1))
-    assert gain >= max(expected_evidence(stage, rivals, test) for test in tests)
+    assert gain >= expected_evidence(stage, rivals, tests).max()
     again, _ = proposed(stage, rivals, rng=np.random.default_rng(1))
     assert again.words == test.words
     assert proposed(stage, [null], rng=np.random.default_rng(1)) is None
@@ -115,14 +119,25 @@ def test_hits_elsewhere_foretell_what_the_session_s_own_point_would_not(known, s
     own = Test(joints_rad=stage.lines[0].joints_rad, hit_direction=stage.lines[0].hit_direction[0])
     where = null.hypothesis.ordinary.arm.points[stage.lines[0].hit_point[0]].id
     again = replace(own, hit_point=where)
-    assert expected_evidence(stage, [null, servo], again) == pytest.approx(
-        expected_evidence(stage, [null, servo], own)
-    )
+    by_own, by_again = expected_evidence(stage, [null, servo], [own, again])
+    assert by_again == pytest.approx(by_own, rel=ROUNDED)
     tests = possible_tests(stage, null, rng=np.random.default_rng(2))
     elsewhere = replace(own, hit_point=next(t.hit_point for t in tests if t.hit_point is not None))
-    assert expected_evidence(stage, [null, servo], elsewhere) != pytest.approx(
-        expected_evidence(stage, [null, servo], own), rel=1e-3
-    )
+    (by_other,) = expected_evidence(stage, [null, servo], [elsewhere])
+    assert by_other != pytest.approx(by_own, rel=1e-3)
+
+
+def test_tests_weighed_at_once_are_as_good_as_each_alone(known, servo):
+    """With brakes or not, with a point more or not, five and more of a kind."""
+    stage, null = known
+    tests = possible_tests(stage, null, rng=np.random.default_rng(3))
+    point = null.hypothesis.ordinary.arm.points[-1].id
+    own = replace(tests[0], more_points=(point,))
+    mixed = [own, *tests[:5], replace(tests[1], brakes=True), *tests[5:9]]
+    alone = [expected_evidence(stage, [null, servo], [test])[0] for test in mixed]
+    assert len(set(np.round(alone, 6))) > len(mixed) // 2
+    at_once = expected_evidence(stage, [null, servo], mixed)
+    np.testing.assert_allclose(at_once, alone, rtol=ROUNDED, atol=ROUNDED)
 
 
 def test_base_points_that_were_left_out_are_asked_for_once_and_where_the_sensor_moves(known):
@@ -162,7 +177,7 @@ def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, se
         hit_point=superset.arm.points[on_base].id,
     )
     # The base is rigid in both models: nothing answers, and only rounding is left.
-    assert expected_evidence(stage, [null, servo], test) == pytest.approx(0.0, abs=1e-6)
+    assert expected_evidence(stage, [null, servo], [test]) == pytest.approx([0.0], abs=1e-6)
 
 
 def test_rivals_that_no_test_tells_apart_are_said_to_be_so(known):
