@@ -112,9 +112,10 @@ class System:
 class Assembly:
     """A posture being put together; effects add to it.
 
-    `compliance_of`, `loss_of`, `terms_of`, `stretches_of` and `inertia_of` say where a parameter
-    acts linearly, `motion_of` which coordinates move otherwise with it, `turns_of` which stretch
-    does: those derivatives are known.
+    What a parameter does a unit, where it stands, is told for most: `compliance_of`, `loss_of`,
+    `terms_of`, `stretches_of`, `inertia_of` and `sensor_mass_of` of terms, `log_slopes` of a
+    joint's spring, `motion_of` of coordinates that move otherwise with it, `turns_of` of stretches
+    that do. Those derivatives are known; of inertias but for gravity's part, a thousandth.
     """
 
     geometry: PostureGeometry
@@ -134,8 +135,8 @@ class Assembly:
     terms_of: dict[str, list[tuple[str, int, int, float]]] = field(default_factory=dict)
     stretches: list[tuple[str, Array, float]] = field(default_factory=list)
     stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
-    # By parameter: of a stretch its kind and row, and what its value times the row changes a unit.
-    turns_of: dict[str, tuple[str, Array, Array]] = field(default_factory=dict)
+    # By parameter: of stretches kind and row, and what the value times the row changes a unit.
+    turns_of: dict[str, list[tuple[str, Array, Array]]] = field(default_factory=dict)
     # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates between pieces:
     # the link, how many pieces do not move with it, and whether each point does not.
     pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
@@ -252,7 +253,7 @@ class Assembly:
         self.stretches.append((kind, row, value))
         self.stretches_of.setdefault(parameter, []).append((kind, row, slope))
         for name, change in (turns or {}).items():
-            self.turns_of[name] = (kind, row, value * change)
+            self.turns_of.setdefault(name, []).append((kind, row, value * change))
 
     def joint_row(self, joint: str) -> Array:
         """Return (n so far,) what stretches a joint's spring."""

@@ -167,19 +167,23 @@ class Solved:
 
     def by_turns(self) -> Iterator[tuple[str, ComplexArray]]:
         """What turns the stretch of an effect's spring or damper: r r' changes on both sides."""
-        for name, (kind, _, _) in self.assemblies[0].turns_of.items():
-            of_all = [own.turns_of[name] for own in self.assemblies]
-            row, change = (np.stack([own[side] for own in of_all]) for side in (1, 2))
-            if change.any():
-                yield name, self.found.by_stretches(row, change, self.found.weight(kind))
+        for name, turns in self.assemblies[0].turns_of.items():
+            for at, (kind, _, _) in enumerate(turns):
+                of_all = [own.turns_of[name][at] for own in self.assemblies]
+                row, change = (np.stack([own[side] for own in of_all]) for side in (1, 2))
+                if row.any() and change.any():
+                    yield name, self.found.by_stretches(row, change, self.found.weight(kind))
 
     def by_motions(self) -> Iterator[tuple[str, ComplexArray]]:
-        """What coordinates that give way move; nothing where they are locked."""
+        """What coordinates that give way move; nothing where they are locked.
+
+        One on a spring, without a compliance, gives way.
+        """
         system = self.found.system
         moves = {
             name: len(own)
             for name, own in self.assemblies[0].motion_of.items()
-            if any(system.compliance[:, at].any() for at, _ in own)
+            if any((system.compliance[:, at] != 0.0).any() for at, _ in own)
         }
         if moves:
             columns = iter(by_motion(self.found, motion_slopes(self.assemblies, system, [*moves])))

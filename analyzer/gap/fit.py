@@ -185,9 +185,14 @@ class Stage:
 
 def models_of(superset: Superset, lines: Sequence[PostureLines]) -> list[PosedModel]:
     """Return a model for each of the lines; soft and hard hits of a posture share one."""
-    own = {of.name: of.joints_rad for of in lines}
-    models = {name: PosedModel(superset, joints_rad) for name, joints_rad in own.items()}
-    return [models[of.name] for of in lines]
+    models: dict[tuple[float, ...], PosedModel] = {}
+    found = []
+    for own in lines:
+        angles = tuple(own.joints_rad.tolist())
+        if angles not in models:
+            models[angles] = PosedModel(superset, own.joints_rad)
+        found.append(models[angles])
+    return found
 
 
 def _firsts(lines: Sequence[PostureLines], models: Sequence[PosedModel]) -> list[int]:

@@ -174,9 +174,9 @@ def _lines_of(
             return np.asarray(rotation[superset.point_index[point]])
 
         frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
-        lines = _thinned(superset, frf, stage, plan.sensor.mass_kg)
-        peak_n = float(np.exp(_mean_level(chosen)))
-        result.append(replace(lines, joints_rad=joints_rad, level=level, peak_n=peak_n))
+        posed = replace(frf, joints_rad=joints_rad)
+        lines = _thinned(superset, posed, stage, plan.sensor.mass_kg)
+        result.append(replace(lines, level=level, peak_n=float(np.exp(_mean_level(chosen)))))
     return tuple(result)
 
 

@@ -85,6 +85,8 @@ def expected_evidence(stage: Stage, rivals: Sequence[Fit], tests: Sequence[Test]
 
     Parameters
     ----------
+    rivals
+        Two at least.
     stage
         The sharp lines; scatter and points are taken to be as in its first posture.
 

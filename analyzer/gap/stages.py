@@ -85,10 +85,11 @@ def stages_of(
             mass = session.header.plan.sensor.mass_kg
             lines = shifted_lines(superset, known, stage, sensor_mass_kg=mass)
         # Soft and hard hits are of the same posture: they share its geometry.
-        shared = [model for model in models for _ in range(2)] if models else None
-        models_of = made[-1].models if made else shared
+        given = [model for model in models for _ in range(2)] if models else None
         lines = _in_state(lines, session)
-        made.append(Stage(superset, lines, Discrepancy(), models=models_of))
+        made.append(
+            Stage(superset, lines, Discrepancy(), models=made[-1].models if made else given)
+        )
     return tuple(made)
 
 

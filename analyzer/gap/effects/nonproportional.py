@@ -83,13 +83,13 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
         start, end = (np.array([values[n] for n in names]) for names in (starts, ends))
         columns = np.stack(assembly.columns, axis=1)
         row, slopes = _row(assembly.geometry, near, far, start, end)
+        turns = dict(zip((*starts, *ends), slopes @ columns, strict=True))
+        for moved, ways in assembly.motion_of.items():  # of other effects: it stretches with them
+            turns[moved] = np.zeros(len(assembly.columns))
+            for at, way in ways:
+                turns[moved][at] = row @ way
         assembly.add_stretch(
-            "damping",
-            row @ columns,
-            values[name],
-            parameter=name,
-            slope=1.0,
-            turns=dict(zip((*starts, *ends), slopes @ columns, strict=True)),
+            "damping", row @ columns, values[name], parameter=name, slope=1.0, turns=turns
         )
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:

@@ -13,6 +13,7 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.geometry import skew
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.space import Parameter
+from protocols.arrays import frozen_array
 
 __all__ = ["WORDS", "instances"]
 
@@ -76,7 +77,7 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
     def body(*by: float) -> tuple[Array, Array]:
         here = inertia(np.array(by))
         slopes = [(inertia(by + _STEP * way) - here) / _STEP for way in np.eye(len(by))]
-        return here, np.array(slopes)
+        return frozen_array(here, np.float64), frozen_array(slopes, np.float64)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         mass_kg, *first = (values[name] for name in names)

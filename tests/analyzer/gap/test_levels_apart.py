@@ -94,7 +94,7 @@ def test_soft_and_hard_hits_solved_once_weigh_as_if_solved_each(apart, kinds):
         )
     whole, costs = stage.whole_quadratic(hypothesis, space, values, range(len(stage.lines)))
     np.testing.assert_allclose(costs, [one.cost for one in alone], rtol=1e-9)
-    # Weights of both hits are in the derivatives before these go to single precision.
+    # Single precision: of derivatives times the root of both weights, not times each.
     for name in ("gradient", "curvature"):
         want = np.sum([getattr(one, name) for one in alone], axis=0)
         size = np.max([np.abs(getattr(one, name)).max() for one in alone])

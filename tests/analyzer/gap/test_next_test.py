@@ -128,12 +128,16 @@ def test_hits_elsewhere_foretell_what_the_session_s_own_point_would_not(known, s
 
 
 def test_tests_weighed_at_once_are_as_good_as_each_alone(known, servo):
-    """With brakes or not, with a point more or not, five and more of a kind."""
+    """All kinds there are; with brakes or not, with a point more or not, many of a kind."""
     stage, null = known
     tests = possible_tests(stage, null, rng=np.random.default_rng(3))
     point = null.hypothesis.ordinary.arm.points[-1].id
     own = replace(tests[0], more_points=(point,))
-    mixed = [own, *tests[:5], replace(tests[1], brakes=True), *tests[5:9]]
+    kinds = {
+        (t.hit_point is None, t.brakes, len(t.peaks_n), t.known_mass is None): t for t in tests
+    }
+    assert len(kinds) >= 4
+    mixed = [own, *tests[:5], replace(tests[1], brakes=True), *kinds.values()]
     alone = [expected_evidence(stage, [null, servo], [test])[0] for test in mixed]
     assert len(set(np.round(alone, 6))) > len(mixed) // 2
     at_once = expected_evidence(stage, [null, servo], mixed)

@@ -150,6 +150,36 @@ def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, 
             )
 
 
+def test_a_damper_stretches_with_what_moves_a_coordinate_otherwise(lines, ordinary, posed):
+    """The base's pivot, an axis's place and a wrist's ratio, beside a damper of one deviation."""
+    kinds = {i.effect.name: i for i in all_instances(ordinary)}
+    axis = link_axis.at_axis(ordinary, 2, AXIS, np.array([0.02, 0.03, 0.01]))
+    damper = kinds["nonproportional"]
+    others = [
+        (kinds["base"], ["base pivot"]),
+        (axis, [p.name for p in axis.parameters[2:]]),
+        (kinds["wrist_coupling"], [kinds["wrist_coupling"].size]),
+    ]
+    for other, names in others:
+        hypothesis = Hypothesis(ordinary=ordinary, instances=(other, damper))
+        space = hypothesis.space()
+        u = np.clip(space.start() + 0.3, space.low, space.high)
+        u[space.index[damper.size]] = 1.0
+        _, dy = posed.derivatives(hypothesis, lines, space, space.values(u))
+        for name in names:
+            i, h = space.index[name], 1e-4
+            ends = []
+            for side in (1.0, -1.0):
+                moved = u.copy()
+                moved[i] += side * h
+                ends.append(posed.values(hypothesis, lines, space.values(moved)))
+            want = (ends[0] - ends[1]) / (2 * h)
+            # Central differences, derivatives in single precision.
+            np.testing.assert_allclose(
+                dy[i], want, atol=1e-3 * np.abs(want).max(), rtol=0, err_msg=name
+            )
+
+
 def test_the_equations_are_reciprocal(lines, ordinary, posed):
     """H is symmetric: loads and motions of the coordinates exchange."""
     hypothesis = Hypothesis(ordinary=ordinary)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analyzer.gap.lines import PostureLines
-from analyzer.gap.weigh import Discrepancy, Weighing
+from analyzer.gap.weigh import Discrepancy, Weighing, summed
 from protocols.arm.files import load_arm
 
 
@@ -74,6 +74,21 @@ def test_gradient_and_curvature_are_those_of_the_cost_s_linear_model(setup):
         assert (cost(e) - cost(-e)) / (2 * h) == pytest.approx(found.gradient[i], rel=1e-6)
         second = (cost(e) - 2 * cost(0 * e) + cost(-e)) / h**2
         assert second == pytest.approx(found.curvature[i, i], rel=1e-5)
+
+
+def test_measurements_that_share_predictions_weigh_as_each_alone():
+    rng = np.random.default_rng(8)
+    tolerances = load_arm("rv4frl").tolerances
+    at = [2, 0, 0, 1, 2, 0]
+    weighings = [Weighing(made_lines(rng), tolerances, Discrepancy()) for _ in at]
+    shape = weighings[0].lines.values.shape
+    y = rng.standard_normal((3, *shape)) + 1j * rng.standard_normal((3, *shape))
+    dy = rng.standard_normal((5, 3, *shape)) + 1j * rng.standard_normal((5, 3, *shape))
+    whole, costs = summed(weighings, y, dy, at)
+    alone = [w.quadratic(y[p], dy[:, p]) for w, p in zip(weighings, at, strict=True)]
+    np.testing.assert_allclose(costs, [one.cost for one in alone], rtol=1e-12)
+    np.testing.assert_allclose(whole.gradient, sum(one.gradient for one in alone), rtol=1e-9)
+    np.testing.assert_allclose(whole.curvature, sum(one.curvature for one in alone), rtol=1e-9)
 
 
 def test_a_turned_mounting_costs_little_and_a_flipped_axis_much(setup):
