@@ -26,6 +26,7 @@ from analyzer.gap.effects.effect import EffectWords, Instance
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.ordinary import Ordinary, across
 from analyzer.gap.space import Parameter, Space
+from analyzer.gap.weigh import summed
 from protocols.arrays import frozen_array
 
 __all__ = ["Candidate", "beside", "scan_axes", "scan_instances"]
@@ -269,18 +270,18 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     n = len(fit.space)
     size = n + len(links) * len(_PAIRS)
     gradient, curvature = np.zeros(size), np.zeros((size, size))
-    for here, together in stage.together():
+    for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
         y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
         rows = [dy]
         for probe, names in probes:
             wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
             values = {**fit.values, **dict.fromkeys(names, 0.0)}
             rows.append(std * together.interface_columns(wide, values, names, _PAIRS))
-        every = np.concatenate(rows)
-        for i, p in enumerate(here):
-            part = stage.weighings[p].quadratic(y[i], every[:, i])
-            gradient += part.gradient
-            curvature += part.curvature
+        own_lines, at = zip(*pairs, strict=True)
+        weighings = [stage.weighings[p] for p in own_lines]
+        part, _ = summed(weighings, y, np.concatenate(rows), at)
+        gradient += part.gradient
+        curvature += part.curvature
     free = np.flatnonzero(fit.free)
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     left = gradient[free] + fit.u[free]

@@ -53,13 +53,13 @@ def scan_dampers(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[
     n = len(fit.space)
     found_at: dict[int, tuple[Array, Array, PostureGeometry]] = {}
     twice = np.array([1.0 if a == b else 2.0 for a, b in pairs])
-    for group, together in stage.together():
+    for rows, together in stage.once(fit.hypothesis, range(len(stage.lines))):
         y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
         columns, posed = together.damping_columns(
             fit.hypothesis, fit.values, [(names[a], names[b]) for a, b in pairs]
         )
         every = np.concatenate([dy, columns * (std * twice)[:, None, None, None, None]])
-        for i, p in enumerate(group):
+        for p, i in rows:
             part = stage.weighings[p].quadratic(y[i], every[:, i])
             found_at[p] = part.gradient, part.curvature, posed[i]
     gradients, curvatures, geometries = zip(
