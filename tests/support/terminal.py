@@ -72,16 +72,20 @@ class Terminal:
         children = Path(f"/proc/{shell}/task/{shell}/children").read_text(encoding="ascii")
         return int(children.split()[0])
 
-    def until(self, pattern: str, timeout_s: float = 30.0) -> str:
-        """Wait until the screen shows a pattern, and return the screen."""
+    def until(self, pattern: str, timeout_s: float = 30.0, *also: str) -> str:
+        """Wait until the screen shows a pattern, and others with it; return the screen.
+
+        A screen is drawn piece by piece: what belongs together need not be there at once.
+        """
         end_s = time.monotonic() + PATIENCE * timeout_s
         while True:
             screen = self.screen()
-            if re.search(pattern, screen):
+            missing = [each for each in (pattern, *also) if not re.search(each, screen)]
+            if not missing:
                 return screen
             if time.monotonic() > end_s:
                 raise AssertionError(
-                    f"{pattern!r} did not come in {PATIENCE * timeout_s:g} s:\n{screen}"
+                    f"{missing} did not come in {PATIENCE * timeout_s:g} s:\n{screen}"
                 )
             time.sleep(LOOK_EVERY_S)
 

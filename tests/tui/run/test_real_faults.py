@@ -45,23 +45,19 @@ def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_pa
             first_accepted_hit(terminal, hand, plan)
 
             fault("can-silence", active=True)
-            screen = terminal.until("Stay away from the arm", 20.0)
-            assert "POSTURE UNKNOWN" in screen
-            assert "CAN cable" in screen
+            terminal.until("Stay away from the arm", 20.0, "POSTURE UNKNOWN", "CAN cable")
             fault("can-silence", active=False)
             terminal.until("Enter: yes, it is", 20.0)
             terminal.keys("Enter")
             terminal.until("hits at point 1", 10.0)
 
             fault("unplug", active=True)
-            screen = terminal.until("Every accepted hit is safe", 30.0)
-            assert "Plug it in again" in screen
-            assert "r: try again and go on at the same point" in screen
+            again = "r: try again and go on at the same point"
+            terminal.until("Every accepted hit is safe", 30.0, "Plug it in again", again)
             fault("unplug", active=False)
             plug_in(board, laboratory.pid, laboratory.can)
             terminal.keys("r")
-            screen = terminal.until("Enter: yes, it is|Mount the sensor at point 1", 60.0)
-            assert "point 1" in screen
+            terminal.until("Enter: yes, it is|Mount the sensor at point 1", 60.0, "point 1")
             terminal.keys("q")
             terminal.until("ended 0", 30.0)
     assert len(load_journal(journal).accepted()) == 1

@@ -78,11 +78,10 @@ def test_killing_the_app_loses_no_hit_and_coming_back_goes_on(small_plan, tmp_pa
             # The acquisition that was left alone closes its journal first.
             terminal.until("Are these sensors", 60.0)
             terminal.keys("Enter")
-            screen = terminal.until("go on at the same point", 20.0)
-            assert f"{accepted} accepted hits are safe" in screen
+            safe = f"{accepted} accepted hits are safe"
+            terminal.until("go on at the same point", 20.0, safe)
             terminal.keys("Enter")
-            screen = terminal.until("Enter: yes, it is", 60.0)
-            assert "test 1, point 1" in screen
+            terminal.until("Enter: yes, it is", 60.0, "test 1, point 1")
             terminal.keys("q")
             terminal.until("ended 0", 30.0)
     assert len(load_journal(journal).accepted()) == accepted == 1
