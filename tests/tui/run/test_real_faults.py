@@ -47,8 +47,12 @@ def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_pa
             fault("can-silence", active=True)
             terminal.until("Stay away from the arm", 20.0, "POSTURE UNKNOWN", "CAN cable")
             fault("can-silence", active=False)
-            terminal.until("Enter: yes, it is", 20.0)
-            terminal.keys("Enter")
+            # On a busy machine the bus may fall silent once more; then it is asked again, rightly.
+            for _ in range(3):
+                if "hits at point 1" in terminal.until("Enter: yes, it is|hits at point 1", 20.0):
+                    break
+                terminal.keys("Enter")
+                terminal.until("hits at point 1|Stay away from the arm", 10.0)
             terminal.until("hits at point 1", 10.0)
 
             fault("unplug", active=True)
