@@ -121,6 +121,12 @@ def _every_instance(ordinary):
     return (*all_instances(ordinary), axis, gain, swap, split, moved)
 
 
+def _by_central_differences(posed, hypothesis, lines, u, i, h=1e-4):
+    space, step = hypothesis.space(), h * np.eye(len(u))[i]
+    more, less = (posed.values(hypothesis, lines, space.values(u + s * step)) for s in (1, -1))
+    return (more - less) / (2 * h)
+
+
 def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, posed):
     """One hypothesis at a time, away from zero; 2 % where gravity's part of an inertia is left."""
     for instance in _every_instance(ordinary):
@@ -136,13 +142,7 @@ def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, 
             angles = []  # their damping follows the angles too, by 3 %, which is left out
         checked = {*own, *angles, *rng.choice(len(space), 6, replace=False).tolist()}
         for i in checked:
-            h = 1e-4
-            ends = []
-            for side in (1.0, -1.0):
-                moved = u.copy()
-                moved[i] += side * h
-                ends.append(posed.values(hypothesis, lines, space.values(moved)))
-            want = (ends[0] - ends[1]) / (2 * h)
+            want = _by_central_differences(posed, hypothesis, lines, u, i)
             size = np.abs(want).max()
             name = space.parameters[i].name
             np.testing.assert_allclose(
@@ -167,13 +167,8 @@ def test_a_damper_stretches_with_what_moves_a_coordinate_otherwise(lines, ordina
         u[space.index[damper.size]] = 1.0
         _, dy = posed.derivatives(hypothesis, lines, space, space.values(u))
         for name in names:
-            i, h = space.index[name], 1e-4
-            ends = []
-            for side in (1.0, -1.0):
-                moved = u.copy()
-                moved[i] += side * h
-                ends.append(posed.values(hypothesis, lines, space.values(moved)))
-            want = (ends[0] - ends[1]) / (2 * h)
+            i = space.index[name]
+            want = _by_central_differences(posed, hypothesis, lines, u, i)
             # Central differences, derivatives in single precision.
             np.testing.assert_allclose(
                 dy[i], want, atol=1e-3 * np.abs(want).max(), rtol=0, err_msg=name
