@@ -328,9 +328,15 @@ class FakeController(Line):
             self.write(b"\x07" if self.refuse and command.startswith(self.refuse) else b"\r")
 
     def tick(self) -> None:
-        if b"L" not in self.commands or self.silent or time.monotonic() < self._next_s:
-            return
-        self._next_s = time.monotonic() + 0.008 / self.scale
+        now_s = time.monotonic()
+        if b"L" not in self.commands or self.silent:
+            self._next_s = now_s
+        # A controller keeps its rate however late this thread wakes.
+        while self._next_s < now_s:
+            self._next_s += 0.008 / self.scale
+            self._tell()
+
+    def _tell(self) -> None:
         self._counter += 1
         angles = dict(zip(self._names, self.joints_rad.tolist(), strict=True))
         frames = self._encoder.encode(angles, drive_state=self.drive_state, counter=self._counter)
