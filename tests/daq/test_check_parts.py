@@ -1,12 +1,14 @@
 """The parts of the checks that need no device."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from daq.check.board_run import check_clock
 from daq.check.raw_frame import RawDecoder, encode_raw
 from daq.check.run import run_steps
 from daq.check.tick_rate import tick_rate
@@ -167,3 +169,20 @@ def test_steps_that_were_not_checked_do_not_fail_a_report():
 
 def test_a_single_problem_is_not_taken_apart():
     assert failed("one problem").came == "one problem"
+
+
+@pytest.mark.parametrize(
+    ("delay_s", "verdict"), [(0.001, Verdict.PASS), (0.2, Verdict.NOT_CHECKED)]
+)
+def test_a_clock_that_round_trips_hardly_bound_is_not_checked(delay_s, verdict):
+    trips = [
+        RoundTrip(sent_s=t, received_s=t + delay_s, ticks=int(1e6 * (t + 0.5 * delay_s)))
+        for t in np.linspace(0.0, 3.0, 7)
+    ]
+    bench = SimpleNamespace(
+        dictionary=SimpleNamespace(tick_hz=1_000_000),
+        recording=lambda: SimpleNamespace(frames=(), statuses=[(None, trip) for trip in trips]),
+    )
+    found = check_clock(bench)
+    assert found.verdict is verdict
+    assert ("check again" in found.came) is (verdict is Verdict.NOT_CHECKED)

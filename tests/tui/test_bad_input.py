@@ -19,6 +19,7 @@ from protocols.session.journal import read_journal
 from protocols.session.recovery import rebuild
 from tui.acquire import ScriptedOperator, acquire
 
+pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = 8.0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 from pathlib import Path
 
+import pytest
 from by_hand import first_accepted_hit
 from support.terminal import Terminal, armodal
 
@@ -14,6 +15,7 @@ from protocols.plan import load_plan
 from protocols.session.journal import load_journal
 from tui.acquire import ScriptedOperator
 
+pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = 8.0
 PLAN_NAME = "rv4frl-three-postures"
 

@@ -20,6 +20,7 @@ from protocols.session.hdf5 import read_session
 from protocols.session.journal import load_journal
 from tui.acquire import ScriptedOperator
 
+pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = "4"
 
 
