@@ -52,7 +52,9 @@ __all__ = ["GapOutcome", "find_gap"]
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 _MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
 _FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
-_LEAST_EXPLAINED = 0.25  # of what ordinary errors do not leave; a name for less would be a guess
+# Of what ordinary errors do not leave, by a first name and by one beside it; a name for less would
+# be a guess.
+_LEAST_EXPLAINED, _LEAST_BESIDE = 0.25, 0.5
 
 Tell = Callable[[str], None]
 
@@ -122,7 +124,9 @@ def find_gap(
         if judged.named is None:
             break
         better = judged.named
-        step, doubt = _foretold(stages[-1], found.present, judged, better, test, limits, tell)
+        step, doubt = _foretold(
+            stages[-1], found.present, judged, better, test, limits, len(named), tell
+        )
         if step is None:
             notes.append(f"{_last(better).title} {doubt}; it was not named")
             standing = (better, found.present)
@@ -231,10 +235,12 @@ def _foretold(
     better: Fit,
     test: tuple[int, ...],
     limits: Thresholds,
+    n_named: int,
     tell: Tell,
 ) -> tuple[Step | None, str]:
     """The step to a better model if it holds; else why it does not."""
-    if _explains_too_little(stage, present, better, limits):
+    least = _LEAST_BESIDE if n_named else _LEAST_EXPLAINED
+    if _explains_too_little(stage, present, better, limits, least):
         return None, "is the best of the library, but leaves most of what is missing"
     tell(f"held-out postures: {better.hypothesis.name}")
     without = held_out(stage, present, test)
@@ -247,11 +253,13 @@ def _foretold(
     return (present, better, without, with_it, judged), ""
 
 
-def _explains_too_little(stage: Stage, present: Fit, better: Fit, limits: Thresholds) -> bool:
+def _explains_too_little(
+    stage: Stage, present: Fit, better: Fit, limits: Thresholds, least: float
+) -> bool:
     """Whether most of what ordinary errors do not leave is still there."""
     before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
     explained = (before - after) / max(before - limits.ordinary_misfit, 1e-9)
-    return after > outside_misfit(stage, limits) and explained < _LEAST_EXPLAINED
+    return after > outside_misfit(stage, limits) and explained < least
 
 
 def _only_relaxes(fit: Fit) -> bool:

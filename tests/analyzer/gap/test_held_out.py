@@ -114,7 +114,7 @@ def fit_that_leaves(misfit, *instances):
     return SimpleNamespace(hypothesis=hypothesis, cost=0.5 * 1000 * misfit)
 
 
-def step_to(better, present, gains, monkeypatch):
+def step_to(better, present, gains, monkeypatch, n_named=0):
     """The step with held-out postures that gain so much."""
     surprise = {id(present): np.full(len(gains), 40.0), id(better): 40.0 - np.array(gains)}
 
@@ -124,7 +124,7 @@ def step_to(better, present, gains, monkeypatch):
     monkeypatch.setattr(workflow, "held_out", foretells)
     judged = Judged(named=better, standing=(better,), phi=PHI)
     test = tuple(range(len(gains)))
-    return _foretold(OF_1000, present, judged, better, test, Thresholds(), lambda _: None)
+    return _foretold(OF_1000, present, judged, better, test, Thresholds(), n_named, lambda _: None)
 
 
 @pytest.mark.parametrize(
@@ -153,15 +153,19 @@ def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "is_taken"),
+    ("before", "after", "n_named", "is_taken"),
     [
-        (4.6, 3.7, False),  # 0.9 of the 4.0 that ordinary errors do not leave: less than a quarter
-        (4.6, 3.5, True),
-        (0.85, 0.79, True),  # little is explained, and nothing is missing any more
+        (4.6, 3.7, 0, False),  # 0.9 of the 4.0 that ordinary errors do not leave
+        (4.6, 3.5, 0, True),
+        (4.6, 2.7, 1, False),
+        (4.6, 2.5, 1, True),
+        (0.85, 0.79, 1, True),  # little is explained, and nothing is missing any more
     ],
 )
-def test_what_leaves_most_of_what_is_missing_is_no_name(before, after, is_taken, monkeypatch):
+def test_what_leaves_most_of_what_is_missing_is_no_name(
+    before, after, n_named, is_taken, monkeypatch
+):
     present, better = fit_that_leaves(before), fit_that_leaves(after, TERM)
-    step, doubt = step_to(better, present, [100.0], monkeypatch)
+    step, doubt = step_to(better, present, [100.0], monkeypatch, n_named)
     assert (step is not None) == is_taken
     assert ("leaves most of what is missing" in doubt) != is_taken
