@@ -34,6 +34,7 @@ from hil_sim.study import CaseSpec, sealed
 from protocols.errors import ArmodalError, SessionError
 from tui.console import say
 from tui.gap_further import further
+from tui.pace import pace
 
 __all__ = ["Line", "kept_lines", "run_case", "run_study", "seal_hashes"]
 
@@ -63,6 +64,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
     """
     case = sealed(spec)
     session = case.session()
+    paces = [pace()]
     begin = process_time()
     try:
         outcome = find_gap(session, gates=False, modes=False, advice=tests > 0)
@@ -74,6 +76,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
             "arm": spec.arm,
         }
     spent = process_time() - begin
+    paces.append(pace())
     result = outcome.result
     truth = json.loads(case.open_truth())
     marked = mark(truth, result)
@@ -102,6 +105,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
         "true_verdict": truth["verdict"],
         "misfit": result.misfit_per_line,
         "cpu_s": spent,
+        "pace": sum(paces) / len(paces),
         "sizes": _sizes(truth, result.effects, believed),
         "stiffness": [
             {

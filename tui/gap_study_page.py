@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from analyzer.gap.score import OUTCOMES
+from tui.pace import REFERENCE_S
 
 __all__ = ["study_page"]
 
@@ -93,8 +94,20 @@ def _figures(summary: Line) -> list[list[object]]:
         ["held-out FRF error over the true model's, median, worst", f"{ratio:.2f}, {worst:.2f}"],
         ["ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"])],
         ["processor time a case, median, most", spent],
+        *_at_reference(summary),
         ["cases refused", len(summary["failed"])],
     ]
+
+
+def _at_reference(summary: Line) -> list[list[object]]:
+    if "pace_median" not in summary:
+        return []
+    what = (
+        f"likewise at the pace of a core that sums a million squares in {REFERENCE_S:.3f} s; "
+        f"here they took {summary['pace_median']:.2f} times that, median"
+    )
+    spent = f"{summary['reference_s_median']:.0f} s, {summary['reference_s_most']:.0f} s"
+    return [[what, spent]]
 
 
 def _tests(tests: Line) -> list[list[object]]:

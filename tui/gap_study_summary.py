@@ -64,8 +64,21 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "ambiguous_holds_truth": _ambiguous_sets(judged),
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
         "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
+        **_at_reference([x for x in judged if "pace" in x]),
         "failed": [x["number"] for x in lines if "error" in x or "refused_test" in x],
         "tests": _tests(judged, groups),
+    }
+
+
+def _at_reference(lines: Sequence[Line]) -> dict[str, float]:
+    """Times as a core of the reference's pace would have taken; none of a study before paces."""
+    times = [x["cpu_s"] / x["pace"] for x in lines]
+    if not times:
+        return {}
+    return {
+        "pace_median": _median([x["pace"] for x in lines]),
+        "reference_s_median": _median(times),
+        "reference_s_most": max(times),
     }
 
 
@@ -204,6 +217,12 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
     figures.add_row("ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"]))
     spent = f"{summary['cpu_s_median']:.1f} s, at most {summary['cpu_s_most']:.1f} s"
     figures.add_row("time a case on one core", spent)
+    if "pace_median" in summary:
+        median, most, slower = (
+            summary[k] for k in ("reference_s_median", "reference_s_most", "pace_median")
+        )
+        what = f"of a core at its reference pace, {slower:.1f} times this one's"
+        figures.add_row(what, f"{median:.1f} s, at most {most:.1f} s")
     curve = Table("size, clear is 1", "n", "something said", "said right", title="Detection")
     for row in summary["detection"]:
         curve.add_row(
