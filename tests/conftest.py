@@ -2,6 +2,7 @@
 
 import sys
 import time
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,33 +19,30 @@ settings.load_profile("armodal")
 # Devices here keep their time whatever the machine does, and hosts wait for them as for real ones:
 # at eight times the speed a twentieth of a second is more than what those allow.
 STALL_S = 0.04
-IN_REAL_TIME = {"lab", "laboratory", "start_known_laboratory", "real_time"}  # fixtures
-
-_watch: list[StallWatch] = []
+watch = cache(StallWatch)  # begun with the first of those tests
 
 
 def pytest_collection_modifyitems(items):
     for item in items:
-        if "/tests/" in str(item.path) and IN_REAL_TIME & {*getattr(item, "fixturenames", ())}:
+        if "real_time" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.flaky(reruns=2, only_rerun=[HeldUpError.__name__]))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def real_time():
-    """Asked for by a test whose devices keep real time: repeated where the machine was held up."""
+    """Asked for where devices keep real time: a test is repeated if the machine was held up."""
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item):
-    if item.get_closest_marker("flaky") is None:
+    if "real_time" not in getattr(item, "fixturenames", ()):
         return (yield)
-    if not _watch:
-        _watch.append(StallWatch())
+    watch()
     began_s = time.monotonic()
     try:
         return (yield)
     except (Exception, pytest.fail.Exception) as error:
-        held_up_s = _watch[0].longest_s(began_s)
+        held_up_s = watch().longest_s(began_s)
         if held_up_s < STALL_S:
             raise
         raise HeldUpError(f"a processor was held up for {held_up_s:.3f} s") from error

@@ -55,7 +55,7 @@ CAUGHT = {
 
 
 @pytest.fixture(scope="module")
-def laboratory():
+def laboratory(real_time):
     with start_laboratory(time_scale=TIME_SCALE) as laboratory:
         yield laboratory
 

@@ -79,7 +79,7 @@ def bench():
 
 
 @pytest.fixture
-def start_known_laboratory(tmp_path):
+def start_known_laboratory(tmp_path, real_time):
     """Start the laboratory with the known source as a process."""
     started, lines = [], []
 

@@ -15,7 +15,7 @@ SCALE = "4"
 
 
 @pytest.fixture(scope="module")
-def laboratory():
+def laboratory(real_time):
     with start_laboratory(time_scale=float(SCALE)) as laboratory:
         yield laboratory
 

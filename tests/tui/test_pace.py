@@ -1,7 +1,5 @@
 """A case's time beside the pace of the core that took it."""
 
-import itertools
-
 import pytest
 
 import tui.pace
@@ -28,7 +26,7 @@ LINE = {
 
 
 def test_a_core_that_takes_twice_as_long_has_a_pace_of_two(monkeypatch):
-    readings = itertools.chain([0.0], [3 * 2.0 * REFERENCE_S])
+    readings = iter((0.0, 3 * 2.0 * REFERENCE_S))
     monkeypatch.setattr(tui.pace, "process_time", lambda: next(readings))
     assert pace() == pytest.approx(2.0)
 
