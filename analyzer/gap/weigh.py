@@ -188,7 +188,10 @@ def summed(
     gradient = np.zeros(n)
     pull = np.zeros(J.shape[1:])
     costs = np.zeros(len(at))
-    for turn in _turns(at):
+    turns = _turns(at)
+    errors = np.zeros((P, m, 3, len(turns), 3, 2 * L), J.dtype)
+    slopes = np.zeros((P, m, 3, len(turns), 3))
+    for number, turn in enumerate(turns):
         rows = [at[k] for k in turn]
         own = [weighings[k] for k in turn]
         there = y[rows].reshape(-1, 3, L)
@@ -197,20 +200,21 @@ def summed(
             for of in zip(*((w.lines.values, w.scale, w.prior) for w in own), strict=True)
         )
         r = _stacked((values - there) * scale)
+        # Columns N (N'N + I)^-1/2: what errors take off is then a square.
         N = _nuisance(scale, prior, there)
-        Nr = np.einsum("milk,mil->mik", N, r)
+        N = np.matmul(_root_of_inverse(N), N.swapaxes(-1, -2))
+        Nr = np.matmul(N, r[..., None])[..., 0]
         part = np.repeat(scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
-        J_own = (J if rows == list(range(P)) else J[:, rows]).reshape(n, -1, 3, 2 * L)
-        # (rows m, 3, n, 3)
-        JN = np.matmul(J_own.transpose(1, 2, 0, 3), (part[..., None] * N).astype(J.dtype))
-        solved = _solved(N, np.concatenate([JN.swapaxes(-1, -2), Nr[..., None]], axis=-1))
-        by_errors = JN.transpose(2, 0, 1, 3).reshape(n, -1)
-        curvature -= by_errors @ solved[..., :-1].reshape(-1, n)
-        gradient += by_errors @ solved[..., -1].reshape(-1)
+        errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, 3, 2 * L)
+        slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, 3)
         pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
-        by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * solved[..., -1], axis=-1)
+        by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1)
         costs[turn] = 0.5 * by_channel.reshape(-1, m * 3).sum(axis=1)
-    gradient -= flat @ pull.reshape(-1)
+    channels = J.reshape(n, -1, 2 * L).swapaxes(0, 1)
+    by_errors = np.matmul(channels, errors.reshape(P * m * 3, -1, 2 * L).swapaxes(-1, -2))
+    flat_errors = by_errors.swapaxes(0, 1).reshape(n, -1).astype(np.float64)
+    curvature -= flat_errors @ flat_errors.T
+    gradient += flat_errors @ slopes.reshape(-1) - flat @ pull.reshape(-1)
     whole = Quadratic(
         cost=float(costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
     )
@@ -238,6 +242,12 @@ def _nuisance(scale: Array, prior: Array, y: ComplexArray) -> Array:
 def _stacked(z: ComplexArray) -> Array:
     """Real and imaginary parts in turn along the last axis."""
     return np.ascontiguousarray(z).view(z.real.dtype)
+
+
+def _root_of_inverse(N: Array) -> Array:
+    """(m, 3, 3, 3) matrices R with R' R = (N'N + I)^-1."""
+    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(3)  # never near singular
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(gram)))
 
 
 def _solved(N: Array, right: Array) -> Array:
