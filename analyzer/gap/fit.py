@@ -20,10 +20,11 @@ from analyzer.gap.posed import PosedModel, Postures
 from analyzer.gap.space import Space
 from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, summed
 
-__all__ = ["Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
+__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
 
 Array = npt.NDArray[np.float64]
 
+TOLERANCE = 0.05  # of cost
 _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
 _FIRST_DAMPING, _LEAST_DAMPING = 1e-3, 1e-5
@@ -213,7 +214,7 @@ def fit_hypothesis(
     start: Mapping[str, float] | None = None,
     postures: Sequence[int] | None = None,
     max_iterations: int = 12,
-    tolerance: float = 0.05,
+    tolerance: float = TOLERANCE,
     closing: bool = True,
     resumed: Fit | None = None,
 ) -> Fit:

@@ -149,7 +149,7 @@ def _behind_joints(
     Where after a name much is left it must explain a part of that, or more than all others do.
     """
     worth = min(BEHIND * least[0], so_far.widest.cost - _SEEN)
-    servos = [_further(broad, f, 3) for f in behind_joints(widest, so_far.widest) if f.cost < worth]
+    servos = [_further(broad, f, 3) for f in behind_joints(widest, so_far.widest, worth)]
     worth = BEHIND * least[1]
     if so_far.far_off:
         worth = min(worth, max((1.0 - _A_LITTLE) * so_far.broad.cost, _AHEAD * least[1]))

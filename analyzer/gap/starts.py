@@ -10,7 +10,7 @@ import numpy as np
 from analyzer.gap.effects import link_axis
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.effects.long_link import long_links
-from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
+from analyzer.gap.fit import TOLERANCE, Fit, Stage, better_start, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.looks import goes_with, look_at_all, most_promising
@@ -42,12 +42,14 @@ WORTH_BROAD = 4.0  # of cost by the linear look; less is not worth a fit
 # A servo's part of the joint's compliance and its rotor, of what is typical, as starts.
 _SERVO_PARTS, _ROTORS = (0.1, 0.25), (0.5, 1.5, 3.0)
 _SERVO_STEPS, _SERVOS = 4, 3
+_HARDLY = 0.05  # of the way to what a servo must cost
 _FROM_START, _ALONE, _AGAIN, _FEWEST = 10, 18, 14, 3
 _WIDE_STEPS, _MANY_STEPS, _FEW_PARAMETERS, _BETTER, _BETTER_AGAIN = 3, 9, 6, 9, 6
 _CERTAIN = 0.1  # of the plain fit's cost: what leaves less is found
 _LONG, _LONG_START = ("link_bending", "link_torsion"), 0.03  # of the size's deviation
 _SHAPED = "gravity_compensator"
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
+_BEARING_STEPS = 4
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _MISREAD = ("flipped_axis", "swapped_axes", "wrong_point")
 # Tried at every place: about an unfitted start a linear look ranks places badly.
@@ -71,7 +73,7 @@ def first_steps(
     candidates: Sequence[Candidate],
     start: Mapping[str, float],
 ) -> list[Fit]:
-    """The first steps of each promising candidate, best cost first."""
+    """The first steps of each promising candidate, unclosed, best cost first."""
     present = base.hypothesis
     fits = []
     for candidate in candidates:
@@ -83,7 +85,7 @@ def first_steps(
         if candidate.begin:
             starts = [_part_of_the_way(base.values, candidate, part) for part in _PARTS]
             begin = better_start(stage, richer, [begin, *starts])
-        fits.append(fit_hypothesis(stage, richer, start=begin, max_iterations=FIRST_STEPS))
+        fits.append(_quickly(stage, richer, begin, FIRST_STEPS))
     return sorted(fits, key=lambda f: f.cost)
 
 
@@ -204,23 +206,27 @@ def _quickly(
     steps: int,
     *,
     resumed: Fit | None = None,
+    least_gain: float = 0.0,
 ) -> Fit:
-    """A fit of which only cost and values count."""
+    """A fit of which only cost and values count, and where evidence is known nearly enough."""
     return fit_hypothesis(
         stage,
         hypothesis,
         start=start,
         max_iterations=steps,
+        tolerance=max(TOLERANCE, least_gain),
         closing=False,
         resumed=resumed,
     )
 
 
-def behind_joints(stage: Stage, fit: Fit) -> list[Fit]:
+def behind_joints(stage: Stage, fit: Fit, worth: float) -> list[Fit]:
     """Servos from several starts that leave each joint as soft as it was: no linear look sees one.
 
-    Between them the plain fit has the whole compliance in the joint's own spring. The best few.
+    Between them the plain fit has the whole compliance in the joint's own spring. The best few of
+    those that cost less than what they are worth for; a fit that hardly comes nearer to it ends.
     """
+    least_gain = _HARDLY * (fit.cost - worth)
     taken = {instance.key for instance in fit.hypothesis.instances}
     found = []
     for servo in all_instances(fit.hypothesis.ordinary):
@@ -241,8 +247,9 @@ def behind_joints(stage: Stage, fit: Fit) -> list[Fit]:
         ]
         richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, servo))
         begin = better_start(stage, richer, starts)
-        found.append(_quickly(stage, richer, begin, _SERVO_STEPS))
-    return sorted(found, key=lambda f: f.cost)[:_SERVOS]
+        found.append(_quickly(stage, richer, begin, _SERVO_STEPS, least_gain=least_gain))
+    found.sort(key=lambda f: f.cost)
+    return [f for f in found[:_SERVOS] if f.cost < worth]
 
 
 def axes_of_bearings(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> list[Fit]:
@@ -339,7 +346,7 @@ def _with_bearing(
 ) -> Fit:
     begin = {**values, **{name: values.get(name, 0.0) + own for name, own in more.items()}}
     richer = replace(present, instances=(*present.instances, bearing))
-    return fit_hypothesis(stage, richer, start=begin, max_iterations=4)
+    return _quickly(stage, richer, begin, _BEARING_STEPS)
 
 
 def split_axes(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
