@@ -12,6 +12,7 @@ model. Frames: superset, linear first.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -164,15 +165,15 @@ class Assembly:
 
     def copied(self) -> Assembly:
         """Return equations that can be added to without changing these."""
-        own = {f.name: getattr(self, f.name) for f in fields(self)}
-        apart = {
-            name: {k: list(v) if isinstance(v, list) else v for k, v in value.items()}
-            if isinstance(value, dict)
-            else list(value)
-            for name, value in own.items()
-            if isinstance(value, (dict, list))
-        }
-        return Assembly(**{**own, **apart})
+        found = copy(self)
+        for name in _CONTAINERS:
+            value = getattr(self, name)
+            if isinstance(value, dict):
+                own = {k: v.copy() if isinstance(v, list) else v for k, v in value.items()}
+                setattr(found, name, own)
+            else:
+                setattr(found, name, value.copy())
+        return found
 
     def add_spring(self, name: str, column: Array, stiffness: float, damping: float) -> int:
         """Add a coordinate on a spring."""
@@ -304,3 +305,6 @@ class Assembly:
     def where(self) -> npt.NDArray[np.int64]:
         """Return (m,) the point where each mounting is taken to stand."""
         return self.lines.sensor_point if self.sensor_point is None else self.sensor_point
+
+
+_CONTAINERS = tuple(f.name for f in fields(Assembly) if f.default_factory in (dict, list))

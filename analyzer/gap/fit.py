@@ -18,7 +18,7 @@ from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.posed import PosedModel, Postures
 from analyzer.gap.space import Space
-from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, summed
+from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
 
 __all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
 
@@ -134,7 +134,9 @@ class Stage:
         cost_of: dict[int, float] = {}
         for rows, together in self.once(hypothesis, postures):
             y = together.response(hypothesis, values).values
-            cost_of |= {p: self.weighings[p].cost(y[i]) for p, i in rows}
+            own, at = zip(*rows, strict=True)
+            costs = costs_of([self.weighings[p] for p in own], y[list(at)])
+            cost_of |= dict(zip(own, costs, strict=True))
         return [cost_of[p] if cost_of[p] >= 0.0 else float("inf") for p in postures]
 
     def quadratics(

@@ -117,29 +117,30 @@ class Ordinary:
         """Return the names of a link's ten inertial parameters."""
         return tuple(f"{what} {self.arm.joints[link].link.name}" for what in _INERTIAL)
 
-    def bodies(self, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return inertias and moments of all links, the same in every posture."""
-        every = range(len(self.arm.joints))
-        z = np.array([[values[name] for name in self.inertia_names(i)] for i in every])
-        return self.link_inertias(every, z)
-
-    def assemble(
+    def assemblies(
         self,
-        geometry: PostureGeometry,
-        lines: PostureLines,
+        geometries: Sequence[PostureGeometry],
+        lines: Sequence[PostureLines],
         values: Mapping[str, float],
-        bodies: tuple[Array, Array],
+    ) -> list[Assembly]:
+        """Begin the equations of postures."""
+        alike = self._alike(geometries[0], lines[0], values)
+        return [
+            self._posed(alike, geometry, own, values)
+            for geometry, own in zip(geometries, lines, strict=True)
+        ]
+
+    def _alike(
+        self, geometry: PostureGeometry, lines: PostureLines, values: Mapping[str, float]
     ) -> Assembly:
-        """Begin a posture's equations."""
+        """What is the same in every posture."""
         assembly = Assembly(geometry=geometry, lines=lines)
         arm, superset = self.arm, self.superset
-        inertias, moments = bodies
+        every = range(len(arm.joints))
+        z = np.array([[values[name] for name in self.inertia_names(i)] for i in every])
+        inertias, moments = self.link_inertias(every, z)
         assembly.link_inertia += list(inertias)
         assembly.link_moments += list(moments)
-        if lines.known_mass is not None:
-            body = lines.known_mass
-            link = [joint.link.name for joint in arm.joints].index(body.link)
-            assembly.add_body(link, body.mass_kg, body.center_m, np.zeros((3, 3)))
         for i, joint in enumerate(arm.joints):
             column = assembly.unit(superset.joint_column(i))
             if joint.stiffness is not None:
@@ -153,10 +154,26 @@ class Ordinary:
             for side, column in zip("ab", columns, strict=True):
                 parameter = f"bearing {side} {joint.name}"
                 assembly.add_compliance(column, values[parameter], loss_s, parameter, loss)
-        gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
-        assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
         assembly.log_scale = -values["ln hammer"]
         assembly.delay_s = values["delay"]
+        return assembly
+
+    def _posed(
+        self,
+        alike: Assembly,
+        geometry: PostureGeometry,
+        lines: PostureLines,
+        values: Mapping[str, float],
+    ) -> Assembly:
+        """What every posture has, and what this one has of its own."""
+        assembly = alike.copied()
+        assembly.geometry, assembly.lines = geometry, lines
+        if lines.known_mass is not None:
+            body = lines.known_mass
+            link = [joint.link.name for joint in self.arm.joints].index(body.link)
+            assembly.add_body(link, body.mass_kg, body.center_m, np.zeros((3, 3)))
+        gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
+        assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
         if len(lines.hit_point) == 1:
             aim = np.array([values[f"aim {side} {lines.name}"] for side in "ab"])
             direction = lines.hit_direction[0]

@@ -50,7 +50,7 @@ class PosedModel:
         """Return the posture's equations."""
         ordinary = hypothesis.ordinary
         geometry = self.geometry(ordinary, values)
-        plain = ordinary.assemble(geometry, lines, values, ordinary.bodies(values))
+        (plain,) = ordinary.assemblies([geometry], [lines], values)
         return systems([hypothesis.add_to(plain, values)]).alone(0)
 
     def values(
@@ -175,11 +175,8 @@ class Postures:
     ) -> tuple[list[Assembly], list[Assembly]]:
         """Each posture's equations, without effects and with them."""
         ordinary = hypothesis.ordinary
-        bodies = ordinary.bodies(values)
-        plain = [
-            ordinary.assemble(model.geometry(ordinary, values), lines, values, bodies)
-            for model, lines in zip(self._models, self.lines, strict=True)
-        ]
+        geometries = [model.geometry(ordinary, values) for model in self._models]
+        plain = ordinary.assemblies(geometries, self.lines, values)
         return plain, [hypothesis.add_to(own, values) for own in plain]
 
     def _solved(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Solved:

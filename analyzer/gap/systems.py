@@ -208,12 +208,12 @@ def motion_slopes(
 
 def _gravity(assemblies: Sequence[Assembly]) -> Array:
     """(P, N, N) stiffness by gravity."""
-    return np.array(
-        [
-            np.tensordot(np.array(own.link_moments), own.geometry.gravity_per_mass, axes=2)
-            for own in assemblies
-        ]
-    )
+    found = []
+    for own in assemblies:
+        per_mass = own.geometry.gravity_per_mass
+        N = per_mass.shape[-1]
+        found.append(np.concatenate(own.link_moments) @ per_mass.reshape(-1, N * N))
+    return np.stack(found).reshape(len(found), N, N)
 
 
 def _columns(assemblies: Sequence[Assembly]) -> Array:

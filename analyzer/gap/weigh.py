@@ -20,7 +20,7 @@ import numpy.typing as npt
 from analyzer.gap.lines import PostureLines
 from protocols.arm.records import Tolerances
 
-__all__ = ["Discrepancy", "Quadratic", "Weighing", "summed"]
+__all__ = ["Discrepancy", "Quadratic", "Weighing", "costs_of", "summed"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -194,22 +194,11 @@ def summed(
     for number, turn in enumerate(turns):
         rows = [at[k] for k in turn]
         own = [weighings[k] for k in turn]
-        there = y[rows].reshape(-1, 3, L)
-        values, scale, prior = (
-            np.concatenate(of)
-            for of in zip(*((w.lines.values, w.scale, w.prior) for w in own), strict=True)
-        )
-        r = _stacked((values - there) * scale)
-        # Columns N (N'N + I)^-1/2: what errors take off is then a square.
-        N = _nuisance(scale, prior, there)
-        N = np.matmul(_root_of_inverse(N), N.swapaxes(-1, -2))
-        Nr = np.matmul(N, r[..., None])[..., 0]
+        scale, r, N, Nr, costs[turn] = _measured(own, y[rows])
         part = np.repeat(scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
         errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, 3, 2 * L)
         slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, 3)
         pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
-        by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1)
-        costs[turn] = 0.5 * by_channel.reshape(-1, m * 3).sum(axis=1)
     channels = J.reshape(n, -1, 2 * L).swapaxes(0, 1)
     by_errors = np.matmul(channels, errors.reshape(P * m * 3, -1, 2 * L).swapaxes(-1, -2))
     flat_errors = by_errors.swapaxes(0, 1).reshape(n, -1).astype(np.float64)
@@ -219,6 +208,38 @@ def summed(
         cost=float(costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
     )
     return whole, costs.tolist()
+
+
+def costs_of(weighings: Sequence[Weighing], y: ComplexArray) -> list[float]:
+    """chi^2 / 2 of lines alike, all at once: each measurement's prediction, y (P, m, 3, L)."""
+    *_, costs = _measured(weighings, y)
+    return [float(cost) for cost in costs]
+
+
+def _measured(
+    weighings: Sequence[Weighing], y: ComplexArray
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Measurements of lines alike beside their predictions (P, m, 3, L).
+
+    Returns
+    -------
+    scale : (P m, 3, L)
+    r : (P m, 3, 2L) residual
+    N : (P m, 3, 3, 2L) (N'N + I)^-1/2 N': what errors take off is then a sum of squares
+    Nr : (P m, 3, 3) their product with the residual
+    costs : (P,) chi^2 / 2
+    """
+    there = y.reshape(-1, *y.shape[2:])
+    values, scale, prior = (
+        np.concatenate(of)
+        for of in zip(*((w.lines.values, w.scale, w.prior) for w in weighings), strict=True)
+    )
+    r = _stacked((values - there) * scale)
+    N = _nuisance(scale, prior, there).swapaxes(-1, -2)
+    N = np.matmul(_root_of_inverse(N), N)
+    Nr = np.matmul(N, r[..., None])[..., 0]
+    by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1)
+    return scale, r, N, Nr, 0.5 * by_channel.reshape(len(y), -1).sum(axis=1)
 
 
 def _turns(at: Sequence[int]) -> list[list[int]]:
@@ -245,8 +266,8 @@ def _stacked(z: ComplexArray) -> Array:
 
 
 def _root_of_inverse(N: Array) -> Array:
-    """(m, 3, 3, 3) matrices R with R' R = (N'N + I)^-1."""
-    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(3)  # never near singular
+    """(m, 3, 3, 3) matrices R with R'R = (N N' + I)^-1, of rows N (m, 3, 3, 2L)."""
+    gram = np.matmul(N, N.swapaxes(-1, -2)) + np.eye(3)  # never near singular
     return np.asarray(np.linalg.inv(np.linalg.cholesky(gram)))
 
 
