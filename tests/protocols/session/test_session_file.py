@@ -22,6 +22,7 @@ from protocols.session.hdf5_hits import write_losses
 from protocols.session.journal import load_journal
 from protocols.session.records import Hit, Session, SessionHeader
 from protocols.session.recovery import rebuild
+from tui.pace import pace
 
 Frfs = tuple[FrequencyResponse, ...]
 
@@ -301,7 +302,8 @@ def test_220_hits_are_written_and_proven_within_a_second(
         begin = time.perf_counter()
         write_session(session, tmp_path / "a.h5")
         took_s.append(time.perf_counter() - begin)
-    assert min(took_s) < 1
+    # A second on a core at the reference's pace: one shared with a neighbour takes longer for all.
+    assert min(took_s) < max(pace(), 1.0)
 
 
 def test_rebuild_says_what_it_recovered_and_dropped(example, frfs: Frfs, tmp_path: Path) -> None:
