@@ -32,7 +32,12 @@ app = typer.Typer(
     "Example: armodal check board /dev/ttyACM0",
 )
 
-Duration = Annotated[float, typer.Option(min=0.1, help="Length of the long run, lab seconds.")]
+Duration = Annotated[
+    float,
+    typer.Option(
+        min=0.1, help="Length of the long run, lab s; up to 60 while the clock's rate is not told."
+    ),
+]
 Only = Annotated[list[str] | None, typer.Option("--step", help="Only this step; repeatable.")]
 
 

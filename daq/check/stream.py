@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,14 +84,26 @@ def stream_of(frames: list[RawFrame] | tuple[RawFrame, ...], n_channels: int) ->
     )
 
 
-def record(probe: BoardProbe, configuration: Configuration, lab_s: float) -> Recording:
-    """Run the board for `lab_s` lab seconds, asking STATUS all along."""
+def record(
+    probe: BoardProbe,
+    configuration: Configuration,
+    lab_s: float,
+    *,
+    most_s: float = 0.0,
+    enough: Callable[[Sequence[RoundTrip]], bool] = bool,
+) -> Recording:
+    """Run the board for `lab_s` lab seconds, asking STATUS all along.
+
+    After that it runs on until the round trips are `enough`, or `most_s` have passed.
+    """
     shortest_s = SHORTEST_INTERVAL_WALL_S / probe.clock.wall_s(1.0)
     pause_s = min(max(lab_s / STATUS_INTERVALS, shortest_s), LONGEST_INTERVAL_S)
     probe.begin(configuration)
-    end_s = probe.clock.now_s() + lab_s
+    begin_s = probe.clock.now_s()
     statuses = [probe.status_trip()]
-    while probe.clock.now_s() < end_s:
+    while (passed_s := probe.clock.now_s() - begin_s) < lab_s or (
+        passed_s < most_s and not enough([trip for _, trip in statuses])
+    ):
         probe.collect(pause_s)
         statuses.append(probe.status_trip())
     frames, faults = tuple(probe.frames), tuple(probe.faults)

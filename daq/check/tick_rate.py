@@ -18,6 +18,8 @@ from daq.clock_fit import RoundTrip
 
 __all__ = ["TickRate", "tick_rate"]
 
+KNOWN_PPM = 1_000.0  # a clock known no better has not been checked
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TickRate:
@@ -29,6 +31,11 @@ class TickRate:
     drift: float
     bound: float
     steady: bool
+
+    @property
+    def told(self) -> bool:
+        """Whether the trips say enough of the clock: its rate, or that it has none."""
+        return not self.steady or self.bound <= 1e-6 * KNOWN_PPM
 
 
 def tick_rate(trips: Sequence[RoundTrip], *, nominal_tick_hz: float) -> TickRate:

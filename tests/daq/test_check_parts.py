@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from daq.check.board_run import check_clock
 from daq.check.raw_frame import RawDecoder, encode_raw
 from daq.check.run import run_steps
+from daq.check.stream import record
 from daq.check.tick_rate import tick_rate
 from daq.check.trigger_truth import expected_blocks
 from daq.check.verdict import Report, Step, Verdict, failed, passed, unchecked
@@ -172,7 +173,7 @@ def test_a_single_problem_is_not_taken_apart():
 
 
 @pytest.mark.parametrize(
-    ("delay_s", "verdict"), [(0.001, Verdict.PASS), (0.2, Verdict.NOT_CHECKED)]
+    ("delay_s", "verdict"), [(0.001, Verdict.PASS), (0.02, Verdict.NOT_CHECKED)]
 )
 def test_a_clock_that_round_trips_hardly_bound_is_not_checked(delay_s, verdict):
     trips = [
@@ -186,3 +187,46 @@ def test_a_clock_that_round_trips_hardly_bound_is_not_checked(delay_s, verdict):
     found = check_clock(bench)
     assert found.verdict is verdict
     assert ("check again" in found.came) is (verdict is Verdict.NOT_CHECKED)
+
+
+class SlowProbe:
+    """A board whose STATUS takes `delay_s` to come, on a clock that passes only by waiting."""
+
+    frames = faults = ()
+    configuration = SimpleNamespace(channel_mask=1)
+
+    def __init__(self, delay_s):
+        self.now_s = 0.0
+        self.delay_s = delay_s
+        self.clock = SimpleNamespace(now_s=lambda: self.now_s, wall_s=lambda lab_s: lab_s)
+
+    def collect(self, lab_s):
+        self.now_s += lab_s
+
+    def status_trip(self):
+        sent_s = self.now_s
+        self.now_s += self.delay_s
+        ticks = round(1e6 * (sent_s + 0.5 * self.delay_s))
+        return None, RoundTrip(sent_s=sent_s, received_s=self.now_s, ticks=ticks)
+
+    def begin(self, configuration):
+        """Begin: nothing to do."""
+
+    def end(self):
+        """End: nothing to do."""
+
+
+# A bound is the delay over the time between the first and the last trip.
+@pytest.mark.parametrize(
+    ("delay_s", "lasts_s"), [(0.001, (3.0, 3.6)), (0.02, (20.0, 21.0)), (0.2, (60.0, 60.8))]
+)
+def test_a_run_goes_on_until_its_round_trips_tell_the_clock(delay_s, lasts_s):
+    probe = SlowProbe(delay_s)
+    record(
+        probe,
+        probe.configuration,
+        3.0,
+        most_s=60.0,
+        enough=lambda trips: tick_rate(trips, nominal_tick_hz=1e6).told,
+    )
+    assert lasts_s[0] <= probe.now_s <= lasts_s[1]

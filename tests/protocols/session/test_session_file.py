@@ -22,7 +22,6 @@ from protocols.session.hdf5_hits import write_losses
 from protocols.session.journal import load_journal
 from protocols.session.records import Hit, Session, SessionHeader
 from protocols.session.recovery import rebuild
-from tui.pace import pace
 
 Frfs = tuple[FrequencyResponse, ...]
 
@@ -298,12 +297,11 @@ def test_220_hits_are_written_and_proven_within_a_second(
     hits = tuple(make_hit(number, samples=2048) for number in range(1, 221))
     session = Session(header=header, hits=hits, losses=(), complete=False)
     took_s = []
-    for _ in range(3):  # the fastest of three, since other work may share the cores
+    while len(took_s) < 5 and min(took_s, default=1.0) >= 1.0:  # other work may share the cores
         begin = time.perf_counter()
         write_session(session, tmp_path / "a.h5")
         took_s.append(time.perf_counter() - begin)
-    # A second on a core at the reference's pace: one shared with a neighbour takes longer for all.
-    assert min(took_s) < max(pace(), 1.0)
+    assert min(took_s) < 1.0
 
 
 def test_rebuild_says_what_it_recovered_and_dropped(example, frfs: Frfs, tmp_path: Path) -> None:
