@@ -84,14 +84,8 @@ class Weighing:
         """Number of real residuals."""
         return 2 * self.lines.values.size
 
-    def cost(self, y: ComplexArray) -> float:
-        """chi^2 / 2 of a prediction, mountings integrated out."""
-        r, N = self._residual(y), self._nuisance(y)
-        Nr = np.einsum("milk,mil->mik", N, r)
-        return 0.5 * float(np.sum(r * r) - np.sum(Nr * _solved(N, Nr[..., None])[..., 0]))
-
     def cost_by_mounting(self, y: ComplexArray) -> Array:
-        """(m, 3) chi^2 / 2 of every channel."""
+        """(m, 3) chi^2 / 2 of every channel of a prediction, mountings integrated out."""
         r, N = self._residual(y), self._nuisance(y)
         Nr = np.einsum("milk,mil->mik", N, r)
         return np.asarray(

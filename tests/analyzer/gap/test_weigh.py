@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analyzer.gap.lines import PostureLines
-from analyzer.gap.weigh import Discrepancy, Weighing, summed
+from analyzer.gap.weigh import Discrepancy, Weighing, costs_of, summed
 from protocols.arm.files import load_arm
 
 
@@ -49,8 +49,9 @@ def dense(weighing, y):
 
 def test_cost_is_that_of_the_dense_covariance(setup):
     _, _, weighing, y = setup
-    assert weighing.cost(y) == pytest.approx(dense(weighing, y), rel=1e-10)
-    assert weighing.cost_by_mounting(y).sum() == pytest.approx(weighing.cost(y), rel=1e-10)
+    wanted = pytest.approx(dense(weighing, y), rel=1e-10)
+    assert costs_of([weighing], y[None]) == [wanted]
+    assert weighing.cost_by_mounting(y).sum() == wanted
 
 
 def test_gradient_and_curvature_are_those_of_the_cost_s_linear_model(setup):
@@ -58,7 +59,7 @@ def test_gradient_and_curvature_are_those_of_the_cost_s_linear_model(setup):
     shape = (3, *lines.values.shape)
     dy = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     found = weighing.quadratic(y, dy)
-    assert found.cost == pytest.approx(weighing.cost(y), rel=1e-10)
+    assert found.cost == pytest.approx(dense(weighing, y), rel=1e-10)
     # The columns of the mounting's errors stay where they are, as Gauss-Newton has them.
     fixed = weighing._nuisance(y)
 
@@ -97,8 +98,8 @@ def test_a_turned_mounting_costs_little_and_a_flipped_axis_much(setup):
     turned = np.einsum("ij,mjl->mil", turn, lines.values)
     flipped = lines.values * np.array([1.0, -1.0, 1.0])[:, None]
     # One degree is within the tilt's prior: about half a nat for each of the two turned channels.
-    assert weighing.cost(turned) < 3.0
-    assert weighing.cost(flipped) > 100.0
+    assert weighing.cost_by_mounting(turned).sum() < 3.0
+    assert weighing.cost_by_mounting(flipped).sum() > 100.0
 
 
 def test_a_channel_beside_every_axis_finds_its_own(setup):
