@@ -12,7 +12,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from support.fake_devices import RATE_HZ, FakeBoard, FakeController, channel, dictionary
+from support.channels import channel
+from support.fake_devices import RATE_HZ, FakeBoard, FakeController, dictionary
 
 from protocols.arm.files import load_arm
 from protocols.arm.records import Arm

@@ -14,8 +14,9 @@ from scipy import stats
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
-from judged import LEVEL_N, block_of_counts, channel, judge_force, sees_two
+from judged import LEVEL_N, block_of_counts, judge_force, sees_two
 from strikes import draw_strike, force_record, gap_of, second_strike
+from support.channels import channel
 
 from daq.judge import judge_record
 from protocols.plan_records import Sampling, Trigger

@@ -13,6 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from support.channels import channel
 
 from protocols.arm.records import Arm
 from protocols.board.codec import FrameDecoder, encode_frame
@@ -33,12 +34,10 @@ from protocols.board.records import (
     BoardDictionary,
     BoardState,
     BoardStatus,
-    Channel,
     Configuration,
     Frame,
     FrameType,
     Header,
-    IepeState,
     ReplyCode,
     Samples,
 )
@@ -47,21 +46,6 @@ from protocols.slcan import encode_slcan
 
 TICK_HZ = 1_000_000
 RATE_HZ = 1652.0
-
-
-def channel(name: str, quantity: str, scale: float) -> Channel:
-    return Channel(
-        name=name,
-        quantity=quantity,
-        unit="N" if quantity == "force" else "m/s^2",
-        scale=scale,
-        full_scale=scale * 8388607,
-        iepe=IepeState.OK,
-        highpass_hz=0.5,
-        serial_number="1",
-        calibration_date="2026-01-31",
-        teds=b"",
-    )
 
 
 def dictionary(board_id: str = "fake") -> BoardDictionary:

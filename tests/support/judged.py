@@ -6,32 +6,18 @@ from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
+from support.channels import channel
 
 from daq.blocks import CapturedBlock
 from daq.judge import judge_record
-from protocols.board.records import BlockInfo, Channel, IepeState
+from protocols.board.records import BlockInfo
 from protocols.plan_records import Sampling, Trigger
 from protocols.session.records import Verdict
 
-__all__ = ["LEVEL_N", "block_of_counts", "channel", "judge_force", "sees_two"]
+__all__ = ["LEVEL_N", "block_of_counts", "judge_force", "sees_two"]
 
 LEVEL_N = 8.0
 N_PER_COUNT = 1e-4
-
-
-def channel(name: str, quantity: str, scale: float, highpass_hz: float = 0.5) -> Channel:
-    return Channel(
-        name=name,
-        quantity=quantity,
-        unit="N" if quantity == "force" else "m/s^2",
-        scale=scale,
-        full_scale=scale * 8388607,
-        iepe=IepeState.OK,
-        highpass_hz=highpass_hz,
-        serial_number="1",
-        calibration_date="",
-        teds=b"",
-    )
 
 
 def block_of_counts(counts: npt.NDArray[np.int32], trigger: int) -> CapturedBlock:
