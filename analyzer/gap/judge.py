@@ -17,6 +17,7 @@ import numpy as np
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.shared import is_shared
 from protocols.arm.records import Joint
 
 __all__ = [
@@ -119,7 +120,10 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         r
         for r in better
         if _added(r).is_material(r.values)
-        and (is_certain(r) or present.evidence - r.evidence > beyond_doubt)
+        and (
+            present.evidence - r.evidence > beyond_doubt
+            or (is_certain(r) and is_shared(stage, present, r))
+        )
     ]
     if not material:
         return Judged(named=None, standing=(), phi=phi)

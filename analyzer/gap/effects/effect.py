@@ -30,6 +30,7 @@ class EffectWords:
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
     wanted: float | None = None  # nats to be named, where fewer than of other terms do
+    least_shared: float = 0.0  # mountings that must bring it: fewer are hits gone astray
     ends_alike: bool = False  # of the two places it reaches between the tests tell the second
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now

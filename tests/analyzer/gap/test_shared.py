@@ -1,0 +1,79 @@
+"""How many mountings share a gain, and a servo that only hits gone astray told."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from analyzer.gap.records import Verdict
+from analyzer.gap.shared import is_shared, mountings_worth
+from analyzer.gap.workflow import find_gap
+from hil_sim.study import make_case
+
+
+class Weighed:
+    """Mountings of one channel whose cost is what a fit left of each."""
+
+    def cost_by_mounting(self, y):
+        return y[:, None]
+
+
+def left(*of_mountings, least_shared=0.0):
+    """A fit that leaves so much of every mounting."""
+    words = SimpleNamespace(least_shared=least_shared)
+    hypothesis = SimpleNamespace(instances=(SimpleNamespace(effect=words),), left=of_mountings)
+    return SimpleNamespace(hypothesis=hypothesis, values={})
+
+
+class Postures:
+    def response(self, hypothesis, _values):
+        return SimpleNamespace(values=np.array(hypothesis.left, dtype=np.float64).reshape(2, -1))
+
+
+class TwoPostures:
+    """What shared asks of a stage: two postures, solved together."""
+
+    lines = weighings = (Weighed(), Weighed())
+
+    def once(self, _hypothesis, postures):
+        yield [(p, p) for p in postures], Postures()
+
+
+BEFORE = left(9.0, 9.0, 9.0, 9.0, 9.0, 9.0)
+
+
+@pytest.mark.parametrize("n", range(1, 7))
+def test_n_mountings_that_bring_the_same_are_n(n):
+    after = left(*(4.0 if i < n else 9.0 for i in range(6)))
+    assert mountings_worth(TwoPostures(), BEFORE, after) == pytest.approx(n)
+
+
+def test_one_mounting_that_brings_nearly_all_is_hardly_more_than_one():
+    worth = mountings_worth(TwoPostures(), BEFORE, left(0.0, 8.9, 8.9, 8.9, 8.9, 9.0))
+    assert worth == pytest.approx(9.4**2 / (81.0 + 4 * 0.01))
+
+
+def test_where_as_much_is_lost_nothing_is_shared():
+    assert mountings_worth(TwoPostures(), BEFORE, left(0.0, 18.0, 9.0, 9.0, 9.0, 9.0)) == 0.0
+
+
+@pytest.mark.parametrize(("least", "enough"), [(0.0, True), (1.5, True), (2.5, False)])
+def test_an_effect_says_how_many_must_share(least, enough):
+    after = left(4.0, 4.0, 9.0, 9.0, 9.0, 9.0, least_shared=least)
+    assert is_shared(TwoPostures(), BEFORE, after) == enough
+
+
+# Hits astray on one peak of one posture: 151 nats for a servo, which two mountings brought; and a
+# faint servo of 266, which thirteen did (cases 205 of seed 32 and 320 of seed 27).
+@pytest.mark.parametrize(
+    ("seed", "effect", "verdict"),
+    [
+        (2400314403078191668, None, Verdict.NOTHING_DETECTABLE),
+        (2499549149559735994, "servo", Verdict.NAMED),
+    ],
+)
+def test_hits_gone_astray_on_one_peak_are_no_servo_and_a_faint_one_is(seed, effect, verdict):
+    session = make_case(seed, "bench57", effect, "faint", ladder=True).session()
+    result = find_gap(session, gates=False, modes=False, advice=False).result
+    assert result.verdict is verdict
+    assert [found.name for found in result.effects] == ([effect] if effect else [])
