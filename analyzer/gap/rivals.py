@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analyzer.gap.by_level import promising_by_level
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import is_plainer, misfit_per_line
-from analyzer.gap.library import all_instances
-from analyzer.gap.looks import goes_with, look_at_all, look_at_others, most_promising
+from analyzer.gap.looks import look_at_all, look_at_others, most_promising
 from analyzer.gap.other_ends import other_ends
-from analyzer.gap.scan import Candidate, scan_instances
+from analyzer.gap.scan import Candidate
 from analyzer.gap.starts import (
     BEHIND,
     FIRST_STEPS,
@@ -295,23 +295,10 @@ def _searched(
     best.sort(key=lambda f: f.cost)
     best += split_axes(broad, _leading(best, base)[:_SPLIT], 6)
     best += other_ends(broad, _leading(best, base)[:1], 9)
-    best = _with(_leading(best, base)[:_MIDDLE], _by_level(broad, base, start))
+    by_level = [_further(broad, f, 6) for f in promising_by_level(broad, base, start)]
+    best = _with(_leading(best, base)[:_MIDDLE], by_level)
     best = [_further(middle, f, 5) for f in best]
     return _leading(best, so_far.middle), least
-
-
-def _by_level(broad: Stage, base: Fit, start: dict[str, float]) -> list[Fit]:
-    """The best effect that follows the hits' level, where they are apart and none is named yet.
-
-    The sharper the lines the more it brings: beside what shows on broad ones it would be dropped.
-    """
-    present = base.hypothesis
-    if not present.ordinary.level_span or any(i.by_level for i in present.instances):
-        return []
-    instances = [i for i in all_instances(present.ordinary) if i.by_level]
-    looked_at = scan_instances(broad, base, [i for i in instances if goes_with(i, present)])
-    first = first_steps(broad, base, most_promising(looked_at, WORTH_BROAD, each_kind=True), start)
-    return [_further(broad, f, 6) for f in first[:1]]
 
 
 def _is_astray(sharp: Stage, fit: Fit) -> bool:

@@ -27,9 +27,9 @@ def is_shared(stage: Stage, without: Fit, better: Fit) -> bool:
 def mountings_worth(stage: Stage, without: Fit, better: Fit) -> float:
     """Return (sum d)^2 / sum d^2 of what each mounting's chi^2 / 2 falls by, d.
 
-    n where n mountings bring the same and the others nothing; the square of Vuong's statistic
-    (Econometrica 57 (1989) 307, eq. 5.6), a mounting taken for one draw, its variance about zero.
-    Zero where nothing is gained.
+    n where n mountings bring the same and the others nothing; zero where nothing is gained. The
+    square of Vuong's statistic (Econometrica 57 (1989) 307, Theorem 5.1) with a mounting for one
+    draw and its variance about zero.
     """
     gains = _by_mounting(stage, without) - _by_mounting(stage, better)
     total = float(gains.sum())
