@@ -121,6 +121,10 @@ def _tests(tests: Line) -> list[list[object]]:
         asked, random = (f"{tests[k]:.0f}" for k in ("brought_asked", "brought_random"))
         what = f"evidence for the nearer to the truth in nats, {tests['compared']} cases, median"
         rows.append([f"{what}: asked, random", f"{asked}, {random}"])
+        asked, random = (f"{x:.0f}" for x in tests["brought_in_all"])
+        rows.append(["likewise, in all of them", f"{asked}, {random}"])
+        twice = _covered(tests["brought_twice"])
+        rows.append(["cases in which the asked test brought at least twice a random one's", twice])
     widths = tests["widths"]
     if widths["n"]:
         reached = ", ".join(f"{100 * widths[k]:.1f} %" for k in ("before", "asked", "random"))

@@ -91,7 +91,9 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
     """
     tried = [x for x in lines if "after" in x]
     narrowing = [x for x in tried if x["after"] and NARROWS in x["after"][0]["why"]]
-    compared = [x["brought"] for x in tried if x["brought"]]
+    asked = [x["brought"]["asked"] for x in tried if x["brought"]]
+    random = [float(np.mean(x["brought"]["random"])) for x in tried if x["brought"]]
+    twice = sum(a > max(2.0 * r, 0.0) for a, r in zip(asked, random, strict=True))
 
     def last(x: Line) -> str:
         return str(x["after"][-1]["outcome"] if x["after"] else x["outcome"])
@@ -101,9 +103,11 @@ def _tests(lines: Sequence[Line], groups: dict[str, list[Line]]) -> dict[str, An
         "n": len(tried),
         "asked": asdict(rate(sum(bool(x["after"]) for x in tried), len(tried))) if tried else {},
         "wrong": sum(last(x) == "wrong name" for x in tried),
-        "compared": len(compared),
-        "brought_asked": _median([b["asked"] for b in compared]),
-        "brought_random": _median([float(np.mean(b["random"])) for b in compared]),
+        "compared": len(asked),
+        "brought_asked": _median(asked),
+        "brought_random": _median(random),
+        "brought_in_all": [float(np.sum(asked)), float(np.sum(random))],
+        "brought_twice": asdict(rate(twice, len(asked))) if asked else {},
         "widths": {
             "n": len(widths),
             **{when: _median([w[when] for w in widths]) for when in ("before", "asked", "random")},

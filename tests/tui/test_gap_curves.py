@@ -103,7 +103,6 @@ def test_evidence_counts_for_the_compared_model_that_is_nearer_to_the_truth():
 
 def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):
     widths = {"before": 0.4, "asked": 0.1, "random": 0.3}
-    brought = {"asked": 12.0, "random": [1.0, 3.0]}
     (row,) = line["after"]
     narrows = line | {
         "number": 2,
@@ -111,10 +110,16 @@ def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):
         "brought": {},
         "widths": widths,
     }
-    tells = line | {"number": 3, "after": [row | {"why": "tells apart: a, or b"}]}
-    tests = study_summary([narrows, tells | {"brought": brought, "widths": widths}])["tests"]
-    assert tests["compared"] == 1
-    assert (tests["brought_asked"], tests["brought_random"]) == (12.0, 2.0)
+    tells = line | {"number": 3, "after": [row | {"why": "tells apart: a, or b"}], "widths": widths}
+    told = [
+        tells | {"number": 3 + i, "brought": {"asked": asked, "random": [1.0, 3.0]}}
+        for i, asked in enumerate((12.0, 3.0, -1.0))
+    ]
+    tests = study_summary([narrows, *told])["tests"]
+    assert tests["compared"] == 3
+    assert (tests["brought_asked"], tests["brought_random"]) == (3.0, 2.0)
+    assert tests["brought_in_all"] == [14.0, 6.0]
+    assert (tests["brought_twice"]["k"], tests["brought_twice"]["n"]) == (1, 3)
     assert tests["widths"] == {"n": 1, **widths}
 
 
