@@ -21,8 +21,8 @@ WORDS = EffectWords(
     signature="a joint that is softer below the rotor's frequency than above; a good fit hides it",
     confused_with=("rotor",),
     wanted=60.0,  # what else is missing hardly looks like one: of 190 nulls none had one of 20
-    # Of 878 nulls three had one of 151 to 266 on one peak of one posture, which no more than five
-    # mountings brought; true ones of 256 nats and more, 9 to 21.
+    # Two of 878 nulls were named so, 151 and 186 nats on one peak of one posture, which two and
+    # four mountings brought; true ones, of 256 nats and more, 9 to 21.
     least_shared=6.0,
     told_by="brakes on against servo; a posture in which the joint carries little inertia",
     remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
