@@ -262,9 +262,9 @@ def axes_of_bearings(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> 
         if bearing.effect.name != "bearing":
             continue
         link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
-        if ("link_axis", ordinary.arm.joints[link].link.name) in taken:
-            continue
         size = np.array([fit.values[name] for name in bearing.sizes])
+        if ("link_axis", ordinary.arm.joints[link].link.name) in taken or not np.any(size):
+            continue
         turn = across(np.asarray(ordinary.arm.joints[link].axis))
         values = {k: v for k, v in fit.values.items() if k not in bearing.owned}
         for signs in ((1.0, 1.0), (1.0, -1.0)):

@@ -1,5 +1,6 @@
 """Where fits begin when an effect is taken out, or another put in its place."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,7 @@ from analyzer.gap.effects.long_link import long_links
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.library import all_instances
 from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.starts import spread_of, taken_out
+from analyzer.gap.starts import axes_of_bearings, spread_of, taken_out
 from hil_sim.study import study_arm
 
 
@@ -87,3 +88,11 @@ def test_a_short_link_and_one_that_gives_way_already_start_nothing(ordinary):
     spread, _ = spread_of(axis, fit)
     both = Hypothesis(ordinary=ordinary, instances=(spread, axis))
     assert spread_of(axis, SimpleNamespace(hypothesis=both, values=fit.values)) is None
+
+
+def test_a_bearing_that_ended_rigid_both_ways_starts_no_axis(ordinary):
+    plain = Hypothesis(ordinary=ordinary)
+    bearing = next(i for i in all_instances(ordinary) if i.effect.name == "bearing")
+    values = dict.fromkeys(bearing.sizes, 0.0)
+    rigid = SimpleNamespace(hypothesis=replace(plain, instances=(bearing,)), values=values)
+    assert axes_of_bearings(None, plain, [rigid]) == []
