@@ -1,8 +1,10 @@
-"""A plan file with one posture of its own in the place of another's: the proposed next test."""
+"""The proposed next test: a plan file with one posture of its own, or with hits at levels."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
@@ -12,7 +14,7 @@ from protocols.errors import PlanError
 from protocols.plan import plan_from_text
 from protocols.plan_records import Plan, PlannedPosture
 
-__all__ = ["text_with_posture"]
+__all__ = ["text_with_peaks", "text_with_posture"]
 
 _LONGEST_NAME = 64
 _TOLERANCE_DEG = 0.5
@@ -44,10 +46,7 @@ def text_with_posture(
     PlanError
         If the posture is not possible for the arm.
     """
-    try:
-        document = tomlkit.parse(plan.text)
-    except TOMLKitError as problem:
-        raise PlanError(f"the session's plan cannot be read again: {problem}") from problem
+    document = _parsed(plan)
     table = tomlkit.table()
     table["name"] = posture.name
     table["joints_deg"] = _degrees(posture)
@@ -64,18 +63,47 @@ def text_with_posture(
         body["center_m"] = [round(float(x), 4) for x in posture.known_mass.center_m]
         table["known_mass"] = body
     if posture.peaks_n:
-        table["peaks_n"] = [round(float(x), 1) for x in posture.peaks_n]
-        document["hits_per_point"] = max(plan.hits_per_point, len(posture.peaks_n))
-        level_n = _TRIGGER_PART * min(posture.peaks_n)
-        if level_n < plan.trigger.level_n:
-            document["trigger"] = {**document["trigger"], "level_n": round(level_n, 2)}
+        _ask_for(document, table, posture.peaks_n, plan)
     postures = tomlkit.aot()
     postures.append(table)
     document.pop("postures", None)
-    document["name"] = f"{plan.name}-next"[-_LONGEST_NAME:].lstrip("-_")
     if fixed_point is not None:
         document["fixed_point"] = fixed_point
     document["postures"] = postures
+    return _checked(document, plan, arm, comment)
+
+
+def text_with_peaks(plan: Plan, arm: Arm, peaks_n: Sequence[float], *, comment: str) -> str:
+    """Return a plan's text with peak forces in N that are wanted at every point, in turn.
+
+    Everything else is as it was, but for a trigger level that would not see the softest: it is
+    lowered.
+    """
+    document = _parsed(plan)
+    for table in document["postures"]:
+        _ask_for(document, table, peaks_n, plan)
+    return _checked(document, plan, arm, comment)
+
+
+def _parsed(plan: Plan) -> dict[str, Any]:
+    try:
+        return tomlkit.parse(plan.text)
+    except TOMLKitError as problem:
+        raise PlanError(f"the session's plan cannot be read again: {problem}") from problem
+
+
+def _ask_for(
+    document: dict[str, Any], table: dict[str, Any], peaks_n: Sequence[float], plan: Plan
+) -> None:
+    table["peaks_n"] = [round(float(x), 1) for x in peaks_n]
+    document["hits_per_point"] = max(plan.hits_per_point, len(peaks_n))
+    level_n = _TRIGGER_PART * min(peaks_n)
+    if level_n < plan.trigger.level_n:
+        document["trigger"] = {**document["trigger"], "level_n": round(level_n, 2)}
+
+
+def _checked(document: dict[str, Any], plan: Plan, arm: Arm, comment: str) -> str:
+    document["name"] = f"{plan.name}-next"[-_LONGEST_NAME:].lstrip("-_")
     text = f"# {comment}\n{tomlkit.dumps(document)}"
     plan_from_text(text, arm, origin="proposed plan")
     return text

@@ -130,7 +130,7 @@ def _with_laboratory(
     arm: str, hide: str | None, magnitude: str, seed: int, budget: int, folder: Path
 ) -> tuple[Path, GapOutcome, dict[str, Any]]:
     kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
-    case = make_case(seed, arm, kind, magnitude)
+    case = make_case(seed, arm, kind, magnitude, ladder=True)
     say(f"truth sealed as {case.truth_sha256}")
     loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=say)
     truth = json.loads(case.open_truth())

@@ -57,10 +57,10 @@ class SimulatedLaboratory:
         return f"sealed case {self.case.truth_sha256}"
 
     def measure(self, plan: Plan | None, number: int) -> Session:
-        """Measure by a plan of one posture; brakes and masses as it tells."""
+        """Measure by a plan of one posture, or of several alike; brakes and masses as it tells."""
         if plan is None:
             return self.case.session()
-        (posture,) = plan.postures
+        posture = plan.postures[0]  # of one alone, or all are hit alike
         body = posture.known_mass
         mass = None
         if body is not None:

@@ -12,6 +12,7 @@ from analyzer.gap.next_test import hidden_rival, proposed
 from analyzer.gap.possible_tests import Test
 from analyzer.gap.records import NextTest
 from analyzer.gap.scan import Candidate
+from analyzer.gap.without_levels import hits_at_levels, is_alike
 from protocols.arm.records import Arm
 from protocols.plan_records import Plan, PlannedPosture
 from protocols.plan_rewrite import text_with_posture
@@ -60,6 +61,8 @@ def advise(
     -------
     No test where none of the laboratory's would tell enough.
     """
+    if any(is_alike(fit) for fit in standing):
+        return Advice(test=hits_at_levels(stage, standing, plan))
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)
     if len(standing) > 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
+from analyzer.gap.hit_levels import has_levels
 from analyzer.gap.stages import FEWEST_POSTURES
 from protocols.errors import EstimateError
 from protocols.plan_records import Mode
@@ -69,6 +70,11 @@ def notes_on(session: Session) -> list[str]:
         notes.append(
             "only averaged FRFs are there: checks that need single hits, and effects that need "
             "several hit levels, stayed closed"
+        )
+    elif not has_levels(session):
+        notes.append(
+            "not every point was hit softly and hard: effects that need several hit levels stayed "
+            "closed"
         )
     if not session.complete:
         notes.append("the session is not complete; what is missing was not judged")

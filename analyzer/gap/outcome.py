@@ -31,6 +31,7 @@ from analyzer.gap.records import (
 from analyzer.gap.rivals import Rivals
 from analyzer.gap.scan import Candidate, scan_axes
 from analyzer.gap.verdict import verdict_of
+from analyzer.gap.without_levels import titles
 from analyzer.modal.fit import fit_modes
 from analyzer.modal.modes import ModalModel
 from protocols.errors import EstimateError
@@ -91,8 +92,7 @@ def conclude(
     verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
     notes += why
     if effects and len(standing) > 1:
-        titles = " or ".join(f.title for f in standing)
-        notes.append(f"something more is there that cannot be told: {titles}")
+        notes.append(f"something more is there that cannot be told: {titles(standing)}")
     alive = standing or (final,)
     others = found.others if found.others is not None else look_at_others(sharp, final)
     hiding = [c for c in others if c.instance.size and np.isfinite(c.size_std)]
@@ -318,9 +318,7 @@ def _summary(
         words = "; ".join(f"{e.title} ({e.place})" if e.place else e.title for e in effects)
         return f"Missing in the model: {words}."
     if verdict is Verdict.AMBIGUOUS:
-        return "Something is missing, but it cannot be told which: " + " or ".join(
-            f.title for f in standing
-        )
+        return f"Something is missing, but it cannot be told which: {titles(standing)}"
     if verdict is Verdict.OUTSIDE_LIBRARY:
         worst = max(left, key=lambda d: d.ratio)
         return (

@@ -146,7 +146,7 @@ class NextTest:
 
     words: str  # what to do, one sentence
     why: str  # what it would decide
-    gain: float  # expected of evidence between what still stands, nats
+    gain: float | None  # expected of evidence between what still stands, nats; None: not foretold
     plan_toml: str  # text of a plan file, docs/plan-file.md
 
 

@@ -19,7 +19,7 @@ from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.session.records import Session
 
-__all__ = ["FEWEST_POSTURES", "of_test", "stages_of", "with_test"]
+__all__ = ["FEWEST_POSTURES", "of_test", "stages_of", "with_test", "with_tests"]
 
 FEWEST_POSTURES = 2
 # Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
@@ -132,6 +132,18 @@ def with_test(
             Stage(superset, [*old.lines, *lines], Discrepancy(), models=[*old.models, *models])
         )
     return tuple(made)
+
+
+def with_tests(
+    stages: tuple[Stage, ...],
+    superset: Superset,
+    more: Sequence[Session],
+    level_about: float | None = None,
+) -> tuple[Stage, ...]:
+    """The stages with the postures of all further tests."""
+    for number, other in enumerate(more, start=2):
+        stages = with_test(stages, superset, other, number, level_about=level_about)
+    return stages
 
 
 def of_test(posture: str, number: int) -> str:

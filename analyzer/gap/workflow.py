@@ -35,13 +35,12 @@ from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
-from analyzer.gap.records import (
-    Gate,
-)
+from analyzer.gap.records import Gate
 from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.stages import of_test, stages_of, with_test
+from analyzer.gap.stages import of_test, stages_of, with_tests
 from analyzer.gap.starts import spread_of, taken_out
 from analyzer.gap.weigh import Discrepancy
+from analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
 from analyzer.identification.identify import estimate_frfs
 from protocols.frf_records import FrequencyResponse
 from protocols.plan_records import Mode, Plan
@@ -94,25 +93,25 @@ def find_gap(
         few points, an arm without an elastic joint.
     """
     limits = thresholds or Thresholds()
+    session, more, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
     check_enough(session)
     single_hits = bool(session.hits)
-    if frfs is None:
+    if frfs is None or replaced:
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     tell("checks without a model")
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
-    stages = _with_tests(stages_of(superset, session, frfs), superset, more)
-    ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
-    notes = notes_on(session)
+    stages = with_tests(stages_of(superset, session, frfs), superset, more)
+    postures = tuple(lines.name for lines in stages[-1].lines)
+    levels_hit = single_hits and all(has_levels(s) for s in (session, *more))
+    ordinary = Ordinary(superset=superset, postures=postures, levels_hit=levels_hit)
+    notes = [*replaced, *notes_on(session)]
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
-    if single_hits and all(has_levels(s) for s in (session, *more)):
+    if levels_hit:
         tell("soft hits beside hard ones")
-        by_level = _by_level(session, more, superset, frfs, stages, present, start)
-        if by_level is not None:
-            stages, present = by_level
-            notes.append("the response depends on the hits' level: soft and hard were kept apart")
+        stages, present = _by_level(session, more, superset, frfs, stages, present, start, notes)
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
@@ -170,6 +169,9 @@ def _judged(
 ) -> Judged:
     """What stands; nothing where as many are named as are looked for: then it is what is left."""
     judged = judge(stage, found.present, found.rivals, limits)
+    if judged.named is not None and is_alike(judged.named):
+        notes.append(f"{_last(judged.named).title}: {LEVELS_NEEDED}; it was not named")
+        return replace(judged, named=None, standing=(judged.named, found.present))
     if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
         return judged
     notes.append(f"{_last(judged.named).title} earns a name too; no more are looked for")
@@ -185,17 +187,6 @@ def _plan_to_go_on(session: Session, notes: list[str]) -> Plan | None:
     return plan
 
 
-def _with_tests(
-    stages: tuple[Stage, ...],
-    superset: Superset,
-    more: Sequence[Session],
-    level_about: float | None = None,
-) -> tuple[Stage, ...]:
-    for number, other in enumerate(more, start=2):
-        stages = with_test(stages, superset, other, number, level_about=level_about)
-    return stages
-
-
 def _frfs_of_tests(superset: Superset, more: Sequence[Session]) -> list[FrequencyResponse]:
     return [
         replace(frf, posture=of_test(frf.posture, number))
@@ -209,19 +200,21 @@ def _by_level(
     more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
-    stages: Sequence[Stage],
+    stages: tuple[Stage, ...],
     present: Hypothesis,
     start: dict[str, float],
-) -> tuple[tuple[Stage, ...], Hypothesis] | None:
-    """Stages with soft and hard hits apart, if the level tells something."""
+    notes: list[str],
+) -> tuple[tuple[Stage, ...], Hypothesis]:
+    """Stages with soft and hard hits apart, if the level tells something; else as they are."""
     about, models = middle_level(session), stages[-1].models[: len(frfs)]
     apart = stages_of(superset, session, frfs, models=models, level_about=about)
-    apart = _with_tests(apart, superset, more, about)
+    apart = with_tests(apart, superset, more, about)
     span = max(lines.level for lines in apart[-1].lines)
     levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())
     if found is None:
-        return None
+        return stages, present
+    notes.append("the response depends on the hits' level: soft and hard were kept apart")
     anew, gain = found
     told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain))
     # The widest lines only begin a search: there all hits together tell as much in half the time.

@@ -12,7 +12,7 @@ from protocols.arm.files import load_arm
 from protocols.errors import PlanError
 from protocols.plan import load_plan, plan_from_text
 from protocols.plan_records import KnownMass
-from protocols.plan_rewrite import text_with_posture
+from protocols.plan_rewrite import text_with_peaks, text_with_posture
 
 
 @pytest.fixture(scope="module")
@@ -71,3 +71,19 @@ def test_the_trigger_sees_the_softest_hits_that_are_wanted(arm, plan):
     assert soft.postures[0].peaks_n == (6.0, 30.0, 150.0)
     # Where the plan's own trigger sees them it stays.
     assert made(30.0, 70.0, 150.0).trigger == plan.trigger
+
+
+def test_hits_at_levels_are_asked_for_in_every_posture_and_nothing_else_changes(arm, plan):
+    peaks_n = (6.04, 30.0, 150.0)
+    made = plan_from_text(text_with_peaks(plan, arm, peaks_n, comment="why"), arm)
+    assert {posture.peaks_n for posture in made.postures} == {(6.0, 30.0, 150.0)}
+    for posture, was in zip(made.postures, plan.postures, strict=True):
+        assert (posture.name, posture.points, posture.validation) == (
+            was.name,
+            was.points,
+            was.validation,
+        )
+        np.testing.assert_array_equal(posture.joints_rad, was.joints_rad)
+    assert made.hits_per_point == max(plan.hits_per_point, 3)
+    assert made.trigger.level_n * JudgeLimits().soft < 6.0
+    assert made.fixed_point == plan.fixed_point

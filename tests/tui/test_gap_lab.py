@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tui.gap_lab
+from analyzer.gap.hit_levels import has_levels
 from analyzer.gap.records import NextTest, Verdict
 from hil_sim.study import make_case
 from protocols.errors import SessionError
@@ -121,3 +122,21 @@ def test_a_session_and_a_laboratory_at_once_or_neither_are_refused():
         result = CliRunner().invoke(app, arguments)
         assert isinstance(result.exception, SessionError)
         assert "wanted either a session or --lab" in str(result.exception)
+
+
+def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(tmp_path):
+    folder = tmp_path / "lab"
+    where = ["--lab", "--lab-arm", "rv4frl", "--out", str(folder), "--budget", "1", "--seed", "5"]
+    result = CliRunner().invoke(
+        app, ["gap", *where, "--hide", "softening", "--magnitude", "clear", "--json"]
+    )
+    assert result.exit_code == 0, result.output
+    said = json.loads(result.stdout)
+    assert has_levels(read_session(folder / "test-1.h5"))
+    assert [effect["name"] for effect in said["effects"]] == ["softening"]
+    assert [effect["name"] for effect in said["truth"]["effects"]] == ["softening"]
+    (test,) = said["tests"]
+    assert test["number"] == 2
+    assert test["words"]
+    assert test["why"]
+    assert (folder / "test-2.h5").exists()

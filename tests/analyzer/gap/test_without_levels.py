@@ -1,0 +1,115 @@
+"""A joint that softens, hit at one level: not named another thing; the test asked for names it."""
+
+from dataclasses import replace
+
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.effects import gravity_compensator, servo
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.records import Verdict
+from analyzer.gap.without_levels import first_with_levels, is_alike
+from analyzer.gap.workflow import find_gap
+from hil_sim.study import make_case
+from protocols.errors import ArmError
+from protocols.plan import plan_from_text
+
+
+@pytest.fixture(scope="module")
+def case():
+    return make_case(5, "ur5", "softening", "clear")
+
+
+@pytest.fixture(scope="module")
+def plain(case):
+    """Hit as an operator hits: 12 to 28 N."""
+    return case.session()
+
+
+@pytest.fixture(scope="module")
+def found(plain):
+    return find_gap(plain, gates=False, modes=False)
+
+
+@pytest.fixture(scope="module")
+def asked(case, found):
+    """The session that it asks for."""
+    plan = plan_from_text(found.result.next_test.plan_toml, case.arm, origin="next test")
+    return case.session(plan, levels_n=plan.postures[0].peaks_n, run=1)
+
+
+def test_what_a_softer_joint_looks_like_is_not_named(found):
+    result = found.result
+    assert result.verdict is Verdict.AMBIGUOUS
+    assert not result.effects
+    assert result.summary.endswith("or a joint that changes with the hits' level")
+    assert any("it was not named" in note for note in result.notes)
+    assert any("several hit levels stayed closed" in note for note in result.notes)
+
+
+def test_all_postures_are_asked_for_at_three_levels_about_those_of_before(plain, found):
+    test = found.result.next_test
+    assert test.gain is None
+    plan = plan_from_text(test.plan_toml, plain.header.arm, origin="next test")
+    was = plain.header.plan
+    assert [p.name for p in plan.postures] == [p.name for p in was.postures]
+    peaks = sorted(hit.verdict.peak_n for hit in plain.hits)
+    for posture in plan.postures:
+        soft, middle, hard = posture.peaks_n
+        assert soft < peaks[0] < middle < peaks[-1] < hard
+
+
+def test_the_session_it_asked_for_names_the_joint(plain, asked, case):
+    result = find_gap(plain, more=[asked], gates=False, modes=False, advice=False).result
+    assert result.verdict is Verdict.NAMED
+    assert [effect.name for effect in result.effects] == ["softening"]
+    assert result.notes[0] == ("test 2 has hits at several levels; 1 session without was left out")
+
+
+def test_a_session_with_levels_goes_before_those_without_and_keeps_the_first_arm(plain, asked):
+    believed = replace(plain.header.arm, name="as believed")
+    own = replace(plain, header=replace(plain.header, arm=believed))
+    again = replace(asked)
+    first, (further,), notes = first_with_levels(own, [plain, asked, again])
+    assert first.hits is asked.hits
+    assert first.header.arm is believed
+    assert further is again
+    assert notes == ["test 3 has hits at several levels; 2 sessions without were left out"]
+    assert first_with_levels(asked, [plain]) == (asked, (plain,), [])
+    assert first_with_levels(plain, [plain]) == (plain, (plain,), [])
+
+
+def test_one_posture_at_levels_does_not_stand_for_a_session(plain, asked):
+    name = asked.hits[0].posture
+    alone = replace(asked, hits=tuple(hit for hit in asked.hits if hit.posture == name))
+    assert first_with_levels(plain, [alone]) == (plain, (alone,), [])
+
+
+def test_another_arm_at_levels_is_refused(plain, asked):
+    arm = asked.header.arm
+    other = replace(arm, points=(*arm.points, replace(arm.points[0], id="new")))
+    wrong = replace(asked, header=replace(asked.header, arm=other))
+    with pytest.raises(ArmError, match="does not match the session"):
+        first_with_levels(plain, [wrong])
+
+
+@pytest.mark.parametrize("levels_hit", [False, True])
+def test_only_what_changes_with_the_posture_is_alike_and_only_without_levels(plain, levels_hit):
+    ordinary = Ordinary(
+        superset=Superset(plain.header.arm), postures=("one", "other"), levels_hit=levels_hit
+    )
+
+    def fit(*instances):
+        return _Fit(Hypothesis(ordinary=ordinary, instances=instances))
+
+    compensator = gravity_compensator.instances(ordinary)[0]
+    drive = servo.instances(ordinary)[0]
+    assert is_alike(fit(drive, compensator)) is not levels_hit
+    assert not is_alike(fit(compensator, drive))
+    assert not is_alike(fit())
+
+
+class _Fit:
+    def __init__(self, hypothesis):
+        self.hypothesis = hypothesis
