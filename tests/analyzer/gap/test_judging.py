@@ -205,7 +205,8 @@ def test_a_parameter_at_its_bound_has_a_one_sided_interval(side):
 def rival(words, place, cost):
     """A fit with a material effect at a place of an arm of two joints; its evidence is its cost."""
     size = Parameter(name="size", unit="", mean=0.0, std=1.0)
-    ordinary = SimpleNamespace(arm=SimpleNamespace(joints=JOINTS), level_span=0.0)
+    arm = SimpleNamespace(joints=JOINTS)
+    ordinary = SimpleNamespace(arm=arm, level_span=0.0, levels_hit=True)
     instance = Instance(effect=words, place=place, parameters=(size,), size="size", material=0.1)
     hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
     return made_fit(hypothesis, cost=cost, space=Space([size]), u=[1.0])
