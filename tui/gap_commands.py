@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,6 +26,7 @@ from tui.gap_study import run_study, seal_hashes
 from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary, study_tables
 from tui.output_file import check_output
+from tui.worker_processes import worker_processes
 
 __all__ = ["app"]
 
@@ -185,7 +184,7 @@ def gap_study_command(
     def tell(line: dict[str, Any]) -> None:
         say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
 
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
+    with worker_processes(workers) as executor:
         hashes = seal_hashes(specs, executor)
         for number, digest in hashes.items():
             say(f"case {number}: truth sealed as {digest}")

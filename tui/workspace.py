@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
-from multiprocessing import get_context
+from collections.abc import Callable
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from analyzer.workspace.survey import (
 from protocols.arm.records import Arm
 from protocols.errors import ArmError
 from tui.console import progress as told_progress
+from tui.worker_processes import worker_processes
 
 __all__ = ["survey_to_files", "workspace_section", "workspace_table"]
 
@@ -104,13 +104,8 @@ def workspace_section(arm: Arm, result: Identification, n_postures: int) -> Repo
     )
 
 
-@contextmanager
-def _processes(workers: int) -> Iterator[Executor | None]:
-    if workers == 1:
-        yield None
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
-        yield executor
+def _processes(workers: int) -> AbstractContextManager[Executor | None]:
+    return nullcontext() if workers == 1 else worker_processes(workers)
 
 
 def workspace_table(study: WorkspaceStudy) -> Table:

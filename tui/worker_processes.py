@@ -1,0 +1,45 @@
+"""Processes that long work runs on, and that end with it when it is stopped."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context
+
+__all__ = ["worker_processes"]
+
+
+@contextmanager
+def worker_processes(workers: int) -> Iterator[Executor]:
+    """Yield an executor on further processes, which are ended at once if what is inside fails.
+
+    A terminal sends Ctrl-C to every process. These leave it to the one that began them: else each
+    would print where it was. To be called from the main thread.
+    """
+    others = set(active_children())
+    executor = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    try:
+        _start_all(executor, workers)
+        yield executor
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        for process in set(active_children()) - others:
+            process.terminate()
+        raise
+    executor.shutdown()
+
+
+def _start_all(executor: Executor, workers: int) -> None:
+    """Start the processes while Ctrl-C is ignored, which a process that is started inherits."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        for _ in range(workers):  # each starts one, since none is ready that soon
+            executor.submit(_nothing)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _nothing() -> None:
+    """Work that is done when a process has started."""
