@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
@@ -18,7 +16,7 @@ from daq.serial_port import SerialPort
 from protocols.arm.files import load_arm
 from protocols.session.hdf5 import read_session
 from tui.check_session import session_checks
-from tui.console import Json, TimeScale, err, out, say
+from tui.console import Json, TimeScale, err, out, print_json, say
 
 __all__ = ["app"]
 
@@ -105,7 +103,7 @@ def check_session_command(
     """
     value, table = session_checks(read_session(session))
     if as_json:
-        sys.stdout.write(json.dumps(value, indent=2) + "\n")
+        print_json(value)
     else:
         out.print(table)
     if any(row["fault"] for row in value["checks"]):
@@ -133,7 +131,7 @@ def _tell(news: StepResult | str) -> None:
 
 def _finish(report: Report, *, as_json: bool) -> None:
     if as_json:
-        sys.stdout.write(json.dumps(report.as_json(), indent=2) + "\n")
+        print_json(report.as_json())
     else:
         out.print(_table(report))
         for step in report.steps:

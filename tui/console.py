@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +11,7 @@ import typer
 from rich.console import Console
 
 from daq.clock import check_time_scale
+from tui.json_text import json_text
 
 __all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say"]
 
@@ -60,5 +60,5 @@ def progress(what: str) -> Callable[[int, int], None]:
 
 
 def print_json(value: object) -> None:
-    """Print one JSON object."""
-    sys.stdout.write(json.dumps(value, indent=2) + "\n")
+    """Print one JSON object; null where a number is not known or not finite."""
+    sys.stdout.write(json_text(value))

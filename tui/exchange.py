@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -32,7 +30,8 @@ from protocols.foreign.mat import write_mat
 from protocols.foreign.uff_write import write_uff
 from protocols.session.hdf5 import Provenance, read_session, write_session
 from protocols.session.records import Hit, Session
-from tui.console import Json, out, say
+from tui.console import Json, out, print_json, say
+from tui.json_text import json_text
 from tui.output_file import check_output
 from tui.results import identification_json
 from tui.software import SOFTWARE
@@ -183,7 +182,7 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
     """
     _check_ending(path, _MODEL_ENDINGS, "model")
     if path.suffix.lower() == ".json":
-        text = json.dumps(identification_json(session, result), indent=2) + "\n"
+        text = json_text(identification_json(session, result))
     else:
         values = {
             joint.joint: JointValues(
@@ -215,7 +214,7 @@ def import_command(
     say(f"reading {manifest}")
     _, summary = import_manifest(manifest, output, software=SOFTWARE)
     if as_json:
-        sys.stdout.write(json.dumps(summary, indent=2) + "\n")
+        print_json(summary)
         return
     for posture in summary["postures"]:
         what = f"{posture.get('frfs')} FRFs"
@@ -263,7 +262,7 @@ def export_command(
             "model as .json to have it"
         )
     if as_json:
-        sys.stdout.write(json.dumps(summary, indent=2) + "\n")
+        print_json(summary)
         return
     for file in summary["files"]:
         out.print(f"{file['posture']}: {file['file']}")

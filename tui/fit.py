@@ -30,6 +30,7 @@ from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse, FrfEstimator
 from protocols.plan_records import Averaging, Windows
 from protocols.session.records import Session
+from tui.json_text import plain
 
 __all__ = ["FitSettings", "fit_lines", "fit_session", "stable_poles"]
 
@@ -127,7 +128,7 @@ def fit_session(
         "postures": postures,
         "warnings": warnings,
     }
-    return _plain(value), table
+    return plain(value), table
 
 
 def fit_lines(value: dict[str, Any]) -> list[str]:
@@ -146,17 +147,6 @@ def fit_lines(value: dict[str, Any]) -> list[str]:
             for hint in made["missing_mode_hints"]
         ]
     return lines
-
-
-def _plain(value: Any) -> Any:
-    """Replace numbers that JSON has no word for by None."""
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
 
 
 def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:

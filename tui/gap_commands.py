@@ -191,9 +191,11 @@ def gap_study_command(
         lines = run_study(specs, hashes, path, executor, tell, tests=tests)
         clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
         again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
-        learned = run_curves(again, directory / f"curves-{seed}.jsonl", executor, say)
+        learned = (
+            run_curves(again, directory / f"curves-{seed}.jsonl", executor, say) if again else []
+        )
     summary = study_summary(lines)
-    rows = curve_rows(learned) if again else []
+    rows = curve_rows(learned) if learned else []
     if page is not None:
         replace_text(page, study_page(summary, rows, _command(specs, seed, tests, curves, whole)))
     if as_json:

@@ -20,6 +20,7 @@ from tui.cli import app
 from tui.gap import with_arm
 from tui.gap_study import run_study, seal_hashes
 from tui.gap_study_summary import study_summary, study_tables
+from tui.json_text import json_text
 
 
 @pytest.fixture(scope="module")
@@ -130,3 +131,4 @@ def test_a_small_study_is_sealed_judged_marked_and_goes_on_where_it_stopped(tmp_
     assert summary["confusion"] == {"channel_gain": {"channel_gain": 1}}
     assert summary["detection"][0]["size"] == 0.0
     assert all(table.row_count for table in study_tables(summary))
+    assert json.loads(json_text(summary))["k_covered"]["n"] == summary["k_covered"]["n"] > 0
