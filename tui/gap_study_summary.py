@@ -215,18 +215,20 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
     figures.add_row("where the verdict is right", _covered(summary["k_covered_where_right"]))
     figures.add_row("its range covers", _covered(summary["k_range_covers"]))
     ratio, worst = (summary[f"held_out_over_true_model_{x}"] for x in ("median", "worst"))
-    figures.add_row("held-out FRF error over the true model's", f"{ratio:.2f}, worst {worst:.2f}")
+    beside = "-" if np.isnan(ratio) else f"{ratio:.2f}, worst {worst:.2f}"
+    figures.add_row("held-out FRF error over the true model's", beside)
     gap = " to ".join(_percent(summary["gap"][when]) for when in ("before", "after"))
     figures.add_row("held-out FRF error of effects named right, median", gap)
     figures.add_row("ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"]))
-    spent = f"{summary['cpu_s_median']:.1f} s, at most {summary['cpu_s_most']:.1f} s"
-    figures.add_row("time a case on one core", spent)
+    figures.add_row(
+        "time a case on one core", _times(summary["cpu_s_median"], summary["cpu_s_most"])
+    )
     if "pace_median" in summary:
         median, most, slower = (
             summary[k] for k in ("reference_s_median", "reference_s_most", "pace_median")
         )
         what = f"of a core at its reference pace, {slower:.1f} times this one's"
-        figures.add_row(what, f"{median:.1f} s, at most {most:.1f} s")
+        figures.add_row(what, _times(median, most))
     curve = Table("size, clear is 1", "n", "something said", "said right", title="Detection")
     for row in summary["detection"]:
         curve.add_row(
@@ -242,6 +244,10 @@ def study_tables(summary: dict[str, Any]) -> list[Table]:
 
 def _percent(value: float) -> str:
     return "-" if np.isnan(value) else f"{100 * value:.2f} %"
+
+
+def _times(median_s: float, most_s: float) -> str:
+    return "-" if np.isnan(median_s) else f"{median_s:.1f} s, at most {most_s:.1f} s"
 
 
 def _covered(found: dict[str, float]) -> str:
