@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analyzer.gap.fit import Fit, Stage
+from analyzer.gap.middle_hits import either_slips
 from analyzer.gap.next_test import hidden_rival, proposed
 from analyzer.gap.possible_tests import Test
 from analyzer.gap.records import NextTest
@@ -61,7 +62,7 @@ def advise(
     -------
     No test where none of the laboratory's would tell enough.
     """
-    if any(is_alike(fit) for fit in standing):
+    if any(is_alike(fit) for fit in standing) or either_slips(standing):
         return Advice(test=hits_at_levels(stage, standing, plan))
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)

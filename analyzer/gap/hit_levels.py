@@ -8,9 +8,18 @@ import numpy as np
 
 from protocols.session.records import Hit, Session
 
-__all__ = ["has_levels", "middle_level", "soft_and_hard", "weight_factors"]
+__all__ = [
+    "at_levels",
+    "has_hits_between",
+    "has_levels",
+    "middle_level",
+    "soft_and_hard",
+    "weight_factors",
+]
 
 _LEAST_RATIO = 1.5  # of peak forces, to be two levels
+_TWO = 2  # levels
+_BETWEEN = 0.25  # of the way between both, from either, to be a level of its own
 
 
 def has_levels(session: Session) -> bool:
@@ -22,6 +31,12 @@ def has_levels(session: Session) -> bool:
     return min(ratios) > _LEAST_RATIO
 
 
+def has_hits_between(session: Session) -> bool:
+    """Whether every point was also hit clearly between softly and hard."""
+    groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
+    return has_levels(session) and len(groups) > _TWO
+
+
 def middle_level(session: Session) -> float:
     """Return ln of the peak force in N between soft and hard hits, where both are."""
     both = soft_and_hard([hit for hit in session.hits if hit.verdict.accepted])
@@ -30,21 +45,45 @@ def middle_level(session: Session) -> float:
 
 def soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:
     """The softest and the hardest third, at least one, of the hits at each point."""
+    soft, _, hard = _thirds(hits)
+    return soft, hard
+
+
+def at_levels(hits: Sequence[Hit]) -> tuple[list[Hit], ...]:
+    """Soft hits, those between where every point has one clearly between, and hard hits."""
+    soft, between, hard = _thirds(hits)
+    points = {_place(hit) for hit in soft}
+    if not between or {_place(hit) for hit in between} != points:
+        return soft, hard
+    low, middle, high = (
+        float(np.mean([np.log(hit.verdict.peak_n) for hit in own])) for own in (soft, between, hard)
+    )
+    part = (middle - low) / (high - low)
+    return (soft, between, hard) if _BETWEEN < part < 1.0 - _BETWEEN else (soft, hard)
+
+
+def _place(hit: Hit) -> tuple[object, ...]:
+    direction = tuple(np.round(hit.hit_direction, 6).tolist())
+    return hit.posture, hit.sensor_point, hit.hit_point, direction
+
+
+def _thirds(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit], list[Hit]]:
+    """By peak force at each point; none at all where a point was hit once."""
     groups: dict[tuple[object, ...], list[Hit]] = {}
     for hit in hits:
-        direction = tuple(np.round(hit.hit_direction, 6).tolist())
-        key = (hit.posture, hit.sensor_point, hit.hit_point, direction)
-        groups.setdefault(key, []).append(hit)
+        groups.setdefault(_place(hit), []).append(hit)
     soft: list[Hit] = []
+    between: list[Hit] = []
     hard: list[Hit] = []
     for group in groups.values():
         group.sort(key=lambda hit: hit.verdict.peak_n)
         n = max(len(group) // 3, 1)
         if len(group) < 2 * n:
-            return [], []
+            return [], [], []
         soft += group[:n]
+        between += group[n:-n]
         hard += group[-n:]
-    return soft, hard
+    return soft, between, hard
 
 
 def weight_factors(hits: Sequence[Hit]) -> dict[tuple[str, str, str], float]:

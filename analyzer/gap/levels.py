@@ -16,7 +16,7 @@ from analyzer.arm.superset import Superset
 from analyzer.gap.effects.level import any_change
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.lines import PostureLines, between
+from analyzer.gap.lines import PostureLines, scatter
 from analyzer.gap.scan import scan_instances
 from analyzer.gap.weigh import Discrepancy
 
@@ -72,17 +72,20 @@ def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> 
 
 
 def weighed_anew(stage: Stage, free: Fit) -> list[PostureLines]:
-    """Soft and hard lines with what `any_level` leaves of their difference as its variance."""
+    """Lines of a posture's levels with what a fit leaves of their differences as variance."""
     hypothesis, values = free.hypothesis, free.values
+    of_posture: dict[str, list[int]] = {}
+    for i, lines in enumerate(stage.lines):
+        of_posture.setdefault(lines.name, []).append(i)
     found: list[PostureLines] = []
-    for p in range(0, len(stage.lines), 2):
-        soft, hard = stage.lines[p : p + 2]
-        change = [stage.models[i].values(hypothesis, stage.lines[i], values) for i in (p, p + 1)]
-        less = between(soft.values - hard.values)
-        more = between(soft.values - hard.values - (change[0] - change[1]))
-        # Both were added to: what is left is positive but for rounding.
+    for own in of_posture.values():
+        measured = [stage.lines[i].values for i in own]
+        foretold = [stage.models[i].values(hypothesis, stage.lines[i], values) for i in own]
+        less = scatter(measured)
+        more = scatter([a - b for a, b in zip(measured, foretold, strict=True)])
+        # All were added to: what is left is positive but for rounding.
         found += [
             replace(lines, variance=np.maximum(lines.variance - less, 0.0) + more)
-            for lines in (soft, hard)
+            for lines in (stage.lines[i] for i in own)
         ]
     return found

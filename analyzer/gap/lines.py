@@ -25,7 +25,14 @@ from protocols.frf_records import FrequencyResponse, FrfForm
 from protocols.plan_records import KnownMass
 from protocols.session.records import Hit, Session
 
-__all__ = ["Annealing", "PostureLines", "between", "own_lines", "shifted_lines"]
+__all__ = [
+    "Annealing",
+    "PostureLines",
+    "lines_at_levels",
+    "own_lines",
+    "scatter",
+    "shifted_lines",
+]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -114,15 +121,25 @@ def own_lines(
     if level_about is None:
         all_hits = _lines_of(superset, session, hits, stage, level=0.0)
         return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
-    soft, hard = soft_and_hard(hits)
-    softly, strongly = (
+    return lines_at_levels(superset, session, stage, soft_and_hard(hits), level_about)
+
+
+def lines_at_levels(
+    superset: Superset,
+    session: Session,
+    stage: Annealing,
+    groups: Sequence[Sequence[Hit]],
+    level_about: float,
+) -> tuple[PostureLines, ...]:
+    """Lines of every posture once for each group of hits; how far they differ is variance too."""
+    sets = [
         _lines_of(superset, session, own, stage, level=_mean_level(own) - level_about)
-        for own in (soft, hard)
-    )
+        for own in groups
+    ]
     result: list[PostureLines] = []
-    for one, other in zip(softly, strongly, strict=True):
-        more = between(one.values - other.values)
-        result += [replace(of, variance=of.variance + more) for of in (one, other)]
+    for of_posture in zip(*sets, strict=True):
+        more = scatter([own.values for own in of_posture])
+        result += [replace(own, variance=own.variance + more) for own in of_posture]
     return tuple(result)
 
 
@@ -130,9 +147,10 @@ def _mean_level(hits: Sequence[Hit]) -> float:
     return float(np.mean([np.log(hit.verdict.peak_n) for hit in hits]))
 
 
-def between(difference: ComplexArray) -> Array:
-    """Variance (..., n_lines) of each of two whose difference is given."""
-    return smooth_lines(np.abs(difference) ** 2 / 2.0, _SMOOTHED)
+def scatter(values: Sequence[ComplexArray]) -> Array:
+    """Variance (..., n_lines) of each of several about their mean, smoothed."""
+    power = np.var(np.stack(values), axis=0, ddof=1)
+    return smooth_lines(power, _SMOOTHED)
 
 
 def _widened(

@@ -58,6 +58,7 @@ class Ordinary:
     superset: Superset
     postures: tuple[str, ...]
     levels_hit: bool = False  # whether every point was hit softly and hard
+    hits_between: bool = False  # likewise, and once between in some session
     # ln of hard over soft hits' force, halved, where they are told apart; else zero.
     level_span: float = 0.0
     level_gain: float = 0.0  # nats: what their difference tells at first

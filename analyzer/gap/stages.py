@@ -12,14 +12,28 @@ from analyzer.arm.same_parts import check_same_parts
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.gap.fit import Stage, models_of
-from analyzer.gap.lines import Annealing, PostureLines, own_lines, shifted_lines
+from analyzer.gap.hit_levels import at_levels, middle_level
+from analyzer.gap.lines import (
+    Annealing,
+    PostureLines,
+    lines_at_levels,
+    own_lines,
+    shifted_lines,
+)
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.weigh import Discrepancy
 from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.session.records import Session
 
-__all__ = ["FEWEST_POSTURES", "of_test", "stages_of", "with_test", "with_tests"]
+__all__ = [
+    "FEWEST_POSTURES",
+    "of_test",
+    "stages_of",
+    "with_hits_between",
+    "with_test",
+    "with_tests",
+]
 
 FEWEST_POSTURES = 2
 # Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
@@ -122,9 +136,8 @@ def with_test(
     made: list[Stage] = []
     models: list[PosedModel] = []
     for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
-        band = (_frequency(old, 0) * (1.0 - _ROUNDING), _frequency(old, -1) * (1.0 + _ROUNDING))
         step = step_hz if level_about is None else step_by_level_hz
-        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=_band_of(old))
         tested = own_lines(superset, session, stage, level_about=level_about)
         lines = [replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)]
         models = models or models_of(superset, lines)
@@ -146,10 +159,39 @@ def with_tests(
     return stages
 
 
+def with_hits_between(superset: Superset, sessions: Sequence[Session], sharp: Stage) -> Stage:
+    """The sharp lines of soft and of hard hits, and of those between where some are.
+
+    Parameters
+    ----------
+    sessions
+        The first and its further tests.
+    sharp
+        Soft and hard lines of all their postures, in order.
+    """
+    level_about = middle_level(sessions[0])
+    sigma_hz, _, step_hz = _STAGES[-1]
+    stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=_band_of(sharp))
+    lines: list[PostureLines] = []
+    models: list[PosedModel] = []
+    solved = iter(sharp.models[::2])
+    for number, session in enumerate(sessions, start=1):
+        groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
+        own = lines_at_levels(superset, session, stage, groups, level_about)
+        for posture in _in_state(own, session):
+            name = posture.name if number == 1 else of_test(posture.name, number)
+            if not lines or lines[-1].name != name:
+                model = next(solved)
+            lines.append(replace(posture, name=name))
+            models.append(model)
+    return Stage(superset, lines, Discrepancy(), models=models)
+
+
 def of_test(posture: str, number: int) -> str:
     """Return the name of a further test's posture among those of other sessions."""
     return f"{posture} (test {number})"
 
 
-def _frequency(stage: Stage, at: int) -> float:
-    return float(stage.lines[0].s_rad_s[at].imag) / (2.0 * np.pi)
+def _band_of(stage: Stage) -> tuple[float, float]:
+    f_hz = stage.lines[0].s_rad_s.imag / (2.0 * np.pi)
+    return float(f_hz[0]) * (1.0 - _ROUNDING), float(f_hz[-1]) * (1.0 + _ROUNDING)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import count
 
 import numpy as np
@@ -16,7 +17,7 @@ from analyzer.gap.effects.effect import Instance
 from analyzer.gap.enough import check_enough, notes_on
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import held_out
-from analyzer.gap.hit_levels import has_levels, middle_level
+from analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import (
     Judged,
@@ -33,11 +34,12 @@ from analyzer.gap.judge import (
 from analyzer.gap.levels import told_apart
 from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
+from analyzer.gap.middle_hits import told_by_hits_between
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
 from analyzer.gap.records import Gate
 from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.stages import of_test, stages_of, with_tests
+from analyzer.gap.stages import of_test, stages_of, with_hits_between, with_tests
 from analyzer.gap.starts import spread_of, taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
@@ -103,23 +105,23 @@ def find_gap(
     gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
     stages = with_tests(stages_of(superset, session, frfs), superset, more)
     postures = tuple(lines.name for lines in stages[-1].lines)
-    levels_hit = single_hits and all(has_levels(s) for s in (session, *more))
-    ordinary = Ordinary(superset=superset, postures=postures, levels_hit=levels_hit)
+    ordinary = _ordinary((session, *more), superset, postures)
     notes = [*replaced, *notes_on(session)]
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
-    if levels_hit:
+    if ordinary.levels_hit:
         tell("soft hits beside hard ones")
         stages, present = _by_level(session, more, superset, frfs, stages, present, start, notes)
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
+    between = partial(with_hits_between, superset, (session, *more))
     for rounds in count(1):
         found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
-        judged = _judged(stages[-1], found, limits, len(named), rounds, notes)
+        judged = _judged(stages[-1], found, between, limits, len(named), rounds, notes)
         if judged.named is None:
             break
         better = judged.named
@@ -164,11 +166,31 @@ def find_gap(
     )
 
 
+def _ordinary(
+    sessions: Sequence[Session], superset: Superset, postures: tuple[str, ...]
+) -> Ordinary:
+    levels_hit = all(bool(session.hits) and has_levels(session) for session in sessions)
+    return Ordinary(
+        superset=superset,
+        postures=postures,
+        levels_hit=levels_hit,
+        hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
+    )
+
+
 def _judged(
-    stage: Stage, found: Rivals, limits: Thresholds, n_named: int, rounds: int, notes: list[str]
+    stage: Stage,
+    found: Rivals,
+    between: Callable[[Stage], Stage],
+    limits: Thresholds,
+    n_named: int,
+    rounds: int,
+    notes: list[str],
 ) -> Judged:
     """What stands; nothing where as many are named as are looked for: then it is what is left."""
-    judged = judge(stage, found.present, found.rivals, limits)
+    by_ends = judge(stage, found.present, found.rivals, limits)
+    judged, words = told_by_hits_between(by_ends, stage, between, limits.apart)
+    notes += words
     if judged.named is not None and is_alike(judged.named):
         notes.append(f"{_last(judged.named).title}: {LEVELS_NEEDED}; it was not named")
         return replace(judged, named=None, standing=(judged.named, found.present))

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST_BY_K, Slope, level_instances
+from analyzer.gap.effects.level import (
+    COVERED,
+    COVERED_HERE,
+    LEAST_BY_C,
+    LEAST_BY_K,
+    Slope,
+    level_instances,
+)
 from analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -16,18 +23,22 @@ WORDS = EffectWords(
     confused_with=("softening", "friction"),
     covers=COVERED,
     covers_here=COVERED_HERE,
-    told_by="more levels: damping has its maximum where stiffness falls most",
+    told_by="hits between soft and hard: damping has its maximum where stiffness falls most",
     remedy="retorque bolted seats and clamps of the joint's drive",
 )
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each elastic joint (W. D. Iwan, J. Appl. Mech. 33 (1966) 893)."""
+    """One for each elastic joint (W. D. Iwan, J. Appl. Mech. 33 (1966) 893).
+
+    Damping grows with the level until all slips, is highest there, and falls beyond: where the
+    highest lies between soft and hard hits both have about the same (`middle_hits`).
+    """
     return level_instances(
         ordinary,
         WORDS,
         by_k=Slope(sense=-1.0, std=0.2, low=0.0, high=0.8),
-        by_c=Slope(sense=1.0, with_k=1.0, std=0.3, low=0.0, high=1.0),
+        by_c=Slope(sense=1.0, std=0.3, low=-LEAST_BY_C, high=1.0),
         size="k",
         material=LEAST_BY_K,
     )

@@ -16,7 +16,7 @@ WORDS = EffectWords(
     confused_with=("microslip", "friction"),
     covers=COVERED,
     covers_here=COVERED_HERE,
-    told_by="more levels: stiffness goes on falling, damping stays",
+    told_by="hits between soft and hard: damping stays between too",
     remedy="give the joint's stiffness at the level of use; look at preloads that open",
 )
 

@@ -1,0 +1,175 @@
+"""Whether a joint that is softer for harder hits slips: what hits between soft and hard tell.
+
+A seat that slips little by little loses most where most of it begins to slip (W. D. Iwan, J. Appl.
+Mech. 33 (1966) 893). Where that lies between soft and hard hits, both find the same damping as
+of a spring that softens without a loss, and two levels cannot tell. The hits between can: there the
+damping of the seat bows up. With A the fall of ln k from the middle of the levels to the hardest,
+b A what ln c grows by meanwhile and r A its bow, sealed cases had
+
+    softening    b = 0.35 +- 0.3, r = 0.2 +- 0.45,
+    microslip    r = 1.7 +- 0.5 where b is below 2
+
+(`docs/decisions/0020-hits-between-soft-and-hard.md`). Softening's own part is the sweep through its
+frequencies while a swing dies away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from analyzer.gap.effects import microslip, softening
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.effects.level import any_bow
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.judge import Judged
+from analyzer.gap.levels import weighed_anew
+from analyzer.gap.weigh import Discrepancy
+
+__all__ = ["Bow", "bow_of", "either_slips", "told_by_bow", "told_by_hits_between"]
+
+Array = npt.NDArray[np.float64]
+
+_NAMES = (softening.WORDS.name, microslip.WORDS.name)
+_SOFTENING_MEAN, _SOFTENING_STD = np.array([0.35, 0.2]), np.array([0.3, 0.45])  # of b, r
+_SLIP_MEAN, _SLIP_STD, _SLIP_REACH = 1.7, 0.5, 4.0  # of r; b anywhere in so wide a range
+_TOLD = 10.0  # times as likely
+_ROUNDS, _STEPS = 2, 8
+_SAID = {
+    _NAMES[0]: "which is a spring that softens",
+    _NAMES[1]: "which is a seat that slips",
+    None: "which may be either of a spring that softens and a seat that slips",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bow:
+    """How a joint's damping goes with the level, in units of the fall of ln k."""
+
+    slope: float  # b
+    bow: float  # r
+    covariance: Array  # (2, 2) of both
+
+
+def told_by_hits_between(
+    judged: Judged, sharp: Stage, between: Callable[[Stage], Stage], apart: float
+) -> tuple[Judged, list[str]]:
+    """Softening or microslip of one joint, where either could be the name; what is said of it.
+
+    Parameters
+    ----------
+    judged
+        What stands by soft and hard hits.
+    between
+        Gives the lines of three levels of a stage of two (`stages.with_hits_between`).
+    apart
+        Nats by which rivals are told apart.
+    """
+    both = _both(judged, sharp, apart)
+    if both is None:
+        return judged, []
+    joint = _last(both[0]).place
+    told: str | None = None
+    words = f"hits between soft and hard would tell whether {joint} softens or slips"
+    if both[0].hypothesis.ordinary.hits_between:
+        bow = bow_of(between(sharp), both[0], joint, judged.phi)
+        told = told_by_bow(bow)
+        half = 1.96 * np.sqrt(bow.covariance[1, 1])
+        words = (
+            f"hits between soft and hard: the damping of {joint} bows by {bow.bow:.2f} "
+            f"+- {half:.2f} of the fall of ln k, {_SAID[told]}"
+        )
+    others = [f for f in judged.standing if all(f is not own for own in both)]
+    kept = [f for f in both if told in (None, _last(f).effect.name)]
+    standing = tuple(sorted([*kept, *others], key=lambda f: f.evidence))
+    named = standing[0] if len(standing) == 1 else None
+    return replace(judged, named=named, standing=standing), [words]
+
+
+def told_by_bow(bow: Bow) -> str | None:
+    """Return the name that is ten times as likely as the other, by what sealed cases had."""
+    off = np.array([bow.slope, bow.bow]) - _SOFTENING_MEAN
+    spread = bow.covariance + np.diag(_SOFTENING_STD**2)
+    softens = -0.5 * off @ np.linalg.solve(spread, off) - 0.5 * np.log(
+        np.linalg.det(2.0 * np.pi * spread)
+    )
+    variance = bow.covariance[1, 1] + _SLIP_STD**2
+    slips = -0.5 * (bow.bow - _SLIP_MEAN) ** 2 / variance - 0.5 * np.log(2.0 * np.pi * variance)
+    told = float(softens - slips + np.log(_SLIP_REACH))
+    if abs(told) < np.log(_TOLD):
+        return None
+    return _NAMES[0] if told > 0.0 else _NAMES[1]
+
+
+def bow_of(stage: Stage, fit: Fit, joint: str, phi: float) -> Bow:
+    """Refit with the joint free to bow with the level, in the place of the last effect.
+
+    Parameters
+    ----------
+    stage
+        Lines of three levels.
+    fit
+        On the sharp lines of soft and hard hits, with an effect of the level at the joint.
+    phi
+        Of the data's variance.
+    """
+    *others, _ = fit.hypothesis.instances
+    instance, (by_k, by_c, bow_c) = any_bow(fit.hypothesis.ordinary, joint)
+    hypothesis = replace(fit.hypothesis, instances=(*others, instance))
+    values = fit.values
+    for _ in range(_ROUNDS):
+        free = fit_hypothesis(stage, hypothesis, start=values, max_iterations=_STEPS)
+        values = free.values
+        lines = weighed_anew(stage, free)
+        stage = Stage(hypothesis.ordinary.superset, lines, Discrepancy(), models=stage.models)
+    span = hypothesis.ordinary.level_span
+    fall = max(values[by_k] * span, 1e-6)
+    at = [free.space.index[name] for name in (by_c, bow_c)]
+    unit = free.space.std[at] * np.array([span, 1.0]) / fall
+    covariance = free.covariance(phi)[np.ix_(at, at)] * np.outer(unit, unit)
+    return Bow(slope=values[by_c] * span / fall, bow=values[bow_c] / fall, covariance=covariance)
+
+
+def either_slips(standing: Sequence[Fit]) -> bool:
+    """Whether one joint softens or slips by what stands, and no hits between were there to tell."""
+    last = [_last(fit) for fit in standing if fit.hypothesis.instances]
+    softens, slips = ({i.place for i in last if i.effect.name == name} for name in _NAMES)
+    return bool(softens & slips) and not standing[0].hypothesis.ordinary.hits_between
+
+
+def _both(judged: Judged, sharp: Stage, apart: float) -> tuple[Fit, Fit] | None:
+    """Fits of softening and of microslip of one joint, if what is best is one of them.
+
+    None where soft and hard hits tell them apart.
+    """
+    best = judged.standing[0] if judged.standing else None
+    if best is None or not best.hypothesis.instances:
+        return None
+    last = _last(best)
+    if last.effect.name not in _NAMES:
+        return None
+    twin = _twin(last, best.hypothesis)
+    other = next((f for f in judged.standing if _last(f).key == twin.key), None)
+    if other is None:
+        start = best.values | {
+            theirs.name: min(max(best.values[own.name], theirs.low), theirs.high)
+            for own, theirs in zip(last.parameters, twin.parameters, strict=True)
+        }
+        instances = (*best.hypothesis.instances[:-1], twin)
+        hypothesis = replace(best.hypothesis, instances=instances)
+        other = fit_hypothesis(sharp, hypothesis, start=start, max_iterations=_STEPS)
+    return None if other.evidence - best.evidence > apart * judged.phi else (best, other)
+
+
+def _last(fit: Fit) -> Instance:
+    return fit.hypothesis.instances[-1]
+
+
+def _twin(instance: Instance, hypothesis: Hypothesis) -> Instance:
+    softens = instance.effect.name == softening.WORDS.name
+    instances_of = microslip.instances if softens else softening.instances
+    return next(i for i in instances_of(hypothesis.ordinary) if i.place == instance.place)
