@@ -76,7 +76,7 @@ def test_it_is_the_plain_arm_with_another_spring_at_that_level(kind, ordinary, h
     by_k, by_c = (p.name for p in instance.parameters)
     values |= {by_k: 0.1, by_c: 0.06}
     sign = {"backlash": (1, 1), "friction": (-1, -1), "microslip": (-1, 1), "softening": (-1, 1)}
-    with_k = {"microslip": 1.0, "softening": 0.4}.get(kind.WORDS.name, 0.0)
+    with_k = 0.4 if kind is softening else 0.0
     k_sign, c_sign = sign[kind.WORDS.name]
     ln_k = k_sign * 0.1 * hard.level
     ln_c = c_sign * (0.06 + with_k * 0.1) * hard.level
@@ -162,7 +162,7 @@ def test_the_signs_of_each_kind_are_within_its_bounds_alone(kind, torque, ordina
         sense_k = 1.0 if module is backlash else -1.0
         sense_c = -1.0 if module is friction else 1.0
         own_k = sense_k * by_k
-        own_c = sense_c * by_c - {microslip: 1.0, softening: 0.4}.get(module, 0.0) * own_k
+        own_c = sense_c * by_c - (0.4 * own_k if module is softening else 0.0)
         return k.low <= own_k <= k.high and c.low <= own_c <= c.high
 
     allowed = [module for module in KINDS if admits(module)]

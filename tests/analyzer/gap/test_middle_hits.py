@@ -1,0 +1,213 @@
+"""A joint that softens and one that slips: told by the hits between soft and hard."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.effects.level import any_bow
+from analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.middle_hits import Bow, told_by_bow
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.posed import PosedModel
+from analyzer.gap.records import Verdict
+from analyzer.gap.stages import stages_of, with_hits_between, with_test
+from analyzer.gap.workflow import find_gap
+from analyzer.identification.identify import estimate_frfs
+from hil_sim.study import make_case
+from protocols.plan import plan_from_text
+
+
+def hits(session, peaks_of):
+    """The session's hits, each with a peak by its place among those of its point."""
+    seen, found = {}, []
+    for hit in session.hits:
+        key = hit.posture, hit.sensor_point
+        n = seen[key] = seen.get(key, -1) + 1
+        found += [replace(hit, verdict=replace(hit.verdict, peak_n=p)) for p in peaks_of(n)]
+    return found
+
+
+@pytest.fixture(scope="module")
+def linear():
+    """A plain arm, every point hit at three levels."""
+    return make_case(seed=3001, arm="rv4frl", ladder=True).session()
+
+
+@pytest.mark.parametrize(
+    ("peaks_n", "n_levels"),
+    [
+        ((20.0, 55.0, 140.0), 3),
+        ((20.0, 140.0, 55.0), 3),
+        ((20.0, 25.0, 140.0), 2),  # clearly between is a quarter of the way of ln, 33 N
+        ((20.0, 120.0, 140.0), 2),
+    ],
+)
+def test_hits_between_are_a_level_where_they_are_clearly_between(linear, peaks_n, n_levels):
+    own = hits(linear, lambda n: [peaks_n[n]])
+    levels = at_levels(own)
+    assert len(levels) == n_levels
+    assert {hit.verdict.peak_n for hit in levels[0]} == {20.0}
+    assert {hit.verdict.peak_n for hit in levels[-1]} == {140.0}
+    assert has_hits_between(replace(linear, hits=tuple(own))) is (n_levels == 3)
+
+
+def test_one_point_without_a_hit_between_leaves_two_levels(linear):
+    own = hits(linear, lambda n: [(20.0, 55.0, 140.0)[n]])
+    middle = next(hit for hit in own if hit.verdict.peak_n == 55.0)
+    assert len(at_levels([hit for hit in own if hit is not middle])) == 2
+
+
+def test_no_level_at_all_where_a_point_was_hit_once(linear):
+    assert at_levels(hits(linear, lambda n: [20.0] if n == 0 else [])) == ([], [])
+
+
+def test_lines_of_three_levels_are_those_of_two_and_one_between(linear):
+    superset = Superset(linear.header.arm)
+    about = middle_level(linear)
+    stages = stages_of(superset, linear, estimate_frfs(linear, superset), level_about=about)
+    further = replace(
+        linear, hits=tuple(hits(linear, lambda n: [(20.0, 140.0)[n]] if n < 2 else []))
+    )
+    *_, sharp = with_test(stages, superset, further, 2, level_about=about)
+    three = with_hits_between(superset, (linear, further), sharp)
+    n_postures = len(stages[-1].lines) // 2
+    names = [lines.name for lines in three.lines]
+    first = [name for name in dict.fromkeys(names) if not name.endswith("(test 2)")]
+    assert names == [
+        *(name for name in first for _ in range(3)),
+        *(f"{name} (test 2)" for name in first for _ in range(2)),
+    ]
+    for i in range(n_postures):
+        soft, between, hard = three.lines[3 * i : 3 * i + 3]
+        old_soft, old_hard = stages[-1].lines[2 * i : 2 * i + 2]
+        np.testing.assert_allclose(soft.values, old_soft.values, rtol=1e-12)
+        np.testing.assert_allclose(hard.values, old_hard.values, rtol=1e-12)
+        assert (soft.level, hard.level) == (old_soft.level, old_hard.level)
+        assert soft.level < between.level < hard.level
+        assert three.models[3 * i] is three.models[3 * i + 2] is stages[-1].models[2 * i]
+    solved = {id(model) for model in three.models[3 * n_postures :]}
+    assert solved == {id(model) for model in sharp.models[2 * n_postures :]}
+
+
+@pytest.mark.parametrize("level", [-1.1, 0.1, 1.1])
+def test_a_joint_that_bows_is_the_plain_arm_with_another_spring_at_that_level(linear, level):
+    superset = Superset(linear.header.arm)
+    ordinary = Ordinary(superset=superset, postures=("p",), level_span=1.1)
+    joint = superset.arm.joints[1].name
+    instance, names = any_bow(ordinary, joint)
+    about = middle_level(linear)
+    stages = stages_of(superset, linear, estimate_frfs(linear, superset), level_about=about)
+    lines = replace(stages[0].lines[0], name="p", level=level)
+    posed = PosedModel(superset, lines.joints_rad)
+    bowed = Hypothesis(ordinary=ordinary, instances=(instance,))
+    space = bowed.space()
+    values = space.values(space.start())
+    by_k, by_c, bow_c = names
+    h = 1e-5
+    (bow_k,) = (p.name for p in instance.parameters if p.name not in names)
+    values |= {by_k: 0.1, by_c: 0.2, bow_k: 0.03, bow_c: 0.05}
+    bow = 1.0 - (level / 1.1) ** 2
+    other = values | {
+        f"ln k {joint}": values[f"ln k {joint}"] - 0.1 * level + 0.03 * bow,
+        f"ln c {joint}": values[f"ln c {joint}"] + 0.2 * level + 0.05 * bow,
+    }
+    plain = posed.values(Hypothesis(ordinary=ordinary), lines, other)
+    np.testing.assert_allclose(posed.values(bowed, lines, values), plain, rtol=1e-9)
+    _, dy = posed.derivatives(bowed, lines, space, values)
+    for name in instance.owned:
+        up, down = (posed.values(bowed, lines, values | {name: values[name] + d}) for d in (h, -h))
+        want = (up - down) / (2.0 * h) * space.std[space.index[name]]
+        # Analytic against central differences: rounding over the step.
+        np.testing.assert_allclose(dy[space.index[name]], want, atol=1e-5 * np.abs(plain).max())
+
+
+def swung(torque, amplitude):
+    """Stiffness and damping (times frequency) of a torque over a harmonic swing, once around."""
+    turn = np.linspace(0.0, 4.0 * np.pi, 8001)
+    t, way = torque(amplitude * np.cos(turn))[4000:-1], turn[4000:-1]
+    return (
+        2.0 * np.mean(t * np.cos(way)) / amplitude,
+        -2.0 * np.mean(t * np.sin(way)) / amplitude,
+    )
+
+
+def seat(stiffness, limit):
+    """Six sliders that begin to slip one after the other (Iwan 1966)."""
+    k, limits = stiffness / 6.0, limit * np.arange(1, 12, 2) / 36.0
+
+    def torque(stretch):
+        at, total = np.zeros(6), np.zeros_like(stretch)
+        for i, s in enumerate(stretch):
+            at = np.clip(at, s - limits / k, s + limits / k)
+            total[i] = np.sum(k * (s - at))
+        return total
+
+    return torque
+
+
+def bow_by_swings(torque):
+    """What three swings, each three times the one before, tell of a unit joint with 6 % loss."""
+    (k_1, c_1), (_, c_2), (k_3, c_3) = (
+        np.log([1.0 + k, 0.06 + c]) for k, c in (swung(torque, a) for a in (1 / 3, 1.0, 3.0))
+    )
+    fall = (k_1 - k_3) / 2.0
+    return Bow(
+        slope=(c_3 - c_1) / 2.0 / fall,
+        bow=(c_2 - (c_1 + c_3) / 2.0) / fall,
+        covariance=np.diag([0.1, 0.1]) ** 2,
+    )
+
+
+# Limits for which half to all of the seat slips under the middle swing: damping is highest there,
+# and soft and hard hits find about the same.
+@pytest.mark.parametrize("limit", [0.12, 0.17, 0.24])
+def test_a_seat_that_slips_is_told_where_its_loss_is_highest_between(limit):
+    bow = bow_by_swings(seat(0.4, limit))
+    assert bow.slope < 2.0
+    assert told_by_bow(bow) == "microslip"
+
+
+@pytest.mark.parametrize("at", [0.2, 0.5, 1.5])
+def test_a_spring_that_softens_has_no_loss_of_its_own(at):
+    bow = bow_by_swings(lambda s: 0.4 * (at * np.tanh(s / at) - s))
+    assert (bow.slope, bow.bow) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert told_by_bow(bow) == "softening"
+
+
+def test_what_is_uncertain_or_like_both_is_not_told():
+    sure, unsure = np.diag([0.1, 0.1]) ** 2, np.diag([0.5, 1.0]) ** 2
+    assert told_by_bow(Bow(slope=0.35, bow=1.0, covariance=sure)) is None
+    assert told_by_bow(Bow(slope=0.35, bow=1.0, covariance=unsure)) is None
+    assert told_by_bow(Bow(slope=0.35, bow=1.8, covariance=unsure)) is None
+    assert told_by_bow(Bow(slope=0.35, bow=1.8, covariance=sure)) == "microslip"
+
+
+@pytest.fixture(scope="module", params=[("bench57", "microslip", 0.25), ("ur5", "softening", 1.0)])
+def case(request):
+    arm, kind, size = request.param
+    return make_case(11, arm, kind, size, ladder=True), kind
+
+
+def test_it_is_named_by_the_hits_between(case):
+    """With soft and hard hits alone the first was named softening."""
+    sealed, kind = case
+    result = find_gap(sealed.session(), gates=False, modes=False, advice=False).result
+    assert result.verdict is Verdict.NAMED
+    assert [effect.name for effect in result.effects] == [kind]
+    assert any(note.startswith("hits between soft and hard: the damping") for note in result.notes)
+
+
+def test_without_hits_between_either_may_be_and_the_next_test_has_them(case):
+    sealed, _ = case
+    session = sealed.session()
+    soft, _, hard = at_levels(session.hits)
+    result = find_gap(replace(session, hits=(*soft, *hard)), gates=False, modes=False).result
+    assert result.verdict is Verdict.AMBIGUOUS
+    assert {r.name for r in result.rivals if r.standing} >= {"microslip", "softening"}
+    assert any("would tell whether" in note for note in result.notes)
+    plan = plan_from_text(result.next_test.plan_toml, sealed.arm, origin="next test")
+    assert len(plan.postures) == len(session.header.plan.postures)
+    assert all(len(posture.peaks_n) == 3 for posture in plan.postures)
