@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import wait
+from threading import Thread
 
 __all__ = ["worker_processes"]
 
@@ -16,10 +19,13 @@ def worker_processes(workers: int) -> Iterator[Executor]:
     """Yield an executor on further processes, which are ended at once if what is inside fails.
 
     A terminal sends Ctrl-C to every process. These leave it to the one that began them: else each
-    would print where it was. To be called from the main thread.
+    would print where it was. They end too where that one is killed. To be called from the main
+    thread.
     """
     others = set(active_children())
-    executor = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    executor = ProcessPoolExecutor(
+        workers, mp_context=get_context("spawn"), initializer=_end_with_parent
+    )
     try:
         _start_all(executor, workers)
         yield executor
@@ -39,6 +45,18 @@ def _start_all(executor: Executor, workers: int) -> None:
             executor.submit(_nothing)
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def _end_with_parent() -> None:
+    """Watch, in a process that was started, for the one that began it: it may be killed."""
+    parent = parent_process()
+    if parent is not None:
+        Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
 
 
 def _nothing() -> None:

@@ -42,6 +42,31 @@ def test_ctrl_c_ends_processes_that_start_or_work_and_only_the_first_one_speaks(
     assert "KeyboardInterrupt" in ended.stderr.splitlines()[-1]
 
 
+KILLED = """
+import os, signal
+from tui.worker_processes import worker_processes
+
+if __name__ == "__main__":
+    with worker_processes(2) as executor:
+        assert len(set(executor.map(len, ["a", "bc"]))) == 2
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_no_process_outlives_one_that_is_killed(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(KILLED)
+    # Returns once nobody can write to its output any more, which every process inherits.
+    ended = subprocess.run(
+        [sys.executable, program],
+        env={"PYTHONPATH": str(Path(__file__).parents[2])},
+        capture_output=True,
+        timeout=100.0,
+        check=False,
+    )
+    assert ended.returncode == -signal.SIGKILL
+
+
 def test_what_is_run_comes_back_and_no_process_stays():
     before = signal.getsignal(signal.SIGINT)
     others = set(active_children())
