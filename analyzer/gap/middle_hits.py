@@ -7,7 +7,7 @@ damping of the seat bows up. With A the fall of ln k from the middle of the leve
 b A what ln c grows by meanwhile and r A its bow, sealed cases had
 
     softening    b = 0.35 +- 0.3, r = 0.2 +- 0.45,
-    microslip    r = 1.7 +- 0.5 where b is below 2
+    microslip    r = 1.7 +- 0.5 where b is as small
 
 (`docs/decisions/0020-hits-between-soft-and-hard.md`). Softening's own part is the sweep through its
 frequencies while a swing dies away.
