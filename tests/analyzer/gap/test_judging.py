@@ -146,10 +146,14 @@ def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_r
     present, better = rival(link_axis.WORDS, "l1", 1e4), rival(bearing.WORDS, "j0", 5e3)
     stage = SimpleNamespace(weighings=[SimpleNamespace(n=40000)])
     found = Rivals(present=present, rivals=(better,))
-    assert _judged(stage, found, limits, 2, 3, notes).named is better
+
+    def between(_sharp):
+        pytest.fail("neither softens nor slips")
+
+    assert _judged(stage, found, between, limits, 2, 3, notes).named is better
     assert notes == []
     for n_named, rounds in ((3, 4), (2, 6)):
-        last = _judged(stage, found, limits, n_named, rounds, notes)
+        last = _judged(stage, found, between, limits, n_named, rounds, notes)
         assert (last.named, last.standing) == (None, ())
         assert notes.pop() == f"{bearing.WORDS.title} (j0) earns a name too; no more are looked for"
 
