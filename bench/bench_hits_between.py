@@ -16,7 +16,7 @@ import numpy as np
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.middle_hits import bow_of, told_by_bow
-from analyzer.gap.stages import with_hits_between
+from analyzer.gap.stages import at_three_levels
 from analyzer.gap.workflow import find_gap
 from hil_sim.study import LIBRARY, CaseSpec, draw_study, sealed
 
@@ -36,7 +36,9 @@ def measured(spec: CaseSpec) -> dict[str, object]:
         return found
     joint = fit.hypothesis.instances[-1].place
     superset = Superset(session.header.arm)
-    stage = with_hits_between(superset, (session,), outcome.stages[-1])
+    stage = at_three_levels(superset, (session,), outcome.stages[-1])
+    if stage is None:
+        return found
     bow = bow_of(stage, fit, joint, outcome.scale)
     return found | {
         "joint": joint,

@@ -56,7 +56,7 @@ class Bow:
 
 
 def told_by_hits_between(
-    judged: Judged, sharp: Stage, between: Callable[[Stage], Stage], apart: float
+    judged: Judged, sharp: Stage, between: Callable[[Stage], Stage | None], apart: float
 ) -> tuple[Judged, list[str]]:
     """Softening or microslip of one joint, where either could be the name; what is said of it.
 
@@ -65,7 +65,7 @@ def told_by_hits_between(
     judged
         What stands by soft and hard hits.
     between
-        Gives the lines of three levels of a stage of two (`stages.with_hits_between`).
+        Gives lines of three levels, if there are any (`stages.at_three_levels`).
     apart
         Nats by which rivals are told apart.
     """
@@ -75,8 +75,9 @@ def told_by_hits_between(
     joint = _last(both[0]).place
     told: str | None = None
     words = f"hits between soft and hard would tell whether {joint} softens or slips"
-    if both[0].hypothesis.ordinary.hits_between:
-        bow = bow_of(between(sharp), both[0], joint, judged.phi)
+    stage = between(sharp)
+    if stage is not None:
+        bow = bow_of(stage, both[0], joint, judged.phi)
         told = told_by_bow(bow)
         half = 1.96 * np.sqrt(bow.covariance[1, 1])
         words = (
@@ -118,7 +119,8 @@ def bow_of(stage: Stage, fit: Fit, joint: str, phi: float) -> Bow:
         Of the data's variance.
     """
     *others, _ = fit.hypothesis.instances
-    instance, (by_k, by_c, bow_c) = any_bow(fit.hypothesis.ordinary, joint)
+    span = max(lines.level for lines in stage.lines)
+    instance, (by_k, by_c, bow_c) = any_bow(joint, span)
     hypothesis = replace(fit.hypothesis, instances=(*others, instance))
     values = fit.values
     for _ in range(_ROUNDS):
@@ -126,7 +128,6 @@ def bow_of(stage: Stage, fit: Fit, joint: str, phi: float) -> Bow:
         values = free.values
         lines = weighed_anew(stage, free)
         stage = Stage(hypothesis.ordinary.superset, lines, Discrepancy(), models=stage.models)
-    span = hypothesis.ordinary.level_span
     fall = max(values[by_k] * span, 1e-6)
     at = [free.space.index[name] for name in (by_c, bow_c)]
     unit = free.space.std[at] * np.array([span, 1.0]) / fall

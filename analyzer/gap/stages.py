@@ -12,7 +12,7 @@ from analyzer.arm.same_parts import check_same_parts
 from analyzer.arm.structure import believed_structure
 from analyzer.arm.superset import Superset
 from analyzer.gap.fit import Stage, models_of
-from analyzer.gap.hit_levels import at_levels, middle_level
+from analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
 from analyzer.gap.lines import (
     Annealing,
     PostureLines,
@@ -28,9 +28,9 @@ from protocols.session.records import Session
 
 __all__ = [
     "FEWEST_POSTURES",
+    "at_three_levels",
     "of_test",
     "stages_of",
-    "with_hits_between",
     "with_test",
     "with_tests",
 ]
@@ -159,32 +159,33 @@ def with_tests(
     return stages
 
 
-def with_hits_between(superset: Superset, sessions: Sequence[Session], sharp: Stage) -> Stage:
-    """The sharp lines of soft and of hard hits, and of those between where some are.
+def at_three_levels(superset: Superset, sessions: Sequence[Session], sharp: Stage) -> Stage | None:
+    """The sharp lines of soft hits, those between and hard ones, of a session that has all three.
+
+    Their levels are counted from its own middle. None where no session has hits between.
 
     Parameters
     ----------
     sessions
-        The first and its further tests.
+        The first and its further tests: the first that has hits between counts, since softer and
+        harder hits of others are levels of their own.
     sharp
-        Soft and hard lines of all their postures, in order.
+        Lines of all their postures.
     """
-    level_about = middle_level(sessions[0])
+    chosen = next((n for n, s in enumerate(sessions, start=1) if has_hits_between(s)), 0)
+    if not chosen:
+        return None
+    session = sessions[chosen - 1]
     sigma_hz, _, step_hz = _STAGES[-1]
     stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=_band_of(sharp))
-    lines: list[PostureLines] = []
-    models: list[PosedModel] = []
-    solved = iter(sharp.models[::2])
-    for number, session in enumerate(sessions, start=1):
-        groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
-        own = lines_at_levels(superset, session, stage, groups, level_about)
-        for posture in _in_state(own, session):
-            name = posture.name if number == 1 else of_test(posture.name, number)
-            if not lines or lines[-1].name != name:
-                model = next(solved)
-            lines.append(replace(posture, name=name))
-            models.append(model)
-    return Stage(superset, lines, Discrepancy(), models=models)
+    groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
+    own = lines_at_levels(superset, session, stage, groups, middle_level(session))
+    solved = {lines.name: model for lines, model in zip(sharp.lines, sharp.models, strict=True)}
+    lines = [
+        replace(one, name=one.name if chosen == 1 else of_test(one.name, chosen))
+        for one in _in_state(own, session)
+    ]
+    return Stage(superset, lines, Discrepancy(), models=[solved[one.name] for one in lines])
 
 
 def of_test(posture: str, number: int) -> str:

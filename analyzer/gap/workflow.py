@@ -39,7 +39,7 @@ from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
 from analyzer.gap.records import Gate
 from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.stages import of_test, stages_of, with_hits_between, with_tests
+from analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
 from analyzer.gap.starts import spread_of, taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
@@ -117,7 +117,7 @@ def find_gap(
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
-    between = partial(with_hits_between, superset, (session, *more))
+    between = partial(at_three_levels, superset, (session, *more))
     for rounds in count(1):
         found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
@@ -181,7 +181,7 @@ def _ordinary(
 def _judged(
     stage: Stage,
     found: Rivals,
-    between: Callable[[Stage], Stage],
+    between: Callable[[Stage], Stage | None],
     limits: Thresholds,
     n_named: int,
     rounds: int,

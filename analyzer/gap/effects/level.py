@@ -125,10 +125,10 @@ def any_change(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def any_bow(ordinary: Ordinary, joint: str) -> tuple[Instance, tuple[str, str, str]]:
+def any_bow(joint: str, span: float) -> tuple[Instance, tuple[str, str, str]]:
     """Any change of one joint with the level, and a bow of both laws: no effect, a look.
 
-    With L the level of the hardest hits (of the softest: -L) and q = 1 - (l / L)^2,
+    With L, the span, the level of the hardest hits (of the softest: -L) and q = 1 - (l / L)^2,
 
         ln k(l) = ln k - a l + p q ,    ln c(l) = ln c + b l + r q .
 
@@ -142,7 +142,7 @@ def any_bow(ordinary: Ordinary, joint: str) -> tuple[Instance, tuple[str, str, s
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         level = assembly.lines.level
-        bow = 1.0 - (level / ordinary.level_span) ** 2
+        bow = 1.0 - (level / span) ** 2
         units = {by_k: (-level, 0.0), by_c: (0.0, level), bow_k: (bow, 0.0), bow_c: (0.0, bow)}
         change = [sum(values[name] * unit[i] for name, unit in units.items()) for i in (0, 1)]
         assembly.multiply_spring(joint, values, *change)

@@ -13,7 +13,7 @@ from analyzer.gap.middle_hits import Bow, told_by_bow
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.records import Verdict
-from analyzer.gap.stages import stages_of, with_hits_between, with_test
+from analyzer.gap.stages import at_three_levels, stages_of, with_test
 from analyzer.gap.workflow import find_gap
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
@@ -67,29 +67,34 @@ def test_no_level_at_all_where_a_point_was_hit_once(linear):
 def test_lines_of_three_levels_are_those_of_two_and_one_between(linear):
     superset = Superset(linear.header.arm)
     about = middle_level(linear)
-    stages = stages_of(superset, linear, estimate_frfs(linear, superset), level_about=about)
-    further = replace(
-        linear, hits=tuple(hits(linear, lambda n: [(20.0, 140.0)[n]] if n < 2 else []))
-    )
-    *_, sharp = with_test(stages, superset, further, 2, level_about=about)
-    three = with_hits_between(superset, (linear, further), sharp)
-    n_postures = len(stages[-1].lines) // 2
-    names = [lines.name for lines in three.lines]
-    first = [name for name in dict.fromkeys(names) if not name.endswith("(test 2)")]
-    assert names == [
-        *(name for name in first for _ in range(3)),
-        *(f"{name} (test 2)" for name in first for _ in range(2)),
-    ]
-    for i in range(n_postures):
+    *_, sharp = stages_of(superset, linear, estimate_frfs(linear, superset), level_about=about)
+    three = at_three_levels(superset, (linear,), sharp)
+    assert len(three.lines) == 3 * len(sharp.lines) // 2
+    for i in range(len(sharp.lines) // 2):
         soft, between, hard = three.lines[3 * i : 3 * i + 3]
-        old_soft, old_hard = stages[-1].lines[2 * i : 2 * i + 2]
+        old_soft, old_hard = sharp.lines[2 * i : 2 * i + 2]
         np.testing.assert_allclose(soft.values, old_soft.values, rtol=1e-12)
         np.testing.assert_allclose(hard.values, old_hard.values, rtol=1e-12)
         assert (soft.level, hard.level) == (old_soft.level, old_hard.level)
         assert soft.level < between.level < hard.level
-        assert three.models[3 * i] is three.models[3 * i + 2] is stages[-1].models[2 * i]
-    solved = {id(model) for model in three.models[3 * n_postures :]}
-    assert solved == {id(model) for model in sharp.models[2 * n_postures :]}
+        assert three.models[3 * i] is three.models[3 * i + 2] is sharp.models[2 * i]
+
+
+def test_of_several_sessions_the_first_with_hits_between_counts_by_its_own_middle(linear):
+    superset = Superset(linear.header.arm)
+    two = replace(linear, hits=tuple(hits(linear, lambda n: [(20.0, 140.0)[n]] if n < 2 else [])))
+    about = middle_level(two)
+    stages = stages_of(superset, two, estimate_frfs(two, superset), level_about=about)
+    *_, sharp = with_test(stages, superset, linear, 2, level_about=about)
+    assert at_three_levels(superset, (two, two), sharp) is None
+    three = at_three_levels(superset, (two, linear), sharp)
+    assert {lines.name for lines in three.lines} == {
+        f"{posture.name} (test 2)" for posture in linear.header.plan.postures
+    }
+    levels = sorted({lines.level for lines in three.lines})
+    assert levels[0] == pytest.approx(-levels[-1])
+    models = dict(zip((lines.name for lines in sharp.lines), sharp.models, strict=True))
+    assert all(m is models[own.name] for own, m in zip(three.lines, three.models, strict=True))
 
 
 @pytest.mark.parametrize("level", [-1.1, 0.1, 1.1])
@@ -97,7 +102,7 @@ def test_a_joint_that_bows_is_the_plain_arm_with_another_spring_at_that_level(li
     superset = Superset(linear.header.arm)
     ordinary = Ordinary(superset=superset, postures=("p",), level_span=1.1)
     joint = superset.arm.joints[1].name
-    instance, names = any_bow(ordinary, joint)
+    instance, names = any_bow(joint, 1.1)
     about = middle_level(linear)
     stages = stages_of(superset, linear, estimate_frfs(linear, superset), level_about=about)
     lines = replace(stages[0].lines[0], name="p", level=level)
@@ -188,26 +193,33 @@ def test_what_is_uncertain_or_like_both_is_not_told():
 @pytest.fixture(scope="module", params=[("bench57", "microslip", 0.25), ("ur5", "softening", 1.0)])
 def case(request):
     arm, kind, size = request.param
-    return make_case(11, arm, kind, size, ladder=True), kind
+    sealed = make_case(11, arm, kind, size, ladder=True)
+    return sealed, sealed.session(), kind
 
 
 def test_it_is_named_by_the_hits_between(case):
     """With soft and hard hits alone the first was named softening."""
-    sealed, kind = case
-    result = find_gap(sealed.session(), gates=False, modes=False, advice=False).result
+    _, session, kind = case
+    result = find_gap(session, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NAMED
     assert [effect.name for effect in result.effects] == [kind]
     assert any(note.startswith("hits between soft and hard: the damping") for note in result.notes)
 
 
-def test_without_hits_between_either_may_be_and_the_next_test_has_them(case):
-    sealed, _ = case
-    session = sealed.session()
+def test_without_hits_between_either_may_be_and_the_test_that_is_asked_for_tells(case):
+    sealed, session, kind = case
     soft, _, hard = at_levels(session.hits)
-    result = find_gap(replace(session, hits=(*soft, *hard)), gates=False, modes=False).result
+    without = replace(session, hits=(*soft, *hard))
+    result = find_gap(without, gates=False, modes=False).result
     assert result.verdict is Verdict.AMBIGUOUS
     assert {r.name for r in result.rivals if r.standing} >= {"microslip", "softening"}
     assert any("would tell whether" in note for note in result.notes)
     plan = plan_from_text(result.next_test.plan_toml, sealed.arm, origin="next test")
     assert len(plan.postures) == len(session.header.plan.postures)
     assert all(len(posture.peaks_n) == 3 for posture in plan.postures)
+    asked = sealed.session(plan, levels_n=plan.postures[0].peaks_n, run=1)
+    told = find_gap(without, more=[asked], gates=False, modes=False, advice=False).result
+    # At 107 N instead of 127 the faint slip bows by 1.2, which may be either.
+    undecided = kind == "microslip" and told.verdict is Verdict.AMBIGUOUS
+    assert undecided or [effect.name for effect in told.effects] == [kind]
+    assert any("bows by" in note for note in told.notes)
