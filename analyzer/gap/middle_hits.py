@@ -7,7 +7,8 @@ damping of the seat bows up. With A the fall of ln k from the middle of the leve
 b A what ln c grows by meanwhile and r A its bow, sealed cases had
 
     softening    b = 0.35 +- 0.3, r = 0.2 +- 0.45,
-    microslip    r = 1.7 +- 0.5 where b is as small
+    microslip    r = 1.7 +- 0.5 where b is as small,
+    friction     b below -0.9, r = 0.3 +- 0.5 where b is above -2
 
 (`docs/decisions/0020-hits-between-soft-and-hard.md`). Softening's own part is the sweep through its
 frequencies while a swing dies away.
@@ -20,8 +21,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy import special
 
-from analyzer.gap.effects import microslip, softening
+from analyzer.gap.effects import friction, microslip, softening
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.effects.level import any_bow
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
@@ -36,8 +38,10 @@ Array = npt.NDArray[np.float64]
 
 _NAMES = (softening.WORDS.name, microslip.WORDS.name)
 _SOFTENING_MEAN, _SOFTENING_STD = np.array([0.35, 0.2]), np.array([0.3, 0.45])  # of b, r
-_SLIP_MEAN, _SLIP_STD, _SLIP_REACH = 1.7, 0.5, 4.0  # of r; b anywhere in so wide a range
-_TOLD = 10.0  # times as likely
+# What slides, little by little or whole: its b, anywhere between; its r.
+_SLIDES = (((-0.5, 3.5), 1.7, 0.5), ((-10.0, -0.5), 0.3, 0.5))
+_TOLD = 10.0  # times as likely as the other
+_ALIKE = (*_NAMES, friction.WORDS.name)
 _ROUNDS, _STEPS = 2, 8
 _SAID = {
     _NAMES[0]: "which is a spring that softens",
@@ -59,6 +63,9 @@ def told_by_hits_between(
     judged: Judged, sharp: Stage, between: Callable[[Stage], Stage | None], apart: float
 ) -> tuple[Judged, list[str]]:
     """Softening or microslip of one joint, where either could be the name; what is said of it.
+
+    Friction of that joint, where it stands beside, slides too. A crack that opens under one sign
+    looks like all three: what slides is not told from what sticks here.
 
     Parameters
     ----------
@@ -84,7 +91,10 @@ def told_by_hits_between(
             f"hits between soft and hard: the damping of {joint} bows by {bow.bow:.2f} "
             f"+- {half:.2f} of the fall of ln k, {_SAID[told]}"
         )
-    others = [f for f in judged.standing if all(f is not own for own in both)]
+    sticks = [f for f in judged.standing if _last(f).key == (friction.WORDS.name, joint)]
+    if sticks and told != softening.WORDS.name:
+        return judged, [words] if told is None else []
+    others = [f for f in judged.standing if all(f is not own for own in (*both, *sticks))]
     kept = [f for f in both if told in (None, _last(f).effect.name)]
     standing = tuple(sorted([*kept, *others], key=lambda f: f.evidence))
     named = standing[0] if len(standing) == 1 else None
@@ -92,18 +102,34 @@ def told_by_hits_between(
 
 
 def told_by_bow(bow: Bow) -> str | None:
-    """Return the name that is ten times as likely as the other, by what sealed cases had."""
+    """Return "softening" or "microslip", ten times as likely as the other by sealed cases.
+
+    As microslip counts whatever slides.
+    """
+    softens, slides = _softens(bow), _slides(bow)
+    if max(softens, slides) < _TOLD * min(softens, slides):
+        return None
+    return _NAMES[0] if softens > slides else _NAMES[1]
+
+
+def _softens(bow: Bow) -> float:
+    """Density of slope and bow."""
     off = np.array([bow.slope, bow.bow]) - _SOFTENING_MEAN
     spread = bow.covariance + np.diag(_SOFTENING_STD**2)
-    softens = -0.5 * off @ np.linalg.solve(spread, off) - 0.5 * np.log(
-        np.linalg.det(2.0 * np.pi * spread)
-    )
-    variance = bow.covariance[1, 1] + _SLIP_STD**2
-    slips = -0.5 * (bow.bow - _SLIP_MEAN) ** 2 / variance - 0.5 * np.log(2.0 * np.pi * variance)
-    told = float(softens - slips + np.log(_SLIP_REACH))
-    if abs(told) < np.log(_TOLD):
-        return None
-    return _NAMES[0] if told > 0.0 else _NAMES[1]
+    chi2 = off @ np.linalg.solve(spread, off)
+    return float(np.exp(-0.5 * chi2) / np.sqrt(np.linalg.det(2.0 * np.pi * spread)))
+
+
+def _slides(bow: Bow) -> float:
+    """Likewise: the slope anywhere in a range, the bow as it is there."""
+    of_slope = np.sqrt(bow.covariance[0, 0])
+    found = 0.0
+    for ends, mean, std in _SLIDES:
+        low, high = special.ndtr((np.array(ends) - bow.slope) / of_slope)
+        of_bow = np.sqrt(bow.covariance[1, 1] + std**2)
+        here = np.exp(-0.5 * ((bow.bow - mean) / of_bow) ** 2) / (np.sqrt(2.0 * np.pi) * of_bow)
+        found += (high - low) / (ends[1] - ends[0]) * here
+    return float(found)
 
 
 def bow_of(stage: Stage, fit: Fit, joint: str, phi: float) -> Bow:
@@ -143,27 +169,36 @@ def either_slips(standing: Sequence[Fit]) -> bool:
 
 
 def _both(judged: Judged, sharp: Stage, apart: float) -> tuple[Fit, Fit] | None:
-    """Fits of softening and of microslip of one joint, if what is best is one of them.
+    """Fits of softening and of microslip of one joint, if what is best is one of them or friction.
 
     None where soft and hard hits tell them apart.
     """
-    best = judged.standing[0] if judged.standing else None
-    if best is None or not best.hypothesis.instances:
+    best = next(iter(judged.standing), None)
+    if best is None or not best.hypothesis.instances or _last(best).effect.name not in _ALIKE:
         return None
-    last = _last(best)
-    if last.effect.name not in _NAMES:
+    of_joint = [f for f in judged.standing if f.hypothesis.instances]
+    of_joint = [f for f in of_joint if _last(f).place == _last(best).place]
+    either = [f for f in of_joint if _last(f).effect.name in _NAMES]
+    if not either:
         return None
-    twin = _twin(last, best.hypothesis)
-    other = next((f for f in judged.standing if _last(f).key == twin.key), None)
+    one, *more = either
+    other = next((f for f in more if _last(f).key != _last(one).key), None)
     if other is None:
-        start = best.values | {
-            theirs.name: min(max(best.values[own.name], theirs.low), theirs.high)
-            for own, theirs in zip(last.parameters, twin.parameters, strict=True)
-        }
-        instances = (*best.hypothesis.instances[:-1], twin)
-        hypothesis = replace(best.hypothesis, instances=instances)
-        other = fit_hypothesis(sharp, hypothesis, start=start, max_iterations=_STEPS)
-    return None if other.evidence - best.evidence > apart * judged.phi else (best, other)
+        other = _with_twin(one, sharp)
+    return None if other.evidence - best.evidence > apart * judged.phi else (one, other)
+
+
+def _with_twin(fit: Fit, sharp: Stage) -> Fit:
+    """Softening in the place of microslip, or the other way round."""
+    last = _last(fit)
+    twin = _twin(last, fit.hypothesis)
+    start = fit.values | {
+        theirs.name: min(max(fit.values[own.name], theirs.low), theirs.high)
+        for own, theirs in zip(last.parameters, twin.parameters, strict=True)
+    }
+    instances = (*fit.hypothesis.instances[:-1], twin)
+    hypothesis = replace(fit.hypothesis, instances=instances)
+    return fit_hypothesis(sharp, hypothesis, start=start, max_iterations=_STEPS)
 
 
 def _last(fit: Fit) -> Instance:
