@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from analyzer.arm.superset import Superset
+from analyzer.gap import middle_hits
+from analyzer.gap.effects import coupling, friction, microslip, softening
 from analyzer.gap.effects.level import any_bow
 from analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
 from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.middle_hits import Bow, told_by_bow
+from analyzer.gap.judge import Judged
+from analyzer.gap.middle_hits import Bow, told_by_bow, told_by_hits_between
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.posed import PosedModel
 from analyzer.gap.records import Verdict
@@ -17,7 +20,9 @@ from analyzer.gap.stages import at_three_levels, stages_of, with_test
 from analyzer.gap.workflow import find_gap
 from analyzer.identification.identify import estimate_frfs
 from hil_sim.study import make_case
+from protocols.arm.files import load_arm
 from protocols.plan import plan_from_text
+from tests.support.made_gap_fits import made_fit
 
 
 def hits(session, peaks_of):
@@ -188,6 +193,78 @@ def test_what_is_uncertain_or_like_both_is_not_told():
     assert told_by_bow(Bow(slope=0.35, bow=1.0, covariance=unsure)) is None
     assert told_by_bow(Bow(slope=0.35, bow=1.8, covariance=unsure)) is None
     assert told_by_bow(Bow(slope=0.35, bow=1.8, covariance=sure)) == "microslip"
+
+
+def test_what_slides_whole_or_little_by_little_is_no_spring_that_softens():
+    sure = np.diag([0.1, 0.1]) ** 2
+    for slope, bow in ((-0.9, 0.5), (-4.0, 0.0), (0.0, 1.7), (3.0, 1.0)):
+        assert told_by_bow(Bow(slope=slope, bow=bow, covariance=sure)) == "microslip"
+
+
+SOFTENS = Bow(slope=0.35, bow=0.2, covariance=np.diag([0.1, 0.1]) ** 2)
+SLIPS = replace(SOFTENS, bow=1.8)
+EITHER = replace(SOFTENS, bow=1.0)
+
+
+@pytest.fixture(scope="module")
+def standing():
+    """Fits by effect and joint, the evidence of each a nat below the one before."""
+    superset = Superset(load_arm("rv4frl"))
+    ordinary = Ordinary(superset=superset, postures=("p",), level_span=1.0)
+
+    def fits(*names):
+        found = []
+        for cost, (name, place) in enumerate(names):
+            kind = {k.WORDS.name: k for k in (coupling, friction, microslip, softening)}[name]
+            every = kind.instances(ordinary)
+            own = every[place]
+            hypothesis = Hypothesis(ordinary=ordinary, instances=(own,))
+            found.append(made_fit(hypothesis, cost=float(cost)))
+        return tuple(found)
+
+    return fits
+
+
+def judged_by(bow, monkeypatch, standing):
+    monkeypatch.setattr(middle_hits, "bow_of", lambda *_: bow)
+    before = Judged(named=None if len(standing) > 1 else standing[0], standing=standing, phi=1.0)
+    after, notes = told_by_hits_between(before, "sharp", lambda sharp: [sharp], 20.0)
+    names = [fit.hypothesis.instances[-1].effect.name for fit in after.standing]
+    assert after.named is (after.standing[0] if len(names) == 1 else None)
+    return names, notes
+
+
+BOTH = (("softening", 1), ("microslip", 1))
+
+
+@pytest.mark.parametrize(
+    ("names", "bow", "left"),
+    [
+        (BOTH, SOFTENS, ["softening"]),
+        (BOTH, SLIPS, ["microslip"]),
+        (BOTH, EITHER, ["softening", "microslip"]),
+        (BOTH[::-1], SOFTENS, ["softening"]),
+        # Friction slides too; a crack may look like all three, and is not named by the bow.
+        ((*BOTH, ("friction", 1)), SOFTENS, ["softening"]),
+        ((*BOTH, ("friction", 1)), SLIPS, ["softening", "microslip", "friction"]),
+        ((("friction", 1), *BOTH), SOFTENS, ["softening"]),
+        ((("friction", 1), *BOTH), EITHER, ["friction", "softening", "microslip"]),
+        # Another joint's, and what is no change with the level, still stand beside.
+        ((*BOTH, ("friction", 2)), SOFTENS, ["softening", "friction"]),
+        ((*BOTH, ("coupling", 0)), SLIPS, ["microslip", "coupling"]),
+    ],
+)
+def test_what_the_bow_speaks_against_stands_no_longer(names, bow, left, standing, monkeypatch):
+    found, notes = judged_by(bow, monkeypatch, standing(*names))
+    assert found == left
+    assert all(note.startswith("hits between soft and hard") for note in notes)
+
+
+@pytest.mark.parametrize("names", [(("friction", 1),), (("coupling", 0), *BOTH), ()])
+def test_nobody_asks_where_neither_is_best(names, standing, monkeypatch):
+    monkeypatch.setattr(middle_hits, "bow_of", lambda *_: pytest.fail("asked"))
+    before = Judged(named=None, standing=standing(*names), phi=1.0)
+    assert told_by_hits_between(before, "sharp", pytest.fail, 20.0) == (before, [])
 
 
 @pytest.fixture(scope="module", params=[("bench57", "microslip", 0.25), ("ur5", "softening", 1.0)])
