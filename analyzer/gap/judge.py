@@ -21,6 +21,7 @@ from analyzer.gap.shared import is_shared
 from protocols.arm.records import Joint
 
 __all__ = [
+    "SURELY_BY_LEVEL",
     "Judged",
     "Thresholds",
     "ends_alike",
@@ -43,7 +44,7 @@ _MUCH_ELSE = 3.0  # times the ordinary misfit
 _LEVEL_AGAIN = 3.0
 # Nats: six nulls had 5 at most and an uncorrected window 12.3; of eight cracks five had 69 to 354,
 # three no more than 8 to 14.
-_SURELY_BY_LEVEL = 40.0
+SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
 
 
@@ -212,7 +213,7 @@ def one_mechanism(
 
 def follows_no_level(hypothesis: Hypothesis) -> bool:
     """Whether the hits' level surely tells something, and no effect follows it."""
-    return hypothesis.ordinary.level_gain > _SURELY_BY_LEVEL and not hypothesis.by_level
+    return hypothesis.ordinary.level_gain > SURELY_BY_LEVEL and not hypothesis.by_level
 
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:

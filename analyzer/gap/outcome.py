@@ -133,7 +133,7 @@ def conclude(
         where=where,
         interface=_interface(stages[1], before),
         gates=gates,
-        notes=tuple(notes),
+        notes=tuple(dict.fromkeys(notes)),
         misfit_per_line=misfit,
         next_test=advice.test,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import count
@@ -20,6 +20,7 @@ from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import (
+    SURELY_BY_LEVEL,
     Judged,
     Thresholds,
     ends_alike,
@@ -101,8 +102,7 @@ def find_gap(
     single_hits = bool(session.hits)
     if frfs is None or replaced:
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
-    tell("checks without a model")
-    gate_rows = _gates(session, frfs, superset) if gates and single_hits else ()
+    gate_rows = _gates(session, frfs, superset, tell) if gates and single_hits else ()
     stages = with_tests(stages_of(superset, session, frfs), superset, more)
     postures = tuple(lines.name for lines in stages[-1].lines)
     ordinary = _ordinary((session, *more), superset, postures)
@@ -110,9 +110,9 @@ def find_gap(
 
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
-    if ordinary.levels_hit:
-        tell("soft hits beside hard ones")
-        stages, present = _by_level(session, more, superset, frfs, stages, present, start, notes)
+    levels = partial(_by_level, session, more, superset, frfs, notes, tell)
+    stages, present = levels(stages, present, start)
+    believed = present, start
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
@@ -134,20 +134,21 @@ def find_gap(
             judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
         notes += _begins_elsewhere(better, found.rivals, limits.apart * judged.phi)
-        better, swapped = _rather_than_axes(stages[-1], step, limits)
-        better, turned = _turned_once(better)
-        named = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
-        fitted, gone = _still_earning(stages[-1], better, limits, judged.phi)
+        fitted, named = _with_step(stages[-1], named, step, limits, notes)
         present, start = fitted.hypothesis, fitted.values
-        named = [step for step in named if _last(step[1]) not in gone]
-        notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
-        if _is_outside(present, named):
+        apart, levelled = levels(stages, present, start, surely=True)
+        if levelled is not present:
+            # What had been missing hid it: from the start again.
+            stages, (present, start) = apart, believed
+            present = replace(present, ordinary=levelled.ordinary)
+            test = _test_postures(session, stages[-1].lines)
+            named, before, fitted = [], None, None
+        elif _is_outside(present, named):
             # Outside the library: what else there is would be told of a wrong model.
             found = Rivals(present=fitted, rivals=())
             judged = Judged(named=None, standing=(), phi=judged.phi)
             break
     final = found.present
-    phi = scale(stages[-1], [final, *found.rivals], limits)
     return conclude(
         modes_of=[*frfs, *_frfs_of_tests(superset, more)] if modes else (),
         stages=stages,
@@ -157,7 +158,7 @@ def find_gap(
         judged=judged,
         named=named,
         test=test,
-        phi=phi,
+        phi=scale(stages[-1], [final, *found.rivals], limits),
         gates=gate_rows,
         notes=notes,
         limits=limits,
@@ -222,25 +223,50 @@ def _by_level(
     more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
+    notes: list[str],
+    tell: Tell,
     stages: tuple[Stage, ...],
     present: Hypothesis,
-    start: dict[str, float],
-    notes: list[str],
+    start: Mapping[str, float],
+    *,
+    surely: bool = False,
 ) -> tuple[tuple[Stage, ...], Hypothesis]:
-    """Stages with soft and hard hits apart, if the level tells something; else as they are."""
+    """Stages with soft and hard hits apart, if the level tells something; else as they are.
+
+    Parameters
+    ----------
+    surely
+        Only if it tells more than chance does: of a model with a name.
+    """
+    ordinary = present.ordinary
+    if ordinary.level_span or not ordinary.levels_hit:
+        return stages, present
+    tell("soft hits beside hard ones")
     about, models = middle_level(session), stages[-1].models[: len(frfs)]
     apart = stages_of(superset, session, frfs, models=models, level_about=about)
     apart = with_tests(apart, superset, more, about)
     span = max(lines.level for lines in apart[-1].lines)
-    levelled = replace(present, ordinary=replace(present.ordinary, level_span=span))
+    levelled = replace(present, ordinary=replace(ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())
-    if found is None:
+    if found is None or (surely and found[1] < SURELY_BY_LEVEL):
         return stages, present
     notes.append("the response depends on the hits' level: soft and hard were kept apart")
     anew, gain = found
     told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
     return (stages[0], *anew[1:]), told
+
+
+def _with_step(
+    stage: Stage, named: Sequence[Step], step: Step, limits: Thresholds, notes: list[str]
+) -> tuple[Fit, list[Step]]:
+    """The model with one name more, and the steps that still earn their place."""
+    better, swapped = _rather_than_axes(stage, step, limits)
+    better, turned = _turned_once(better)
+    every = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
+    fitted, gone = _still_earning(stage, better, limits, step[4].phi)
+    notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
+    return fitted, [step for step in every if _last(step[1]) not in gone]
 
 
 def _foretold(
@@ -386,8 +412,9 @@ def _still_earning(
 
 
 def _gates(
-    session: Session, frfs: Sequence[FrequencyResponse], superset: Superset
+    session: Session, frfs: Sequence[FrequencyResponse], superset: Superset, tell: Tell
 ) -> tuple[Gate, ...]:
+    tell("checks without a model")
     return tuple(
         Gate(
             check=f"{finding.check} {finding.posture}".strip(),

@@ -82,3 +82,12 @@ def test_points_hit_once_tell_nothing_of_scatter_and_are_to_be_hit_again(hidden)
     alone = replace(session, hits=tuple(once.values()))
     with pytest.raises(EstimateError, match=r"two good hits .* one at \d+ of \d+.*hit them again"):
         find_gap(alone)
+
+
+def test_a_level_that_a_turned_axis_hid_is_looked_for_again():
+    """One sensor axis turned leaves so much that no joint's change with the level stands out."""
+    kinds = ("microslip", "flipped_axis")
+    case = make_case(seed=3343554958663793303, arm="ur5", effect=kinds, ladder=True)
+    result = find_gap(case.session(), gates=False, modes=False, advice=False).result
+    assert mark(json.loads(case.open_truth()), result).outcome == "right"
+    assert any("soft and hard were kept apart" in note for note in result.notes)
