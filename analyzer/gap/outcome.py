@@ -120,7 +120,7 @@ def conclude(
         verdict=verdict,
         summary=_summary(verdict, effects, standing, misfit, left),
         effects=effects,
-        rivals=tuple(_rival(f, found, standing, _COMMON * spread) for f in found.rivals),
+        rivals=_rivals(found, standing, _COMMON * spread),
         hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=_ranges(
             alive,
@@ -171,14 +171,18 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
     )
 
 
-def _rival(fit: Fit, found: Rivals, standing: tuple[Fit, ...], phi: float) -> RivalRow:
+def _rivals(found: Rivals, standing: Sequence[Fit], phi: float) -> tuple[RivalRow, ...]:
+    fits = found.with_standing(standing)
+    return tuple(_rival(fit, found.present, fits[0], standing, phi) for fit in fits)
+
+
+def _rival(fit: Fit, present: Fit, best: Fit, standing: Sequence[Fit], phi: float) -> RivalRow:
     instance: Instance = fit.hypothesis.instances[-1]
-    best = found.rivals[0]
     return RivalRow(
         name=instance.effect.name,
         title=instance.effect.title,
         place=instance.place,
-        gain=found.present.evidence - fit.evidence,
+        gain=present.evidence - fit.evidence,
         behind=fit.evidence - best.evidence,
         standing=any(f is fit for f in standing),
         material=instance.is_material(fit.values),

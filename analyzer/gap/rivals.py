@@ -87,6 +87,21 @@ class Rivals:
     rivals: tuple[Fit, ...]
     others: tuple[Candidate, ...] | None = None  # all effects by a linear look about the present
 
+    def with_standing(self, standing: Sequence[Fit]) -> tuple[Fit, ...]:
+        """The rivals and those that stand though no search led to them; best evidence first.
+
+        Judging may set one effect beside its twin of another file, such as softening beside
+        microslip.
+        """
+        size = len(self.present.hypothesis.instances)
+        more = [
+            fit
+            for fit in standing
+            if len(fit.hypothesis.instances) > size
+            and all(fit is not other for other in self.rivals)
+        ]
+        return tuple(sorted([*self.rivals, *more], key=lambda fit: fit.evidence))
+
 
 def find_rivals(
     stages: Sequence[Stage],

@@ -224,6 +224,17 @@ OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
 PRESENT = rival(coupling.WORDS, "before", 200_000.0)
 
 
+def test_what_stands_is_among_the_rivals_though_no_search_led_to_it():
+    best, found, twin = (
+        rival(words, "j1", cost)
+        for words, cost in ((coupling.WORDS, 10.0), (friction.WORDS, 30.0), (bearing.WORDS, 20.0))
+    )
+    present = made_fit(Hypothesis(ordinary=best.hypothesis.ordinary, instances=()), cost=90.0)
+    rivals = Rivals(present=present, rivals=(best, found))
+    assert rivals.with_standing((best, twin, present)) == (best, twin, found)
+    assert rivals.with_standing(()) == (best, found)
+
+
 def judged(*rivals):
     return judge(OF_1000, PRESENT, rivals, Thresholds())
 
