@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from analyzer.gap.compare import posture_gap
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.judge import (
+    SURELY_BY_LEVEL,
     Judged,
     Thresholds,
     follows_no_level,
@@ -42,8 +44,7 @@ def verdict_of(
     explaining = () if judged.doubted else standing
     left = min(misfit_per_line(stage, fit) for fit in (final, *explaining))
     why: list[str] = []
-    hypothesis = final.hypothesis
-    both = one_mechanism(hypothesis.instances, hypothesis.ordinary.arm.joints)
+    both = _one_mechanism(final, found, judged)
     if both is not None:
         why.append(
             f"{both[0].title} and {both[1].title} together are what one mechanism would look "
@@ -62,6 +63,22 @@ def verdict_of(
     if named:
         return Verdict.NAMED, why
     return Verdict.AMBIGUOUS if len(standing) > 1 else Verdict.NOTHING_DETECTABLE, why
+
+
+def _one_mechanism(final: Fit, found: Rivals, judged: Judged) -> tuple[Instance, Instance] | None:
+    """Two effects that one mechanism would look like: both named, or one the level surely tells.
+
+    What follows the hits' level in a model with a name needs less evidence to speak against that
+    name than to be one: chance brings none of it.
+    """
+    sure = SURELY_BY_LEVEL * judged.phi
+    likely = [
+        fit.hypothesis.instances[-1]
+        for fit in found.rivals
+        if fit.hypothesis.instances[-1].by_level and found.present.evidence - fit.evidence > sure
+    ]
+    hypothesis = final.hypothesis
+    return one_mechanism([*hypothesis.instances, *likely], hypothesis.ordinary.arm.joints)
 
 
 def _is_unplaced(

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from analyzer.gap.effects import bearing, gravity_compensator
+from analyzer.gap.effects import bearing, gravity_compensator, link_axis, softening
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import Judged, Thresholds
@@ -56,3 +56,27 @@ def test_several_that_stand_are_ambiguous_and_none_is_nothing_detectable():
     assert ended(final, STANDING) is Verdict.AMBIGUOUS
     assert ended(final) is Verdict.NOTHING_DETECTABLE
     assert ended(final, STANDING, named=True) is Verdict.NAMED
+
+
+def test_a_named_axis_is_none_where_the_level_surely_tells_of_a_joint_of_its_link():
+    joints = [SimpleNamespace(name=f"j{i}", link=SimpleNamespace(name=f"l{i}")) for i in range(4)]
+    ordinary = SimpleNamespace(arm=SimpleNamespace(joints=joints), level_span=0.0, level_gain=0.0)
+    axis = Instance(effect=link_axis.WORDS, place="l1")
+    final = made_fit(Hypothesis(ordinary=ordinary, instances=(axis,)), cost=300.0)
+
+    def told(place, gain):
+        slips = Instance(effect=softening.WORDS, place=place, by_level=True)
+        rival = made_fit(
+            Hypothesis(ordinary=ordinary, instances=(axis, slips)), cost=final.cost - gain
+        )
+        found = Rivals(present=final, rivals=(rival,))
+        judged = Judged(named=None, standing=(), phi=1.0)
+        return verdict_of(OF_1000, final, found, judged, named=True, limits=Thresholds())
+
+    # docs/theory-gap.md: by 40 nats the level surely tells; chance brought 5 at most.
+    verdict, why = told("j2", 41.0)
+    assert verdict is Verdict.OUTSIDE_LIBRARY
+    assert "together are what one mechanism would look like" in why[0]
+    assert told("j1", 41.0)[0] is Verdict.OUTSIDE_LIBRARY
+    assert told("j2", 39.0) == (Verdict.NAMED, [])
+    assert told("j3", 90.0) == (Verdict.NAMED, [])
