@@ -166,8 +166,11 @@ def _least_evidence(
     least = np.inf
     for true in range(len(ready)):
         would = {p: y[i] for pairs, y, _ in answers[true] for p, i in pairs}
+        by_aim = {
+            p: own for pairs, _, dy in answers[true] for p, own in ready[true].by_aim(pairs, dy)
+        }
         weighings = [
-            _weighing(blank, floor, would[p], tolerances)
+            _weighing(blank, floor, would[p], by_aim[p], tolerances)
             for p, (blank, floor) in enumerate(zip(blanks, floors, strict=True))
         ]
         surprises = [_surprise(weighings, own, of) for own, of in zip(ready, answers, strict=True)]
@@ -177,11 +180,15 @@ def _least_evidence(
 
 
 def _weighing(
-    blank: PostureLines, floor: Array, would: ComplexArray, tolerances: Tolerances
+    blank: PostureLines, floor: Array, would: ComplexArray, by_aim: Array, tolerances: Tolerances
 ) -> Weighing:
-    """Of what a rival would give: scatter, the blank's, goes with the answer, noise does not."""
+    """Of what a rival would give: scatter, the blank's, goes with the answer, noise does not.
+
+    Where hits hardly move a mode, scatter is what their aim makes of it: more than goes with it.
+    """
     size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
-    lines = replace(blank, values=would, variance=floor + blank.variance * size)
+    variance = floor + np.maximum(blank.variance * size, by_aim)
+    lines = replace(blank, values=would, variance=variance)
     return Weighing(lines, tolerances, Discrepancy())
 
 
@@ -258,6 +265,14 @@ class _Ready:
         A = A[np.ix_(free, free)]
         log_det = float(np.linalg.slogdet(A)[1])
         return cls(hypothesis, space, values, A, log_det, free)
+
+    def by_aim(
+        self, rows: Sequence[tuple[int, int]], dy: ComplexArray
+    ) -> Iterator[tuple[int, Array]]:
+        """Variance of each row's answer, (m, 3, L), if its mounting's hits have their own aim."""
+        sides = [self.space.index[f"aim {side} {NAME}"] for side in "ab"]
+        for p, i in rows:
+            yield p, np.sum(np.abs(dy[sides, i]) ** 2, axis=0)
 
 
 def _lines(

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from analyzer.gap.advice import Advice, advise
+from analyzer.gap.aims import notes_on_aims
 from analyzer.gap.compare import disagreement_map, posture_gap
 from analyzer.gap.dispersion import dispersion
 from analyzer.gap.effects.effect import Instance
@@ -90,7 +91,7 @@ def conclude(
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
     verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
-    notes += why
+    notes += [*why, *notes_on_aims(sharp, final)]
     if effects and len(standing) > 1:
         notes.append(f"something more is there that cannot be told: {titles(standing)}")
     alive = standing or (final,)

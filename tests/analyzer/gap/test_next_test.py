@@ -15,12 +15,15 @@ from analyzer.gap.library import all_instances
 from analyzer.gap.next_test import expected_evidence, hidden_rival, proposed
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.possible_tests import Doable, Test, possible_tests
+from analyzer.gap.records import Verdict
 from analyzer.gap.scan import scan_instances
 from analyzer.gap.stages import stages_of
 from analyzer.gap.weigh import Discrepancy
+from analyzer.gap.workflow import find_gap
 from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import make_case
+from hil_sim.study import draw_study, make_case, sealed
 from protocols.plan import load_plan, plan_from_text
+from tui.gap_lab import SimulatedLaboratory
 
 
 @pytest.fixture(scope="module")
@@ -182,6 +185,22 @@ def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, se
     )
     # The base is rigid in both models: nothing answers, and only rounding is left.
     assert expected_evidence(stage, [null, servo], [test]) == pytest.approx([0.0], abs=1e-6)
+
+
+def test_hits_that_hardly_move_a_mode_are_not_asked_for():
+    """They were to tell an axis from none, and what their aim made of a mode was unknown."""
+    number = 170
+    studied = draw_study(37, nulls=150, effects=174, pairs=20, outside=34, ladder=True)
+    spec = next(spec for spec in studied if spec.number == number)
+    assert not spec.kinds
+    case = sealed(spec)
+    session = case.session()
+    asked = find_gap(session, gates=False, modes=False).result.next_test
+    plan = plan_from_text(asked.plan_toml, case.arm, origin="next test")
+    test = SimulatedLaboratory(case=case).measure(plan, 2)
+    found = find_gap(session, more=[test], gates=False, modes=False, advice=False).result
+    assert found.verdict is Verdict.NOTHING_DETECTABLE
+    assert not any("hits hardly move" in note for note in found.notes)
 
 
 def test_rivals_that_no_test_tells_apart_are_said_to_be_so(known):

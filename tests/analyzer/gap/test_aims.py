@@ -1,0 +1,49 @@
+"""Postures whose hits hardly move a mode."""
+
+import numpy as np
+import pytest
+
+from analyzer.arm.superset import Superset
+from analyzer.gap.advice import plan_text
+from analyzer.gap.aims import notes_on_aims
+from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.hypothesis import Hypothesis
+from analyzer.gap.ordinary import Ordinary
+from analyzer.gap.possible_tests import Test
+from analyzer.gap.stages import stages_of, with_test
+from analyzer.identification.identify import estimate_frfs
+from hil_sim.study import make_case
+from protocols.plan import plan_from_text
+
+# Hits on point 3 of the flange along this go nearly through the axis of joint 5.
+POSTURE_DEG = [9.85, -25.06, 60.92, -63.09, -89.6, 7.84]
+THROUGH_AXIS_5 = np.array([-0.259, 0.966, 0.0])
+
+
+@pytest.fixture(scope="module")
+def case():
+    return make_case(seed=9, arm="ur5")
+
+
+def notes(case, direction):
+    """Of the plan's postures, and the one above with hits along a direction."""
+    session = case.session()
+    test = Test(
+        joints_rad=np.deg2rad(POSTURE_DEG),
+        hit_direction=direction / np.linalg.norm(direction),
+        hit_point="3",
+    )
+    text = plan_text(test, session.header.plan, case.arm, comment="test")
+    more = case.session(plan_from_text(text, case.arm, origin="test"), run=1)
+    superset = Superset(session.header.arm)
+    stages = stages_of(superset, session, estimate_frfs(session, superset))
+    stage = with_test(stages, superset, more, 2)[-1]
+    ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
+    return notes_on_aims(stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary)))
+
+
+def test_hits_through_an_axis_are_said_to_hardly_move_it_and_those_across_are_not(case):
+    through = notes(case, THROUGH_AXIS_5)
+    assert len(through) == 1
+    assert "'next test (test 2)': hits hardly move what answers at" in through[0]
+    assert notes(case, np.array([0.966, 0.259, 0.0])) == []
