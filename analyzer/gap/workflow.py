@@ -12,10 +12,8 @@ import numpy as np
 from analyzer.arm.superset import Superset
 from analyzer.checks.session import check_session
 from analyzer.gap.add import instances_of_file
-from analyzer.gap.effects import sensor_axes
-from analyzer.gap.effects.effect import Instance
 from analyzer.gap.enough import check_enough, notes_on
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
 from analyzer.gap.hypothesis import Hypothesis
@@ -25,7 +23,6 @@ from analyzer.gap.judge import (
     Thresholds,
     ends_alike,
     follows_no_level,
-    is_as_good,
     judge,
     misfit_per_line,
     one_mechanism,
@@ -33,15 +30,14 @@ from analyzer.gap.judge import (
     scale,
 )
 from analyzer.gap.levels import told_apart
-from analyzer.gap.library import all_instances
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.middle_hits import told_by_hits_between
+from analyzer.gap.named_step import last_of, with_step
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, Step, conclude
 from analyzer.gap.records import Gate
 from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
-from analyzer.gap.starts import spread_of, taken_out
 from analyzer.gap.weigh import Discrepancy
 from analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
 from analyzer.identification.identify import estimate_frfs
@@ -53,7 +49,6 @@ __all__ = ["GapOutcome", "find_gap"]
 
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 _MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
-_FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
 # Of what ordinary errors do not leave, by a first name and by one beside it; a name for less would
 # be a guess.
 _LEAST_EXPLAINED, _LEAST_BESIDE = 0.25, 0.5
@@ -129,12 +124,12 @@ def find_gap(
             stages[-1], found.present, judged, better, test, limits, len(named), tell
         )
         if step is None:
-            notes.append(f"{_last(better).title} {doubt}; it was not named")
+            notes.append(f"{last_of(better).title} {doubt}; it was not named")
             standing = (better, found.present)
             judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
             break
         notes += _begins_elsewhere(better, found.rivals, limits.apart * judged.phi)
-        fitted, named = _with_step(stages[-1], named, step, limits, notes)
+        fitted, named = with_step(stages[-1], named, step, limits, notes)
         present, start = fitted.hypothesis, fitted.values
         apart, levelled = levels(stages, present, start, surely=True)
         if levelled is not present:
@@ -193,11 +188,11 @@ def _judged(
     judged, words = told_by_hits_between(by_ends, stage, between, limits.apart)
     notes += words
     if judged.named is not None and is_alike(judged.named):
-        notes.append(f"{_last(judged.named).title}: {LEVELS_NEEDED}; it was not named")
+        notes.append(f"{last_of(judged.named).title}: {LEVELS_NEEDED}; it was not named")
         return replace(judged, named=None, standing=(judged.named, found.present))
     if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
         return judged
-    notes.append(f"{_last(judged.named).title} earns a name too; no more are looked for")
+    notes.append(f"{last_of(judged.named).title} earns a name too; no more are looked for")
     return Judged(named=None, standing=(), phi=judged.phi)
 
 
@@ -257,18 +252,6 @@ def _by_level(
     return (stages[0], *anew[1:]), told
 
 
-def _with_step(
-    stage: Stage, named: Sequence[Step], step: Step, limits: Thresholds, notes: list[str]
-) -> tuple[Fit, list[Step]]:
-    """The model with one name more, and the steps that still earn their place."""
-    better, swapped = _rather_than_axes(stage, step, limits)
-    better, turned = _turned_once(better)
-    every = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
-    fitted, gone = _still_earning(stage, better, limits, step[4].phi)
-    notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
-    return fitted, [step for step in every if _last(step[1]) not in gone]
-
-
 def _foretold(
     stage: Stage,
     present: Fit,
@@ -304,74 +287,17 @@ def _explains_too_little(
 
 
 def _only_relaxes(fit: Fit) -> bool:
-    return bool(_last(fit).relaxes) and not _last(fit).parameters
+    return bool(last_of(fit).relaxes) and not last_of(fit).parameters
 
 
 def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:
     return [
-        f"{_last(named).title}: between {_last(other).place} it would tell as much"
+        f"{last_of(named).title}: between {last_of(other).place} it would tell as much"
         for other in rivals
         if other is not named
-        and ends_alike(_last(other), _last(named))
+        and ends_alike(last_of(other), last_of(named))
         and other.evidence - named.evidence < apart
     ]
-
-
-def _last(fit: Fit) -> Instance:
-    return fit.hypothesis.instances[-1]
-
-
-def _rather_than_axes(
-    stage: Stage, step: Step, limits: Thresholds
-) -> tuple[Fit, dict[tuple[str, str], Instance]]:
-    """The better fit of a step with likelier names in the place of axes; which stands for which.
-
-    A joint believed rigid, where that explains as much. And a link that gives way all along, where
-    that explains more: for an axis of an earlier round, judged while something else was missing.
-    """
-    without, fit, _, _, judged = step
-    ordinary = fit.hypothesis.ordinary
-    released = {i.place: i for i in all_instances(ordinary) if i.effect.name == "released_joint"}
-    joints = {joint.link.name: joint.name for joint in ordinary.arm.joints}
-    swapped: dict[tuple[str, str], Instance] = {}
-    for axis in fit.hypothesis.instances:
-        if axis.effect.name != "link_axis":
-            continue
-        is_last = axis is _last(fit)
-        joint = released.get(joints.get(axis.place, ""))
-        if joint is not None:
-            start = {**fit.values, joint.size: fit.values[axis.size]}
-            plain = _with_instead(stage, fit, axis, joint, start)
-            # An axis of an earlier round has brought far more than is left now.
-            gain = without.evidence - fit.evidence if is_last else np.inf
-            if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
-                fit, swapped[axis.key] = plain, joint
-                continue
-        spread = None if is_last else spread_of(axis, fit)
-        if spread is not None:
-            all_along = _with_instead(stage, fit, axis, *spread)
-            if all_along.evidence < fit.evidence:
-                fit, swapped[axis.key] = all_along, spread[0]
-    return fit, swapped
-
-
-def _with_instead(
-    stage: Stage, fit: Fit, old: Instance, new: Instance, start: dict[str, float]
-) -> Fit:
-    instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
-    return fit_hypothesis(stage, replace(fit.hypothesis, instances=instances), start=start)
-
-
-def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
-    """Two turns of one sensor at one point are one: the fit with it, and for which it stands."""
-    *others, last = fit.hypothesis.instances
-    for other in others:
-        both = sensor_axes.together(fit.hypothesis.ordinary, other, last)
-        if both is not None:
-            instances = tuple(both if i is other else i for i in others)
-            hypothesis = replace(fit.hypothesis, instances=instances)
-            return replace(fit, hypothesis=hypothesis), {other.key: both}
-    return fit, {}
 
 
 def _is_outside(present: Hypothesis, named: Sequence[Step]) -> bool:
@@ -379,36 +305,6 @@ def _is_outside(present: Hypothesis, named: Sequence[Step]) -> bool:
     unfollowed = len(named) == _MOST_UNFOLLOWED and follows_no_level(present)
     mechanism = one_mechanism(present.instances, present.ordinary.arm.joints)
     return unfollowed or mechanism is not None
-
-
-def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
-    without, fit, before, after, judged = step
-    instances = tuple(swapped.get(i.key, i) for i in fit.hypothesis.instances)
-    if instances == fit.hypothesis.instances:
-        return step
-    renamed = replace(fit, hypothesis=replace(fit.hypothesis, instances=instances), on=None)
-    standing = tuple(renamed if f is fit else f for f in judged.standing)
-    return without, renamed, before, after, replace(judged, standing=standing)
-
-
-def _still_earning(
-    stage: Stage, fit: Fit, limits: Thresholds, phi: float
-) -> tuple[Fit, list[Instance]]:
-    """Take out effects, added before the last, that the later ones made unneeded."""
-    gone: list[Instance] = []
-    while True:
-        for instance in fit.hypothesis.instances[:-1]:
-            start, hypothesis = taken_out(fit, instance)
-            fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
-            small = not instance.is_material(fit.values)
-            if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:
-                fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
-            if small or fewer.evidence - fit.evidence < limits.clear * phi:
-                gone.append(instance)
-                fit = fewer
-                break
-        else:
-            return fit, gone
 
 
 def _gates(

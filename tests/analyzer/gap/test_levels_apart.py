@@ -11,6 +11,7 @@ from analyzer.gap.fit import Stage, fit_hypothesis
 from analyzer.gap.hit_levels import middle_level
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.judge import Judged, Thresholds, follows_no_level
+from analyzer.gap.library import all_instances
 from analyzer.gap.next_test import expected_evidence
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.possible_tests import Doable, possible_tests
@@ -156,7 +157,11 @@ def test_much_that_is_told_beside_a_name_and_has_none_is_outside(apart, nats, na
     stage = apart[0]
     fit = fit_hypothesis(stage, of_session(apart), max_iterations=2)
     final = replace(fit, cost=0.3 * sum(w.n for w in stage.weighings) / 2.0)
-    found = Rivals(present=final, rivals=(replace(final, cost=final.cost - nats),))
+    told = all_instances(final.hypothesis.ordinary)[0]
+    beside = replace(final.hypothesis, instances=(told,))
+    found = Rivals(
+        present=final, rivals=(replace(final, hypothesis=beside, cost=final.cost - nats),)
+    )
     nothing = Judged(named=None, standing=(), phi=1.0)
     assert verdict_of(stage, final, found, nothing, named=named, limits=Thresholds())[0] is verdict
 

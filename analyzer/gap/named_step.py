@@ -1,0 +1,130 @@
+"""A name more in the model: likelier ones in the place of axes, and what it makes unneeded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analyzer.gap.effects import sensor_axes
+from analyzer.gap.effects.effect import Instance
+from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from analyzer.gap.judge import Thresholds, is_as_good
+from analyzer.gap.library import all_instances
+from analyzer.gap.outcome import Step
+from analyzer.gap.starts import spread_of, taken_out
+
+__all__ = ["last_of", "with_step"]
+
+_FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
+
+
+def last_of(fit: Fit) -> Instance:
+    """Return the effect that was added last."""
+    return fit.hypothesis.instances[-1]
+
+
+def with_step(
+    stage: Stage, named: Sequence[Step], step: Step, limits: Thresholds, notes: list[str]
+) -> tuple[Fit, list[Step]]:
+    """Return the model with one name more, and the steps that still earn their place.
+
+    Parameters
+    ----------
+    stage
+        The sharp lines.
+    named, step
+        Before it, and the one that adds the name.
+    notes
+        Gets a line for every effect that is taken out again.
+    """
+    better, swapped = _rather_than_axes(stage, step, limits)
+    better, turned = _turned_once(better)
+    every = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
+    fitted, gone = _still_earning(stage, better, limits, step[4].phi)
+    notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
+    return fitted, [step for step in every if last_of(step[1]) not in gone]
+
+
+def _rather_than_axes(
+    stage: Stage, step: Step, limits: Thresholds
+) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """The better fit of a step with likelier names in the place of axes; which stands for which.
+
+    A joint believed rigid, where that explains as much. And a link that gives way all along, where
+    that explains more: for an axis of an earlier round, judged while something else was missing.
+    """
+    without, fit, _, _, judged = step
+    ordinary = fit.hypothesis.ordinary
+    released = {i.place: i for i in all_instances(ordinary) if i.effect.name == "released_joint"}
+    joints = {joint.link.name: joint.name for joint in ordinary.arm.joints}
+    swapped: dict[tuple[str, str], Instance] = {}
+    for axis in fit.hypothesis.instances:
+        if axis.effect.name != "link_axis":
+            continue
+        is_last = axis is last_of(fit)
+        joint = released.get(joints.get(axis.place, ""))
+        if joint is not None:
+            start = {**fit.values, joint.size: fit.values[axis.size]}
+            plain = _with_instead(stage, fit, axis, joint, start)
+            # An axis of an earlier round has brought far more than is left now.
+            gain = without.evidence - fit.evidence if is_last else np.inf
+            if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
+                fit, swapped[axis.key] = plain, joint
+                continue
+        spread = None if is_last else spread_of(axis, fit)
+        if spread is not None:
+            all_along = _with_instead(stage, fit, axis, *spread)
+            if all_along.evidence < fit.evidence:
+                fit, swapped[axis.key] = all_along, spread[0]
+    return fit, swapped
+
+
+def _with_instead(
+    stage: Stage, fit: Fit, old: Instance, new: Instance, start: dict[str, float]
+) -> Fit:
+    instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
+    return fit_hypothesis(stage, replace(fit.hypothesis, instances=instances), start=start)
+
+
+def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """Two turns of one sensor at one point are one: the fit with it, and for which it stands."""
+    *others, last = fit.hypothesis.instances
+    for other in others:
+        both = sensor_axes.together(fit.hypothesis.ordinary, other, last)
+        if both is not None:
+            instances = tuple(both if i is other else i for i in others)
+            hypothesis = replace(fit.hypothesis, instances=instances)
+            return replace(fit, hypothesis=hypothesis), {other.key: both}
+    return fit, {}
+
+
+def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
+    without, fit, before, after, judged = step
+    instances = tuple(swapped.get(i.key, i) for i in fit.hypothesis.instances)
+    if instances == fit.hypothesis.instances:
+        return step
+    renamed = replace(fit, hypothesis=replace(fit.hypothesis, instances=instances), on=None)
+    standing = tuple(renamed if f is fit else f for f in judged.standing)
+    return without, renamed, before, after, replace(judged, standing=standing)
+
+
+def _still_earning(
+    stage: Stage, fit: Fit, limits: Thresholds, phi: float
+) -> tuple[Fit, list[Instance]]:
+    """Take out effects, added before the last, that the later ones made unneeded."""
+    gone: list[Instance] = []
+    while True:
+        for instance in fit.hypothesis.instances[:-1]:
+            start, hypothesis = taken_out(fit, instance)
+            fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
+            small = not instance.is_material(fit.values)
+            if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:
+                fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
+            if small or fewer.evidence - fit.evidence < limits.clear * phi:
+                gone.append(instance)
+                fit = fewer
+                break
+        else:
+            return fit, gone
