@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analyzer.gap.effects import sensor_axes
 from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.judge import Thresholds, is_as_good
+from analyzer.gap.held_out import HeldOut
+from analyzer.gap.judge import Judged, Thresholds, is_as_good
 from analyzer.gap.library import all_instances
-from analyzer.gap.outcome import Step
 from analyzer.gap.starts import spread_of, taken_out
 
-__all__ = ["last_of", "with_step"]
+__all__ = ["Step", "last_of", "with_step"]
 
 _FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """An effect's way into the model: without and with it, what both foretold, the judgement."""
+
+    without: Fit
+    fit: Fit
+    foretold_without: HeldOut
+    foretold_with: HeldOut
+    judged: Judged
 
 
 def last_of(fit: Fit) -> Instance:
@@ -42,9 +53,9 @@ def with_step(
     better, swapped = _rather_than_axes(stage, step, limits)
     better, turned = _turned_once(better)
     every = [_renamed(old, swapped | turned) for old in (named if turned else [*named, step])]
-    fitted, gone = _still_earning(stage, better, limits, step[4].phi)
+    fitted, gone = _still_earning(stage, better, limits, step.judged.phi)
     notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
-    return fitted, [step for step in every if last_of(step[1]) not in gone]
+    return fitted, [step for step in every if last_of(step.fit) not in gone]
 
 
 def _rather_than_axes(
@@ -55,7 +66,7 @@ def _rather_than_axes(
     A joint believed rigid, where that explains as much. And a link that gives way all along, where
     that explains more: for an axis of an earlier round, judged while something else was missing.
     """
-    without, fit, _, _, judged = step
+    fit, apart = step.fit, limits.apart * step.judged.phi
     ordinary = fit.hypothesis.ordinary
     released = {i.place: i for i in all_instances(ordinary) if i.effect.name == "released_joint"}
     joints = {joint.link.name: joint.name for joint in ordinary.arm.joints}
@@ -69,8 +80,8 @@ def _rather_than_axes(
             start = {**fit.values, joint.size: fit.values[axis.size]}
             plain = _with_instead(stage, fit, axis, joint, start)
             # An axis of an earlier round has brought far more than is left now.
-            gain = without.evidence - fit.evidence if is_last else np.inf
-            if is_as_good(plain.evidence - fit.evidence, gain, limits.apart * judged.phi):
+            gain = step.without.evidence - fit.evidence if is_last else np.inf
+            if is_as_good(plain.evidence - fit.evidence, gain, apart):
                 fit, swapped[axis.key] = plain, joint
                 continue
         spread = None if is_last else spread_of(axis, fit)
@@ -101,13 +112,13 @@ def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
 
 
 def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
-    without, fit, before, after, judged = step
+    fit = step.fit
     instances = tuple(swapped.get(i.key, i) for i in fit.hypothesis.instances)
     if instances == fit.hypothesis.instances:
         return step
     renamed = replace(fit, hypothesis=replace(fit.hypothesis, instances=instances), on=None)
-    standing = tuple(renamed if f is fit else f for f in judged.standing)
-    return without, renamed, before, after, replace(judged, standing=standing)
+    standing = tuple(renamed if f is fit else f for f in step.judged.standing)
+    return replace(step, fit=renamed, judged=replace(step.judged, standing=standing))
 
 
 def _still_earning(

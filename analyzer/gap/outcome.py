@@ -18,6 +18,7 @@ from analyzer.gap.held_out import HeldOut, held_out
 from analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
 from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
 from analyzer.gap.looks import look_at_others
+from analyzer.gap.named_step import Step, last_of
 from analyzer.gap.records import (
     Disagreement,
     EffectFound,
@@ -39,15 +40,12 @@ from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.plan_records import Plan
 
-__all__ = ["GapOutcome", "Step", "conclude"]
+__all__ = ["GapOutcome", "conclude"]
 
 _WIDEST = 0.7  # of ln k
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
 # of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
 _COMMON = 2.25
-
-# The model without an effect and with it, both as foretelling held-out postures, and the verdict.
-Step = tuple[Fit, Fit, HeldOut, HeldOut, Judged]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,8 +113,8 @@ def conclude(
     is_outside = verdict is Verdict.OUTSIDE_LIBRARY
     left = disagreement_map(sharp, final, points) if is_outside else where
     measured = _measured_modes(modes_of, sharp)
-    first = named[0][2] if named else held_out(sharp, before, test)
-    last = named[-1][3] if named else first
+    first = named[0].foretold_without if named else held_out(sharp, before, test)
+    last = named[-1].foretold_with if named else first
     result = GapResult(
         verdict=verdict,
         summary=_summary(verdict, effects, standing, misfit, left),
@@ -150,8 +148,8 @@ def conclude(
 
 
 def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
-    present, fit, without, with_it, judged = step
-    instance = fit.hypothesis.instances[-1]
+    fit, judged = step.fit, step.judged
+    instance = last_of(fit)
     words = instance.effect
     others = [f for f in judged.standing if f is not fit]
     odds = sum(float(np.exp(-(f.evidence - fit.evidence) / (judged.phi * 10.0))) for f in others)
@@ -163,8 +161,10 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
         confidence=1.0 / (1.0 + odds),
-        gain=present.evidence - fit.evidence,
-        held_out_gain=float(np.sum(without.surprise) - np.sum(with_it.surprise)),
+        gain=step.without.evidence - fit.evidence,
+        held_out_gain=float(
+            np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
+        ),
         signature=words.signature,
         confused_with=words.confused_with,
         told_by=words.told_by,

@@ -32,9 +32,9 @@ from analyzer.gap.judge import (
 from analyzer.gap.levels import told_apart
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.middle_hits import told_by_hits_between
-from analyzer.gap.named_step import last_of, with_step
+from analyzer.gap.named_step import Step, last_of, with_step
 from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.outcome import GapOutcome, Step, conclude
+from analyzer.gap.outcome import GapOutcome, conclude
 from analyzer.gap.records import Gate
 from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
@@ -274,7 +274,14 @@ def _foretold(
     wanted = -limits.held_out if _only_relaxes(better) else limits.held_out
     if gains.sum() < wanted * judged.phi:
         return None, "fits better but does not foretell postures it was not fitted to"
-    return (present, better, without, with_it, judged), ""
+    step = Step(
+        without=present,
+        fit=better,
+        foretold_without=without,
+        foretold_with=with_it,
+        judged=judged,
+    )
+    return step, ""
 
 
 def _explains_too_little(

@@ -144,9 +144,9 @@ def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil
     step, doubt = step_to(better, present, [gain * PHI + 5.0, -5.0], monkeypatch)
     assert (step is not None) == is_taken
     if is_taken:
-        without, with_it = step[2:4]
-        assert step[:2] == (present, better)
-        assert (without.training, with_it.training) == (present, better)
+        assert (step.without, step.fit) == (present, better)
+        assert step.foretold_without.training is present
+        assert step.foretold_with.training is better
         assert doubt == ""
     else:
         assert "does not foretell" in doubt
