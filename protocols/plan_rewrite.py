@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
@@ -17,7 +18,6 @@ from protocols.plan_records import Plan, PlannedPosture
 __all__ = ["text_with_peaks", "text_with_posture"]
 
 _LONGEST_NAME = 64
-_TOLERANCE_DEG = 0.5
 # Of the softest hit that is wanted: hits below two trigger levels are judged too soft.
 _TRIGGER_PART = 0.4
 
@@ -30,12 +30,16 @@ def text_with_posture(
     comment: str,
     fixed_point: str | None = None,
 ) -> str:
-    """Return a plan's text with one posture alone, everything else as it was.
+    """Return a plan's text with one posture alone, under another name and for the arm at hand.
 
-    But for a trigger level that would not see the softest hits that are wanted: it is lowered.
+    The rest is as it was. Only where the posture wants peaks may hits and attempts per point be
+    more, to take one hit a peak, and the trigger level lower, to see the softest.
 
     Parameters
     ----------
+    posture
+        It is never written as one for validation: a plan needs one that is not. A joint beyond its
+        range by less than the tolerance, as a measured angle may be, is put at the range's end.
     comment
         One line of what the test is for.
     fixed_point
@@ -44,13 +48,13 @@ def text_with_posture(
     Raises
     ------
     PlanError
-        If the posture is not possible for the arm.
+        If the posture is not possible for the arm, or the plan's text cannot be read again.
     """
     document = _parsed(plan)
     table = tomlkit.table()
     table["name"] = posture.name
-    table["joints_deg"] = _degrees(posture)
-    table["tolerance_deg"] = _TOLERANCE_DEG
+    table["joints_deg"] = _degrees(posture, arm)
+    table["tolerance_deg"] = round(math.degrees(posture.tolerance_rad), 6)
     table["points"] = list(posture.points)
     if posture.hit_direction is not None:
         table["hit_direction"] = [round(float(x), 4) for x in posture.hit_direction]
@@ -76,8 +80,13 @@ def text_with_posture(
 def text_with_peaks(plan: Plan, arm: Arm, peaks_n: Sequence[float], *, comment: str) -> str:
     """Return a plan's text with peak forces in N that are wanted at every point, in turn.
 
-    Everything else is as it was, but for a trigger level that would not see the softest: it is
-    lowered.
+    It has another name and is for the arm at hand. Hits and attempts per point may be more, to take
+    one hit a peak, and the trigger level lower, to see the softest. The rest is as it was.
+
+    Raises
+    ------
+    PlanError
+        If the plan or a peak is not possible for the arm, or its text cannot be read again.
     """
     document = _parsed(plan)
     for table in document["postures"]:
@@ -96,7 +105,9 @@ def _ask_for(
     document: dict[str, Any], table: dict[str, Any], peaks_n: Sequence[float], plan: Plan
 ) -> None:
     table["peaks_n"] = [round(float(x), 1) for x in peaks_n]
-    document["hits_per_point"] = max(plan.hits_per_point, len(peaks_n))
+    hits = max(plan.hits_per_point, len(peaks_n))
+    document["hits_per_point"] = hits
+    document["max_attempts"] = max(plan.max_attempts, hits)
     level_n = _TRIGGER_PART * min(peaks_n)
     if level_n < plan.trigger.level_n:
         document["trigger"] = {**document["trigger"], "level_n": round(level_n, 2)}
@@ -104,10 +115,17 @@ def _ask_for(
 
 def _checked(document: dict[str, Any], plan: Plan, arm: Arm, comment: str) -> str:
     document["name"] = f"{plan.name}-next"[-_LONGEST_NAME:].lstrip("-_")
+    # The session may be judged with another file of the same arm.
+    document["arm"] = arm.name
     text = f"# {comment}\n{tomlkit.dumps(document)}"
     plan_from_text(text, arm, origin="proposed plan")
     return text
 
 
-def _degrees(posture: PlannedPosture) -> list[float]:
-    return [round(math.degrees(float(angle)), 2) for angle in posture.joints_rad]
+def _degrees(posture: PlannedPosture, arm: Arm) -> list[float]:
+    low, high = np.array([joint.range_rad for joint in arm.joints]).T
+    within = np.clip(posture.joints_rad, low, high)
+    is_near = np.abs(within - posture.joints_rad) <= posture.tolerance_rad
+    # What is further off stays as it is and is refused: it would be another posture.
+    angles_rad = np.where(is_near, within, posture.joints_rad)
+    return [round(math.degrees(float(angle)), 2) for angle in angles_rad]

@@ -22,7 +22,42 @@ from protocols.arm.rewrite import text_with_effects
 from protocols.errors import ArmError, SessionError
 from protocols.session.records import Session
 
-__all__ = ["gap_json", "gap_tables", "keep_gap", "replace_text", "with_arm"]
+__all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "replace_text", "with_arm"]
+
+
+def check_arm_out(session_path: Path | None, arm: str | None, arm_out: Path | None) -> None:
+    """Refuse, before the work, an arm file that `keep_gap` must not replace.
+
+    Parameters
+    ----------
+    session_path
+        None for a laboratory's, whose arm is never a file.
+    arm
+        Path of the arm file that is read, or a shipped arm's name; None for the session's own.
+    arm_out
+        What the user named; None for the file beside the session.
+
+    Raises
+    ------
+    ArmError
+        If `arm_out` is there already, or the file beside the session is `arm`, by whatever name.
+    """
+    if arm_out is not None:
+        if arm_out.exists():
+            raise ArmError(f"{arm_out} is there already; give --arm-out another name")
+        return
+    if session_path is None or arm is None:
+        return
+    path, read = _beside(session_path), Path(arm)
+    if path.exists() and read.exists() and path.samefile(read):
+        raise ArmError(
+            f"wanted another arm file to write than --arm, got {path} for both; it is left as it "
+            "is: name the file to write with --arm-out"
+        )
+
+
+def _beside(session_path: Path) -> Path:
+    return session_path.with_suffix(".arm.toml")
 
 
 def keep_gap(
@@ -44,7 +79,7 @@ def keep_gap(
     written = {"result": gap_path(session_path)}
     replace_text(written["result"], gap_to_json(outcome.result))
     if outcome.result.verdict is Verdict.NAMED:
-        path = arm_out or session_path.with_suffix(".arm.toml")
+        path = arm_out or _beside(session_path)
         arm = session.header.arm
         if arm_out is not None and path.exists():
             raise ArmError(f"{path} is there already; give --arm-out another name")

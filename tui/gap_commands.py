@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,18 +14,19 @@ import typer
 from analyzer.gap.add import is_of_one_posture
 from analyzer.gap.workflow import GapOutcome, find_gap
 from analyzer.report import gap_page
-from hil_sim.study import CaseSpec, draw_study, make_case
+from hil_sim.study import MAGNITUDES, CaseSpec, draw_study, make_case
 from hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
 from protocols.arm.files import load_arm
-from protocols.errors import ArmError, SessionError
+from protocols.errors import SessionError
 from protocols.session.hdf5 import read_session
 from tui.console import Json, out, print_json, say
-from tui.gap import gap_json, gap_tables, keep_gap, replace_text, with_arm
+from tui.gap import check_arm_out, gap_json, gap_tables, keep_gap, replace_text, with_arm
 from tui.gap_curves import curve_rows, run_curves
 from tui.gap_lab import SimulatedLaboratory, run_loop
 from tui.gap_study import run_study, seal_hashes
 from tui.gap_study_page import study_page
 from tui.gap_study_summary import study_summary, study_tables
+from tui.idle_options import refuse_idle
 from tui.output_file import check_output
 from tui.worker_processes import worker_processes
 
@@ -32,9 +34,14 @@ __all__ = ["app"]
 
 app = typer.Typer(add_completion=False)
 
+# By parameter: what has a meaning only with a session, and only with --lab.
+_OF_SESSION = ("more", "arm")
+_OF_LAB = ("lab_arm", "hide", "magnitude", "seed", "budget", "folder")
+
 
 @app.command("gap")
 def gap_command(
+    context: typer.Context,
     session: Annotated[Path | None, typer.Argument(help="Session file (.h5).")] = None,
     more: Annotated[
         list[Path] | None,
@@ -54,7 +61,9 @@ def gap_command(
     ] = False,
     lab_arm: Annotated[str, typer.Option(help="Its arm: bench57, ur5 or rv4frl.")] = "bench57",
     hide: Annotated[str | None, typer.Option(help="What it hides; drawn if not given.")] = None,
-    magnitude: Annotated[str, typer.Option(help="clear, medium or faint.")] = "medium",
+    magnitude: Annotated[
+        str, typer.Option(help="clear, medium, faint, or a part of clear: 0.3.")
+    ] = "medium",
     seed: Annotated[int, typer.Option(min=0, help="Of everything in it.")] = 1,
     budget: Annotated[int, typer.Option(min=0, help="Further tests at most.")] = 2,
     folder: Annotated[
@@ -65,8 +74,9 @@ def gap_command(
     """Find where model and measurement disagree, and name what is missing.
 
     The result is kept beside the session, where `armodal report` finds it; the proposed next test
-    comes as a plan. With the new arm file as --arm it begins where it ended: nothing more should
-    be missing. With --lab it measures, judges and runs the tests it proposes.
+    comes as a plan. With the new arm file as --arm, and another as --arm-out, it begins where it
+    ended: nothing more should be missing. With --lab it measures, judges and runs the
+    tests it proposes.
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
@@ -75,8 +85,9 @@ def gap_command(
             "wanted either a session or --lab, got "
             f"{'both' if lab else 'neither'}; give one, such as `armodal gap demo/demo.h5`"
         )
-    if arm_out is not None and arm_out.exists():
-        raise ArmError(f"{arm_out} is there already; give --arm-out another name")
+    here, there = ("--lab", "a session") if lab else ("a session", "--lab")
+    refuse_idle(context, _OF_SESSION if lab else _OF_LAB, here=here, there=there)
+    check_arm_out(session, arm, arm_out)
     read = [] if session is None else [session, *(more or ())]
     for path in (html, arm_out):
         if path is not None:
@@ -129,7 +140,7 @@ def _with_laboratory(
     arm: str, hide: str | None, magnitude: str, seed: int, budget: int, folder: Path
 ) -> tuple[Path, GapOutcome, dict[str, Any]]:
     kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
-    case = make_case(seed, arm, kind, magnitude, ladder=True)
+    case = make_case(seed, arm, kind, _magnitude(magnitude), ladder=True)
     say(f"truth sealed as {case.truth_sha256}")
     loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=say)
     truth = json.loads(case.open_truth())
@@ -139,6 +150,20 @@ def _with_laboratory(
         "truth": {"verdict": truth["verdict"], "effects": truth["effects"]},
     }
     return loop.first_session, loop.outcome, beside
+
+
+def _magnitude(text: str) -> str | float:
+    """A magnitude's name, or a part of clear: more than clear is past what some effects can be."""
+    try:
+        part = float(text)
+    except ValueError:
+        part = math.nan
+    if text not in MAGNITUDES and not 0.0 < part <= 1.0:
+        raise SessionError(
+            f"--magnitude: wanted {', '.join(MAGNITUDES)}, or a number above 0 and at most 1 that "
+            f"is times clear, got {text!r}; give one of these"
+        )
+    return text if text in MAGNITUDES else part
 
 
 @app.command("gap-study")
@@ -192,7 +217,9 @@ def gap_study_command(
         clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
         again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
         learned = (
-            run_curves(again, directory / f"curves-{seed}.jsonl", executor, say) if again else []
+            run_curves(again, hashes, directory / f"curves-{seed}.jsonl", executor, say)
+            if again
+            else []
         )
     summary = study_summary(lines)
     rows = curve_rows(learned) if learned else []

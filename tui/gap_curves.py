@@ -6,9 +6,8 @@ Cases of a study are measured again with less, and judged.
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, as_completed
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +19,7 @@ from hil_sim.study import CaseSpec, sealed
 from hil_sim.study.arms import study_arm
 from protocols.errors import ArmodalError
 from protocols.plan_records import Plan
-from tui.gap_study import Line, kept_lines
+from tui.kept_lines import Line, kept_lines, run_and_keep
 
 __all__ = ["VARIED", "curve_rows", "levels_of", "reduced", "run_curves"]
 
@@ -64,11 +63,17 @@ def levels_of(spec: CaseSpec, varied: str, n: int) -> tuple[float, ...] | None:
 
 def run_curves(
     specs: Sequence[CaseSpec],
+    hashes: Mapping[int, str],
     path: Path,
     executor: Executor,
     tell: Callable[[str], None] = lambda _: None,
 ) -> list[Line]:
     """Judge every case with every reduced plan; what is in the file already is not run again.
+
+    Parameters
+    ----------
+    hashes
+        Of the truths, by number: a line of another truth, or that tells none, does not count.
 
     Raises
     ------
@@ -76,26 +81,30 @@ def run_curves(
         If the file is not one of curves.
     """
     done: dict[tuple[int, str, int], Line] = {
-        (line["seed"], line["varied"], line["n"]): line
-        for line in kept_lines(path, "seed", "varied", "n")
+        (line["number"], line["varied"], line["n"]): line
+        for line in kept_lines(path, "number", "varied", "n")
+        if "truth_sha256" in line and line["truth_sha256"] == hashes.get(line["number"])
     }
     wanted = [(spec, varied, n) for spec in specs for varied, ns in VARIED.items() for n in ns]
-    waiting = [job for job in wanted if (job[0].seed, job[1], job[2]) not in done]
-    with path.open("a") as file:
-        futures = [executor.submit(_judged, *job) for job in waiting]
-        for future in as_completed(futures):
-            line = future.result()
-            file.write(json.dumps(line) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-            done[line["seed"], line["varied"], line["n"]] = line
-            tell(f"case {line['number']}, {line['n']} {line['varied']}: {line['outcome']}")
-    return [done[spec.seed, varied, n] for spec, varied, n in wanted]
+    waiting = [job for job in wanted if (job[0].number, job[1], job[2]) not in done]
+
+    def keep(line: Line) -> None:
+        done[line["number"], line["varied"], line["n"]] = line
+        tell(f"case {line['number']}, {line['n']} {line['varied']}: {line['outcome']}")
+
+    run_and_keep(path, executor, _judged, waiting, keep)
+    return [done[spec.number, varied, n] for spec, varied, n in wanted]
 
 
 def _judged(spec: CaseSpec, varied: str, n: int) -> Line:
     case = sealed(spec)
-    line: Line = {"number": spec.number, "seed": spec.seed, "varied": varied, "n": n}
+    line: Line = {
+        "number": spec.number,
+        "seed": spec.seed,
+        "truth_sha256": case.truth_sha256,
+        "varied": varied,
+        "n": n,
+    }
     try:
         session = case.session(reduced(case.plan, varied, n), levels_n=levels_of(spec, varied, n))
         result = find_gap(session, gates=False, modes=False, advice=False).result
@@ -103,9 +112,8 @@ def _judged(spec: CaseSpec, varied: str, n: int) -> Line:
         return line | {"outcome": "refused", "why": str(problem)}
     truth = json.loads(case.open_truth())
     widths = [np.log(r.high / r.low) / 2.0 for r in result.joint_stiffness_ranges]
-    stds = [
-        abs(e.parameters[e.size].std / e.parameters[e.size].value) for e in result.effects if e.size
-    ]
+    sizes = [e.parameters[e.size] for e in result.effects if e.size]
+    stds = [abs(s.std / s.value) for s in sizes if s.value]  # at its bound a size may rest at 0
     return line | {
         "outcome": mark(truth, result).outcome,
         "k_range": float(np.median(widths)),

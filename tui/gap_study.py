@@ -7,9 +7,8 @@ study's file, so that a study that was stopped goes on where it was.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Executor
 from dataclasses import asdict
 from pathlib import Path
 from time import process_time
@@ -31,14 +30,12 @@ from analyzer.gap.score import (
 )
 from analyzer.gap.workflow import GapOutcome, find_gap
 from hil_sim.study import CaseSpec, sealed
-from protocols.errors import ArmodalError, SessionError
-from tui.console import say
+from protocols.errors import ArmodalError
 from tui.gap_further import further
+from tui.kept_lines import Line, kept_lines, run_and_keep
 from tui.pace import pace
 
-__all__ = ["Line", "kept_lines", "run_case", "run_study", "seal_hashes"]
-
-Line = dict[str, Any]
+__all__ = ["run_case", "run_study", "seal_hashes"]
 
 _ALSO = 5  # of the cases that hide nothing each fifth asks for further tests too
 _STEPS = 20  # at each stage: from the true sizes a fit converges within these
@@ -74,6 +71,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
             "error": str(problem),
             "truth_sha256": case.truth_sha256,
             "arm": spec.arm,
+            "tests": tests,
         }
     spent = process_time() - begin
     paces.append(pace())
@@ -100,6 +98,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
         "kinds": list(spec.kinds),
         "magnitude": spec.magnitude,
         "truth_sha256": case.truth_sha256,
+        "tests": tests,
         "verdict": result.verdict.value,
         **asdict(marked),
         "true_verdict": truth["verdict"],
@@ -187,57 +186,6 @@ def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> l
     return rows
 
 
-def kept_lines(path: Path, *keys: str) -> list[Line]:
-    """Return the lines of a study's file, and leave the file so that it can be gone on with.
-
-    A last line that was torn is taken out of the file, and said.
-
-    Parameters
-    ----------
-    keys
-        What every line must have.
-
-    Raises
-    ------
-    SessionError
-        If another line than the last is not one of a study.
-    """
-    if not path.exists():
-        return []
-    content = path.read_bytes()
-    rows = content.rstrip().split(b"\n") if content.strip() else []
-    lines, whole = [], 0
-    for number, row in enumerate(rows, start=1):
-        line = _line_of(row, keys)
-        if line is not None:
-            lines.append(line)
-            whole += len(row) + 1
-        elif number < len(rows):
-            raise SessionError(
-                f"{path}: line {number}: wanted an object with {', '.join(keys)}, got something "
-                "else; take the line out, or move the file away"
-            )
-        else:
-            say(f"{path}: line {number} is torn: it is dropped, and judged again")
-    kept = content[:whole]
-    with path.open("r+b") as file:
-        file.truncate(len(kept))
-        if kept and not kept.endswith(b"\n"):
-            file.seek(len(kept))
-            file.write(b"\n")
-    return lines
-
-
-def _line_of(row: bytes, keys: Sequence[str]) -> Line | None:
-    try:
-        line = json.loads(row.decode())
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(line, dict) or not all(isinstance(line.get(k), int | str) for k in keys):
-        return None
-    return line
-
-
 def run_study(
     specs: Sequence[CaseSpec],
     hashes: Mapping[int, str],
@@ -259,45 +207,32 @@ def run_study(
         Any executor whose workers can import this project, Dask's too (`bench/study_on_dask.py`).
     tests
         Further ones that a case may have: every case that hides something, and of those that hide
-        nothing each fifth.
+        nothing each fifth. A line that was judged with another number of them does not count.
 
     Raises
     ------
     SessionError
         If the file is not one of a study.
     """
+    allowed = {s.number: tests if s.kinds or not s.number % _ALSO else 0 for s in specs}
     done: dict[int, Line] = {
         line["number"]: line
         for line in kept_lines(path, "number", "truth_sha256")
         if hashes.get(line["number"]) == line["truth_sha256"]
+        and _was_allowed(line, allowed.get(line["number"], 0))
     }
-    waiting = [spec for spec in specs if spec.number not in done]
-    with path.open("a") as file:
-        futures = [
-            executor.submit(run_case, spec, tests if spec.kinds or not spec.number % _ALSO else 0)
-            for spec in waiting
-        ]
-        kept = set()
+    waiting = [(s, allowed[s.number]) for s in specs if s.number not in done]
 
-        def keep(future: Future[Line]) -> None:
-            kept.add(future)
-            text = json.dumps(future.result())
-            file.write(text + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-            line = json.loads(text)
-            done[line["number"]] = line
-            tell(line)
+    def keep(line: Line) -> None:
+        done[line["number"]] = line
+        tell(line)
 
-        try:
-            for future in as_completed(futures):
-                keep(future)
-        except BaseException:
-            for future in futures:  # of a study that ends early nobody wants the rest
-                future.cancel()
-            for future in futures:
-                is_done = future.done() and not future.cancelled()
-                if is_done and future not in kept and future.exception() is None:
-                    keep(future)
-            raise
+    run_and_keep(path, executor, run_case, waiting, keep)
     return [done[spec.number] for spec in specs if spec.number in done]
+
+
+def _was_allowed(line: Line, tests: int) -> bool:
+    """Whether a line's case might ask for as many tests; one that tells no number, for any or 0."""
+    if "tests" in line:
+        return bool(line["tests"] == tests)
+    return ("after" in line) == (tests > 0)

@@ -15,6 +15,7 @@ from analyzer.gap.records import NextTest
 from analyzer.gap.scan import Candidate
 from analyzer.gap.without_levels import hits_at_levels, is_alike
 from protocols.arm.records import Arm
+from protocols.errors import PlanError
 from protocols.plan_records import Plan, PlannedPosture
 from protocols.plan_rewrite import text_with_posture
 
@@ -36,7 +37,7 @@ class Advice:
 
     test: NextTest | None = None
     compared: tuple[Fit, ...] = ()
-    why_none: str = ""  # where several models stand
+    why_none: str = ""  # where several models stand, or the test cannot be written as a plan
 
 
 def advise(
@@ -60,10 +61,10 @@ def advise(
 
     Returns
     -------
-    No test where none of the laboratory's would tell enough.
+    No test where none of the laboratory's would tell enough, or no plan can be written of it.
     """
     if any(is_alike(fit) for fit in standing) or either_slips(standing):
-        return Advice(test=hits_at_levels(stage, standing, plan))
+        return _at_levels(stage, standing, plan)
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)
     if len(standing) > 1:
@@ -89,15 +90,36 @@ def advise(
         return Advice(why_none=words if len(standing) > 1 else "")
     much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
     words = f"{test.words}; expected evidence {much} nats"
-    text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
+    try:
+        text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
+    except PlanError as problem:
+        return _unwritten(problem)
     test_of_plan = NextTest(words=words, why=why, gain=gain, plan_toml=text)
     return Advice(test=test_of_plan, compared=tuple(compared))
 
 
 def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:
-    """Return a test as a plan's text, everything else as in the session's plan."""
+    """Return a test as the text of a plan like the session's; what differs: `text_with_posture`.
+
+    Raises
+    ------
+    PlanError
+        If the test is not possible for the arm, or the session's plan cannot be read again.
+    """
     posture = _posture(plan, test)
     return text_with_posture(plan, arm, posture, comment=comment, fixed_point=test.hit_point)
+
+
+def _at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> Advice:
+    try:
+        return Advice(test=hits_at_levels(stage, standing, plan))
+    except PlanError as problem:
+        return _unwritten(problem)
+
+
+def _unwritten(problem: PlanError) -> Advice:
+    """No test, so that what was found is not lost with its plan."""
+    return Advice(why_none=f"the next test cannot be written as a plan: {problem}")
 
 
 def _weak(final: Fit, rivals: Sequence[Fit]) -> Fit | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -142,14 +142,11 @@ def _with_hysteresis(
     return np.asarray(s)
 
 
-def disagreement_map(
-    stage: Stage, fit: Fit, points: Sequence[str], *, own_fit: Mapping[int, Fit] | None = None
-) -> tuple[Disagreement, ...]:
+def disagreement_map(stage: Stage, fit: Fit, points: Sequence[str]) -> tuple[Disagreement, ...]:
     """Residual over what scatter and allowance explain, by posture, point, axis and band."""
     found = []
     for p, lines in enumerate(stage.lines):
-        used = (own_fit or {}).get(p, fit)
-        y = stage.models[p].values(used.hypothesis, lines, used.values)
+        y = stage.models[p].values(fit.hypothesis, lines, fit.values)
         left = np.abs(stage.weighings[p].cleaned(y)) ** 2 / 2.0
         f = lines.s_rad_s.imag / (2.0 * np.pi)
         edges = np.geomspace(f[0] * 0.999, f[-1] * 1.001, _BANDS + 1)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 
 from analyzer.gap.hit_levels import has_levels
 from analyzer.gap.stages import FEWEST_POSTURES
 from protocols.errors import EstimateError
 from protocols.plan_records import Mode
-from protocols.session.records import Session
+from protocols.session.records import Hit, Session
 
-__all__ = ["check_enough", "notes_on"]
+__all__ = ["check_enough", "check_tests", "notes_on"]
 
 _FEWEST_POINTS = 4
 _MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
@@ -54,18 +55,61 @@ def check_enough(session: Session) -> None:
             f"wanted at least {_FEWEST_POINTS} points, three on every link that matters, got "
             f"{len(points)}; measure more points"
         )
+    _check_hits(accepted, "")
+
+
+def check_tests(session: Session, more: Sequence[Session]) -> None:
+    """Check that further tests can be judged with a session.
+
+    Raises
+    ------
+    EstimateError
+        If one has no accepted hit or points hit once only, or is there twice.
+    """
+    seen = {session.header.session_id}
+    for number, other in enumerate(more, start=2):
+        if other.header.session_id in seen:
+            raise EstimateError(
+                f"test {number} is a session that is there already, and would count twice; give "
+                "each session once"
+            )
+        seen.add(other.header.session_id)
+        accepted = [hit for hit in other.hits if hit.verdict.accepted]
+        if other.hits and not accepted:
+            raise EstimateError(
+                f"no hit of test {number} was accepted, so it tells nothing; leave it out or "
+                "measure it again"
+            )
+        _check_hits(accepted, f" of test {number}")
+
+
+def _check_hits(accepted: Sequence[Hit], of_what: str) -> None:
     hits_at = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in accepted)
     once = sum(n == 1 for n in hits_at.values())
     if once > _MOST_ONCE * len(hits_at):
         raise EstimateError(
-            "wanted two good hits or more at each point, to see how far hits scatter, got one at "
-            f"{once} of {len(hits_at)}; without that no misfit tells anything: hit them again"
+            f"wanted two good hits or more at each point{of_what}, to see how far hits scatter, "
+            f"got one at {once} of {len(hits_at)}; without that no misfit tells anything: hit them "
+            "again"
         )
 
 
-def notes_on(session: Session) -> list[str]:
-    """What a reader must know of a session that was judged."""
+def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
+    """What a reader must know of a session that was judged, and of its further tests."""
     notes = []
+    of_hits = {hit.posture for hit in session.hits}
+    averaged = sorted({frf.posture for frf in session.frfs} - of_hits)
+    if of_hits and averaged:
+        notes.append(
+            f"postures without records of single hits were not judged: {', '.join(averaged)}"
+        )
+    if session.hits and has_levels(session):
+        notes += [
+            f"test {number} was not hit softly and hard at every point: effects that need several "
+            "hit levels stayed closed"
+            for number, other in enumerate(more, start=2)
+            if not has_levels(other)
+        ]
     if not session.hits:
         notes.append(
             "only averaged FRFs are there: checks that need single hits, and effects that need "

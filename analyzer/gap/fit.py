@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.box import least_in_box
+from analyzer.gap.effects.effect import Instance
 from analyzer.gap.hypothesis import Hypothesis
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.posed import PosedModel, Postures
@@ -62,6 +63,11 @@ class Fit:
         """Return the effect it has beside the model before, in words."""
         instances = self.hypothesis.instances
         return instances[-1].title if instances else "nothing missing"
+
+    @property
+    def last(self) -> Instance:
+        """Return the effect that was added last; there must be one."""
+        return self.hypothesis.instances[-1]
 
     @property
     def farthest(self) -> float:

@@ -46,6 +46,7 @@ _LEVEL_AGAIN = 3.0
 # three no more than 8 to 14.
 SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
+_TEMPERED = 10.0  # nats that tell as one would if the models had no errors in common
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,6 +85,7 @@ class Judged:
     standing: tuple[Fit, ...]  # ambiguous with each other where more than one
     phi: float  # allowance beyond the assumed discrepancy, estimated
     doubted: bool = False  # the first fits better, but held-out postures speak against it
+    confidence: float = 1.0  # of what is named: by its evidence over that of others, tempered
 
 
 def misfit_per_line(stage: Stage, fit: Fit) -> float:
@@ -120,7 +122,7 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
     material = [
         r
         for r in better
-        if _added(r).is_material(r.values)
+        if r.last.is_material(r.values)
         and (
             present.evidence - r.evidence > beyond_doubt
             or (is_certain(r) and is_shared(stage, present, r))
@@ -144,7 +146,11 @@ def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresho
         return Judged(named=None, standing=(), phi=phi)
     if beside:
         return Judged(named=None, standing=(best, *beside), phi=phi)
-    return Judged(named=best, standing=(best,), phi=phi)
+    others = [r for r in rivals if r is not best and not _same(best, r)]
+    others = [r for r in others if r.evidence > best.evidence]
+    behind = np.array([r.evidence - best.evidence for r in (present, *others)])
+    odds = float(np.sum(np.exp(-behind / (_TEMPERED * phi))))
+    return Judged(named=best, standing=(best,), phi=phi, confidence=1.0 / (1.0 + odds))
 
 
 def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -> Fit:
@@ -181,7 +187,7 @@ def is_as_good(behind: float, gain: float, apart: float) -> bool:
 
 def is_certain(fit: Fit) -> bool:
     """Whether the last effect's size is known well enough to be more than a patch."""
-    added = _added(fit)
+    added = fit.last
     if not added.least_certain:
         return True
     i = fit.space.index[added.size]
@@ -217,7 +223,7 @@ def follows_no_level(hypothesis: Hypothesis) -> bool:
 
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:
-    added = _added(fit)
+    added = fit.last
     if added.parameters:
         return _clear(fit, thresholds)
     return thresholds.relaxed if added.relaxes else thresholds.misread
@@ -237,12 +243,8 @@ def _clear(fit: Fit, thresholds: Thresholds) -> float:
     return added.effect.wanted
 
 
-def _added(fit: Fit) -> Instance:
-    return fit.hypothesis.instances[-1]
-
-
 def _same(one: Fit, other: Fit) -> bool:
-    a, b = _added(one), _added(other)
+    a, b = one.last, other.last
     if a.key == b.key or _one_line(one, other) or _one_line(other, one):
         return True
     return ends_alike(a, b)
@@ -257,7 +259,7 @@ def ends_alike(one: Instance, other: Instance) -> bool:
 
 def _is_no_more_than(rival: Fit, best: Fit, apart: float) -> bool:
     """Whether a rival holds the best inside it, and nothing else that matters or is told."""
-    a, b = _added(rival), _added(best)
+    a, b = rival.last, best.last
     inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     told = best.evidence - rival.evidence > apart
     return inside and not told and not a.is_material(rival.values)
@@ -270,7 +272,7 @@ def is_plainer(axis: Fit, joint: Fit) -> bool:
 
 def _at_an_end(axis: Fit, bearing: Fit, phi: float) -> bool:
     """Whether a bearing is at one of both ends of a link with an axis, and much else is missing."""
-    a, b = _added(axis), _added(bearing)
+    a, b = axis.last, bearing.last
     if phi <= _MUCH_ELSE or a.effect.name != "link_axis" or b.effect.name != "bearing":
         return False
     joints = axis.hypothesis.ordinary.arm.joints
@@ -280,7 +282,7 @@ def _at_an_end(axis: Fit, bearing: Fit, phi: float) -> bool:
 
 def _one_line(axis: Fit, joint: Fit) -> bool:
     """Whether a link's axis lies where a released joint's does: then it is the joint."""
-    a, b = _added(axis), _added(joint)
+    a, b = axis.last, joint.last
     if a.effect.name != "link_axis" or b.effect.name != "released_joint" or a.describe is None:
         return False
     found = a.describe(axis.values)

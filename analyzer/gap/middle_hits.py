@@ -79,7 +79,7 @@ def told_by_hits_between(
     both = _both(judged, sharp, apart)
     if both is None:
         return judged, []
-    joint = _last(both[0]).place
+    joint = both[0].last.place
     told: str | None = None
     words = f"hits between soft and hard would tell whether {joint} softens or slips"
     stage = between(sharp)
@@ -91,14 +91,17 @@ def told_by_hits_between(
             f"hits between soft and hard: the damping of {joint} bows by {bow.bow:.2f} "
             f"+- {half:.2f} of the fall of ln k, {_SAID[told]}"
         )
-    sticks = [f for f in judged.standing if _last(f).key == (friction.WORDS.name, joint)]
+    sticks = [f for f in judged.standing if f.last.key == (friction.WORDS.name, joint)]
     if sticks and told != softening.WORDS.name:
         return judged, [words] if told is None else []
     others = [f for f in judged.standing if all(f is not own for own in (*both, *sticks))]
-    kept = [f for f in both if told in (None, _last(f).effect.name)]
+    kept = [f for f in both if told in (None, f.last.effect.name)]
     standing = tuple(sorted([*kept, *others], key=lambda f: f.evidence))
     named = standing[0] if len(standing) == 1 else None
-    return replace(judged, named=named, standing=standing), [words]
+    # Of what was told by the bow, at least ten times as likely as the other.
+    confidence = judged.confidence if told is None else _TOLD / (1.0 + _TOLD)
+    judged = replace(judged, named=named, standing=standing, confidence=confidence)
+    return judged, [words]
 
 
 def told_by_bow(bow: Bow) -> str | None:
@@ -163,7 +166,7 @@ def bow_of(stage: Stage, fit: Fit, joint: str, phi: float) -> Bow:
 
 def either_slips(standing: Sequence[Fit]) -> bool:
     """Whether one joint softens or slips by what stands, and no hits between were there to tell."""
-    last = [_last(fit) for fit in standing if fit.hypothesis.instances]
+    last = [fit.last for fit in standing if fit.hypothesis.instances]
     softens, slips = ({i.place for i in last if i.effect.name == name} for name in _NAMES)
     return bool(softens & slips) and not standing[0].hypothesis.ordinary.hits_between
 
@@ -174,15 +177,15 @@ def _both(judged: Judged, sharp: Stage, apart: float) -> tuple[Fit, Fit] | None:
     None where soft and hard hits tell them apart.
     """
     best = next(iter(judged.standing), None)
-    if best is None or not best.hypothesis.instances or _last(best).effect.name not in _ALIKE:
+    if best is None or not best.hypothesis.instances or best.last.effect.name not in _ALIKE:
         return None
     of_joint = [f for f in judged.standing if f.hypothesis.instances]
-    of_joint = [f for f in of_joint if _last(f).place == _last(best).place]
-    either = [f for f in of_joint if _last(f).effect.name in _NAMES]
+    of_joint = [f for f in of_joint if f.last.place == best.last.place]
+    either = [f for f in of_joint if f.last.effect.name in _NAMES]
     if not either:
         return None
     one, *more = either
-    other = next((f for f in more if _last(f).key != _last(one).key), None)
+    other = next((f for f in more if f.last.key != one.last.key), None)
     if other is None:
         other = _with_twin(one, sharp)
     return None if other.evidence - best.evidence > apart * judged.phi else (one, other)
@@ -190,7 +193,7 @@ def _both(judged: Judged, sharp: Stage, apart: float) -> tuple[Fit, Fit] | None:
 
 def _with_twin(fit: Fit, sharp: Stage) -> Fit:
     """Softening in the place of microslip, or the other way round."""
-    last = _last(fit)
+    last = fit.last
     twin = _twin(last, fit.hypothesis)
     start = fit.values | {
         theirs.name: min(max(fit.values[own.name], theirs.low), theirs.high)
@@ -199,10 +202,6 @@ def _with_twin(fit: Fit, sharp: Stage) -> Fit:
     instances = (*fit.hypothesis.instances[:-1], twin)
     hypothesis = replace(fit.hypothesis, instances=instances)
     return fit_hypothesis(sharp, hypothesis, start=start, max_iterations=_STEPS)
-
-
-def _last(fit: Fit) -> Instance:
-    return fit.hypothesis.instances[-1]
 
 
 def _twin(instance: Instance, hypothesis: Hypothesis) -> Instance:

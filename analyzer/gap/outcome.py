@@ -12,13 +12,12 @@ from analyzer.gap.advice import Advice, advise
 from analyzer.gap.aims import notes_on_aims
 from analyzer.gap.compare import disagreement_map, posture_gap
 from analyzer.gap.dispersion import dispersion
-from analyzer.gap.effects.effect import Instance
 from analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from analyzer.gap.held_out import HeldOut, held_out
 from analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
 from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
 from analyzer.gap.looks import look_at_others
-from analyzer.gap.named_step import Step, last_of
+from analyzer.gap.named_step import Step
 from analyzer.gap.records import (
     Disagreement,
     EffectFound,
@@ -57,7 +56,6 @@ class GapOutcome:
     before: Fit  # the arm as believed, all postures
     final: Fit  # with everything that was named
     standing: tuple[Fit, ...]  # rivals of the last step that still stand
-    scale: float  # of the data's variance: 1 where the allowance suffices
     compared: tuple[Fit, ...] = ()  # what the next test is to tell apart
 
 
@@ -113,8 +111,8 @@ def conclude(
     is_outside = verdict is Verdict.OUTSIDE_LIBRARY
     left = disagreement_map(sharp, final, points) if is_outside else where
     measured = _measured_modes(modes_of, sharp)
-    first = named[0].foretold_without if named else held_out(sharp, before, test)
-    last = named[-1].foretold_with if named else first
+    first = held_out(sharp, before, test)
+    last = held_out(sharp, final, test) if named else first
     result = GapResult(
         verdict=verdict,
         summary=_summary(verdict, effects, standing, misfit, left),
@@ -142,17 +140,14 @@ def conclude(
         before=before,
         final=final,
         standing=standing,
-        scale=phi,
         compared=advice.compared,
     )
 
 
 def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
-    fit, judged = step.fit, step.judged
-    instance = last_of(fit)
+    fit = step.fit
+    instance = fit.last
     words = instance.effect
-    others = [f for f in judged.standing if f is not fit]
-    odds = sum(float(np.exp(-(f.evidence - fit.evidence) / (judged.phi * 10.0))) for f in others)
     return EffectFound(
         name=words.name,
         title=words.title,
@@ -160,7 +155,7 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         parameters=intervals(final, instance.owned, phi),
         size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
-        confidence=1.0 / (1.0 + odds),
+        confidence=step.judged.confidence,
         gain=step.without.evidence - fit.evidence,
         held_out_gain=float(
             np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
@@ -178,7 +173,7 @@ def _rivals(found: Rivals, standing: Sequence[Fit], phi: float) -> tuple[RivalRo
 
 
 def _rival(fit: Fit, present: Fit, best: Fit, standing: Sequence[Fit], phi: float) -> RivalRow:
-    instance: Instance = fit.hypothesis.instances[-1]
+    instance = fit.last
     return RivalRow(
         name=instance.effect.name,
         title=instance.effect.title,

@@ -2,7 +2,9 @@
 
 Where the present hypothesis comes near the measurement, a linear look at all effects on the sharp
 lines tells which deserve a fit. Where it does not, that look misleads, and the search anneals: the
-most promising effects are fitted on broad lines first, the best of those on sharper ones.
+most promising effects are fitted on broad lines first, the best of those on sharper ones. Where it
+comes near only with an ordinary error at its limit, both are done: what only the sharp lines show,
+such as a window nobody took off, no broad ones tell.
 """
 
 from __future__ import annotations
@@ -125,18 +127,23 @@ def find_rivals(
     tell("the arm as believed" if not present.instances else present.name)
     so_far = _annealed(stages, present, start, fitted)
     others: list[Candidate] | None = None
-    if so_far.astray:
-        best, least = _searched(stages, so_far, start, tell)
-    else:
+    looked: list[Fit] = []
+    searched: list[Fit] = []
+    least = so_far.widest.cost, so_far.broad.cost
+    if so_far.near:
         so_far = replace(so_far, sharp=_further(sharp, so_far.sharp, _STEPS))
         others = look_at_others(sharp, so_far.sharp)
-        best = _looked_for(sharp, so_far.sharp, start, others)
-        least = so_far.widest.cost, so_far.broad.cost
+        looked = _looked_for(sharp, so_far.sharp, start, others)
+    if so_far.astray:
+        searched, least = _searched(stages, so_far, start, tell)
+    keys = [_key(f) for f in looked]
+    best = [*looked, *(f for f in searched if _key(f) not in keys)]
+    most = _FINALISTS + 2 + (len(looked) if searched else 0)
     servos = _behind_joints(widest, broad, so_far, least)
     lines, steps = (middle, 5) if so_far.astray else (sharp, FIRST_STEPS)  # as the others had
     best = _with(best, [_further(lines, f, steps) for f in servos])
     finals: list[Fit] = []
-    for f in best[: _FINALISTS + 2]:
+    for f in best[:most]:
         tell(f"sharply: {f.hypothesis.name}")
         finals.append(_while_hopeful(sharp, f, finals, _FIRST_SHARPLY))
     finals.sort(key=lambda f: f.evidence)
@@ -191,7 +198,8 @@ class _Annealed:
     broad: Fit
     middle: Fit
     sharp: Fit
-    astray: bool
+    near: bool  # the measurement: a linear look on the sharp lines may be trusted
+    astray: bool  # not near, or where nothing is believable
     again: bool  # something was named already
     far_off: bool  # likewise, and much is left
 
@@ -214,12 +222,14 @@ def _annealed(
         at_widest = fit_hypothesis(widest, present, resumed=fitted, max_iterations=4)
         at_broad = _further(broad, at_widest, 3)
         at_middle, at_sharp = _further(middle, at_broad, 1), fitted
+    is_near = _is_near(sharp, at_sharp)
     return _Annealed(
         widest=at_widest,
         broad=at_broad,
         middle=at_middle,
         sharp=at_sharp,
-        astray=_is_astray(sharp, at_sharp),
+        near=is_near,
+        astray=not is_near or at_sharp.farthest > _BELIEVABLE,
         again=fitted is not None,
         far_off=fitted is not None and misfit_per_line(sharp, at_sharp) > _WORTH_ALL_STEPS,
     )
@@ -249,7 +259,7 @@ def _is_a_term(instance: Instance) -> bool:
 
 
 def _little(fit: Fit) -> float:
-    return _LITTLE_OF_TERM if _is_a_term(fit.hypothesis.instances[-1]) else _LITTLE
+    return _LITTLE_OF_TERM if _is_a_term(fit.last) else _LITTLE
 
 
 def _searched(
@@ -316,10 +326,9 @@ def _searched(
     return _leading(best, so_far.middle), least
 
 
-def _is_astray(sharp: Stage, fit: Fit) -> bool:
-    """Whether a linear look about a fit would mislead: far from the measurement or believable."""
+def _is_near(sharp: Stage, fit: Fit) -> bool:
     near = _NEAR_BY_LEVEL if fit.hypothesis.ordinary.level_span else _NEAR
-    return misfit_per_line(sharp, fit) >= near or fit.farthest > _BELIEVABLE
+    return misfit_per_line(sharp, fit) < near
 
 
 def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit], steps: int) -> Fit:
@@ -338,7 +347,7 @@ def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit], steps: int) ->
 
 
 def _key(fit: Fit) -> tuple[str, str]:
-    return fit.hypothesis.instances[-1].key
+    return fit.last.key
 
 
 def _further(stage: Stage, fit: Fit, steps: int) -> Fit:

@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 def is_shared(stage: Stage, without: Fit, better: Fit) -> bool:
     """Whether as many mountings as its last effect asks for bring what a fit gains."""
-    least = better.hypothesis.instances[-1].effect.least_shared
+    least = better.last.effect.least_shared
     return not least or mountings_worth(stage, without, better) >= least
 
 

@@ -150,7 +150,7 @@ def _wide_fits(
 ) -> list[Fit]:
     """Some steps with each instance from the first, unfitted one."""
     ready = beside(stage, first, instances)
-    begun = {fit.hypothesis.instances[-1].key: fit for fit in ready}
+    begun = {fit.last.key: fit for fit in ready}
     fits = []
     for instance in instances:
         resumed = begun.get(instance.key)
@@ -178,7 +178,7 @@ def _wide_shaped(stage: Stage, first: Fit, candidate: Candidate) -> Fit:
 
 
 def _has_many(fit: Fit) -> bool:
-    return len(fit.hypothesis.instances[-1].parameters) > _FEW_PARAMETERS
+    return len(fit.last.parameters) > _FEW_PARAMETERS
 
 
 def not_hopeless(fits: Sequence[Fit], behind: float, few_behind: float = _FAR_BEHIND) -> list[Fit]:
@@ -258,7 +258,7 @@ def axes_of_bearings(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> 
     taken = {instance.key for instance in present.instances}
     found = []
     for fit in fits:
-        bearing = fit.hypothesis.instances[-1]
+        bearing = fit.last
         if bearing.effect.name != "bearing":
             continue
         link = next(i for i, j in enumerate(ordinary.arm.joints) if j.name == bearing.place)
@@ -282,7 +282,7 @@ def bearings_of_axes(stage: Stage, present: Hypothesis, fits: Sequence[Fit]) -> 
     free = _bearings(present)
     found = []
     for fit in fits:
-        axis = fit.hypothesis.instances[-1]
+        axis = fit.last
         values = {k: v for k, v in fit.values.items() if k not in axis.owned}
         for joint, sizes in _at_ends_of(axis, present.ordinary, fit.values).items():
             bearing = free.pop(joint, None)

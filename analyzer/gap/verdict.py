@@ -73,9 +73,9 @@ def _one_mechanism(final: Fit, found: Rivals, judged: Judged) -> tuple[Instance,
     """
     sure = SURELY_BY_LEVEL * judged.phi
     likely = [
-        fit.hypothesis.instances[-1]
+        fit.last
         for fit in found.rivals
-        if fit.hypothesis.instances[-1].by_level and found.present.evidence - fit.evidence > sure
+        if fit.last.by_level and found.present.evidence - fit.evidence > sure
     ]
     hypothesis = final.hypothesis
     return one_mechanism([*hypothesis.instances, *likely], hypothesis.ordinary.arm.joints)

@@ -71,7 +71,13 @@ def first_with_levels(
 
 
 def hits_at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> NextTest:
-    """The session's own plan once more, every point hit softly, as before and hard."""
+    """The session's own plan once more, every point hit softly, as before and hard.
+
+    Raises
+    ------
+    PlanError
+        If the plan is not possible for the arm the session is judged with.
+    """
     middle = float(np.exp(np.mean([np.log(own.peak_n) for own in stage.lines])))
     peaks_n = (middle / _SOFTER, middle, middle * _HARDER)
     why = f"tells apart: {titles(standing)}"

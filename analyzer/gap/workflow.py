@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import count
 
 import numpy as np
 
 from analyzer.arm.superset import Superset
 from analyzer.checks.session import check_session
 from analyzer.gap.add import instances_of_file
-from analyzer.gap.enough import check_enough, notes_on
+from analyzer.gap.enough import check_enough, check_tests, notes_on
 from analyzer.gap.fit import Fit, Stage
 from analyzer.gap.held_out import held_out
 from analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
@@ -32,9 +31,10 @@ from analyzer.gap.judge import (
 from analyzer.gap.levels import told_apart
 from analyzer.gap.lines import PostureLines
 from analyzer.gap.middle_hits import told_by_hits_between
-from analyzer.gap.named_step import Step, last_of, with_step
+from analyzer.gap.named_step import Step, with_step
 from analyzer.gap.ordinary import Ordinary
 from analyzer.gap.outcome import GapOutcome, conclude
+from analyzer.gap.posed import PosedModel
 from analyzer.gap.records import Gate
 from analyzer.gap.rivals import Rivals, find_rivals
 from analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
@@ -94,26 +94,79 @@ def find_gap(
     session, more, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
     check_enough(session)
+    check_tests(session, more)
     single_hits = bool(session.hits)
     if frfs is None or replaced:
         frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     gate_rows = _gates(session, frfs, superset, tell) if gates and single_hits else ()
-    stages = with_tests(stages_of(superset, session, frfs), superset, more)
-    postures = tuple(lines.name for lines in stages[-1].lines)
-    ordinary = _ordinary((session, *more), superset, postures)
-    notes = [*replaced, *notes_on(session)]
+    of_first = stages_of(superset, session, frfs)
+    stages = with_tests(of_first, superset, more)
+    ordinary = _ordinary((session, *more), superset, stages[-1].lines)
+    notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
-    present = Hypothesis(ordinary=ordinary, instances=from_file)
-    levels = partial(_by_level, session, more, superset, frfs, notes, tell)
-    stages, present = levels(stages, present, start)
-    believed = present, start
+    levels = partial(_by_level, session, more, superset, frfs, of_first[-1].models, notes, tell)
+    stages, present = levels(stages, Hypothesis(ordinary=ordinary, instances=from_file), start)
+    between = partial(at_three_levels, superset, (session, *more))
+    ended = _search(session, stages, (present, start), levels, between, limits, notes, tell)
+    final = ended.found.present
+    return conclude(
+        modes_of=[*frfs, *_frfs_of_tests(superset, more)] if modes else (),
+        stages=ended.stages,
+        before=ended.before,
+        final=final,
+        found=ended.found,
+        judged=ended.judged,
+        named=ended.named,
+        test=ended.test,
+        phi=scale(ended.stages[-1], [final, *ended.found.rivals], limits),
+        gates=gate_rows,
+        notes=notes,
+        limits=limits,
+        plan=_plan_to_go_on(session, notes) if advice and single_hits else None,
+        tell=tell,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Ended:
+    """What a search came to."""
+
+    stages: tuple[Stage, ...]  # with soft and hard hits apart where that was told
+    before: Fit  # with nothing named
+    found: Rivals
+    judged: Judged
+    named: tuple[Step, ...]
+    test: tuple[int, ...]  # held-out postures
+
+
+def _search(
+    session: Session,
+    stages: tuple[Stage, ...],
+    believed: tuple[Hypothesis, dict[str, float]],
+    levels: Callable[..., tuple[tuple[Stage, ...], Hypothesis]],
+    between: Callable[[Stage], Stage | None],
+    limits: Thresholds,
+    notes: list[str],
+    tell: Tell,
+) -> _Ended:
+    """Name what is missing, one effect at a time, until nothing earns a name.
+
+    Parameters
+    ----------
+    believed
+        The arm as its user believes it, and where the effects of its file begin.
+    levels, between
+        Tell soft and hard hits apart (`_by_level`); give lines of three levels.
+    """
+    present, start = believed
     test = _test_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
-    between = partial(at_three_levels, superset, (session, *more))
-    for rounds in count(1):
+    rounds, n_notes = 0, len(notes)
+    while True:
+        rounds += 1
         found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
         judged = _judged(stages[-1], found, between, limits, len(named), rounds, notes)
@@ -124,16 +177,17 @@ def find_gap(
             stages[-1], found.present, judged, better, test, limits, len(named), tell
         )
         if step is None:
-            notes.append(f"{last_of(better).title} {doubt}; it was not named")
-            standing = (better, found.present)
-            judged = Judged(named=None, standing=standing, phi=judged.phi, doubted=True)
+            notes.append(f"{better.last.title} {doubt}; it was not named")
+            judged = replace(judged, named=None, standing=(better, found.present), doubted=True)
             break
         notes += _begins_elsewhere(better, found.rivals, limits.apart * judged.phi)
-        fitted, named = with_step(stages[-1], named, step, limits, notes)
+        fitted, named = with_step(stages, named, step, believed[1], limits, notes)
         present, start = fitted.hypothesis, fitted.values
         apart, levelled = levels(stages, present, start, surely=True)
         if levelled is not present:
-            # What had been missing hid it: from the start again.
+            # What had been missing hid it: from the start again, without what was said meanwhile.
+            notes[n_notes:] = notes[-1:]
+            rounds = 0
             stages, (present, start) = apart, believed
             present = replace(present, ordinary=levelled.ordinary)
             test = _test_postures(session, stages[-1].lines)
@@ -141,34 +195,25 @@ def find_gap(
         elif _is_outside(present, named):
             # Outside the library: what else there is would be told of a wrong model.
             found = Rivals(present=fitted, rivals=())
-            judged = Judged(named=None, standing=(), phi=judged.phi)
+            judged = replace(judged, named=None, standing=())
             break
-    final = found.present
-    return conclude(
-        modes_of=[*frfs, *_frfs_of_tests(superset, more)] if modes else (),
+    return _Ended(
         stages=stages,
-        before=before or final,
-        final=final,
+        before=before,
         found=found,
         judged=judged,
-        named=named,
+        named=tuple(named),
         test=test,
-        phi=scale(stages[-1], [final, *found.rivals], limits),
-        gates=gate_rows,
-        notes=notes,
-        limits=limits,
-        plan=_plan_to_go_on(session, notes) if advice and single_hits else None,
-        tell=tell,
     )
 
 
 def _ordinary(
-    sessions: Sequence[Session], superset: Superset, postures: tuple[str, ...]
+    sessions: Sequence[Session], superset: Superset, lines: Sequence[PostureLines]
 ) -> Ordinary:
     levels_hit = all(bool(session.hits) and has_levels(session) for session in sessions)
     return Ordinary(
         superset=superset,
-        postures=postures,
+        postures=tuple(own.name for own in lines),
         levels_hit=levels_hit,
         hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
     )
@@ -188,11 +233,11 @@ def _judged(
     judged, words = told_by_hits_between(by_ends, stage, between, limits.apart)
     notes += words
     if judged.named is not None and is_alike(judged.named):
-        notes.append(f"{last_of(judged.named).title}: {LEVELS_NEEDED}; it was not named")
+        notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
         return replace(judged, named=None, standing=(judged.named, found.present))
     if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
         return judged
-    notes.append(f"{last_of(judged.named).title} earns a name too; no more are looked for")
+    notes.append(f"{judged.named.last.title} earns a name too; no more are looked for")
     return Judged(named=None, standing=(), phi=judged.phi)
 
 
@@ -218,6 +263,7 @@ def _by_level(
     more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
+    models: Sequence[PosedModel],
     notes: list[str],
     tell: Tell,
     stages: tuple[Stage, ...],
@@ -230,6 +276,8 @@ def _by_level(
 
     Parameters
     ----------
+    models
+        Of the session's own postures.
     surely
         Only if it tells more than chance does: of a model with a name.
     """
@@ -237,7 +285,7 @@ def _by_level(
     if ordinary.level_span or not ordinary.levels_hit:
         return stages, present
     tell("soft hits beside hard ones")
-    about, models = middle_level(session), stages[-1].models[: len(frfs)]
+    about = middle_level(session)
     apart = stages_of(superset, session, frfs, models=models, level_about=about)
     apart = with_tests(apart, superset, more, about)
     span = max(lines.level for lines in apart[-1].lines)
@@ -294,15 +342,15 @@ def _explains_too_little(
 
 
 def _only_relaxes(fit: Fit) -> bool:
-    return bool(last_of(fit).relaxes) and not last_of(fit).parameters
+    return bool(fit.last.relaxes) and not fit.last.parameters
 
 
 def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:
     return [
-        f"{last_of(named).title}: between {last_of(other).place} it would tell as much"
+        f"{named.last.title}: between {other.last.place} it would tell as much"
         for other in rivals
         if other is not named
-        and ends_alike(last_of(other), last_of(named))
+        and ends_alike(other.last, named.last)
         and other.evidence - named.evidence < apart
     ]
 
@@ -335,6 +383,8 @@ def _test_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int
     model that is right foretells it.
     """
     changed = {i for i, posture in enumerate(lines) if posture.known_mass is not None}
+    if len(changed) == len(lines):
+        changed = set()
     planned = {p.name for p in session.header.plan.postures if p.validation}
     test = {i for i, posture in enumerate(lines) if posture.name in planned}
     if not test or len(test | changed) == len(lines):

@@ -45,6 +45,8 @@ def test_one_posture_stands_in_the_place_of_all_and_the_rest_is_as_it_was(arm, p
         plan.trigger,
         plan.windows,
     )
+    assert made.postures[0].tolerance_rad == pytest.approx(wanted.tolerance_rad, rel=1e-6)
+    assert (made.hits_per_point, made.max_attempts) == (plan.hits_per_point, plan.max_attempts)
     assert made.name != plan.name
 
 
@@ -52,6 +54,53 @@ def test_a_posture_the_arm_cannot_reach_is_refused(arm, plan):
     beyond = replace(plan.postures[0], joints_rad=np.full(len(arm.joints), 9.0))
     with pytest.raises(PlanError, match="joints_deg"):
         text_with_posture(plan, arm, beyond, comment="why")
+
+
+def test_a_joint_measured_a_little_beyond_its_range_is_put_at_the_end(arm, plan):
+    high_rad = np.array([joint.range_rad[1] for joint in arm.joints])
+    low_rad = np.array([joint.range_rad[0] for joint in arm.joints])
+    for end_rad, outwards in ((high_rad, 1.0), (low_rad, -1.0)):
+
+        def made(over_deg, end_rad=end_rad, outwards=outwards):
+            beyond = end_rad + outwards * np.deg2rad(over_deg)
+            wanted = replace(plan.postures[0], joints_rad=beyond)
+            return plan_from_text(text_with_posture(plan, arm, wanted, comment="why"), arm)
+
+        # The file keeps hundredths of a degree.
+        np.testing.assert_allclose(made(0.1).postures[0].joints_rad, end_rad, atol=np.deg2rad(6e-3))
+        # Further than the tolerance it would be another posture.
+        with pytest.raises(PlanError, match="joints_deg"):
+            made(np.rad2deg(plan.postures[0].tolerance_rad) + 0.1)
+
+
+def test_a_posture_keeps_its_tolerance_and_is_never_for_validation(arm, plan):
+    wanted = replace(plan.postures[0], tolerance_rad=np.deg2rad(0.8), validation=True)
+    made = plan_from_text(text_with_posture(plan, arm, wanted, comment="why"), arm)
+    assert made.postures[0].tolerance_rad == pytest.approx(wanted.tolerance_rad, rel=1e-6)
+    assert not made.postures[0].validation
+
+
+def test_the_plan_is_for_the_arm_at_hand_whatever_its_name(arm, plan):
+    other = replace(arm, name="as believed")
+    posed = text_with_posture(plan, other, plan.postures[0], comment="why")
+    levelled = text_with_peaks(plan, other, (6.0, 30.0, 150.0), comment="why")
+    for text in (posed, levelled):
+        assert plan_from_text(text, other).arm == "as believed"
+
+
+def test_attempts_are_enough_for_one_hit_a_peak(arm, plan):
+    once = plan.text.replace("hits_per_point = 3", "hits_per_point = 1")
+    own = plan_from_text(once.replace("max_attempts = 12", "max_attempts = 2"), arm)
+    assert (own.hits_per_point, own.max_attempts) == (1, 2)
+    peaks_n = (6.0, 30.0, 150.0)
+    wanted = replace(own.postures[0], peaks_n=peaks_n)
+    posed = text_with_posture(own, arm, wanted, comment="why")
+    for text in (posed, text_with_peaks(own, arm, peaks_n, comment="why")):
+        made = plan_from_text(text, arm)
+        assert (made.hits_per_point, made.max_attempts) == (3, 3)
+    # More than enough stays as it was.
+    many = plan_from_text(text_with_peaks(plan, arm, peaks_n, comment="why"), arm)
+    assert many.max_attempts == plan.max_attempts
 
 
 def test_a_known_mass_on_a_link_that_is_not_there_is_refused(arm, plan):
@@ -73,7 +122,7 @@ def test_the_trigger_sees_the_softest_hits_that_are_wanted(arm, plan):
     assert made(30.0, 70.0, 150.0).trigger == plan.trigger
 
 
-def test_hits_at_levels_are_asked_for_in_every_posture_and_nothing_else_changes(arm, plan):
+def test_hits_at_levels_are_asked_for_in_every_posture_and_little_else_changes(arm, plan):
     peaks_n = (6.04, 30.0, 150.0)
     made = plan_from_text(text_with_peaks(plan, arm, peaks_n, comment="why"), arm)
     assert {posture.peaks_n for posture in made.postures} == {(6.0, 30.0, 150.0)}

@@ -80,9 +80,10 @@ def test_the_result_lies_beside_the_session_with_an_arm_file_and_a_page(found):
     assert "Compliance axis inside a link" in page
 
 
-def test_believing_the_new_arm_nothing_more_is_missing(found):
+def test_believing_the_new_arm_nothing_more_is_missing(found, tmp_path):
     path, value = found
-    again = run("gap", str(path), "--arm", value["arm_file"], "--json")
+    arms = ("--arm", value["arm_file"], "--arm-out", str(tmp_path / "again.toml"))
+    again = run("gap", str(path), *arms, "--json")
     assert again.exit_code == 0, again.output
     second = json.loads(again.stdout)
     assert not second["effects"]

@@ -9,7 +9,7 @@ import pytest
 
 import tui.gap_curves
 from analyzer.gap.advice import NARROWS
-from hil_sim.study import CaseSpec, make_case
+from hil_sim.study import CaseSpec, make_case, sealed
 from tui.gap_curves import VARIED, curve_rows, levels_of, reduced, run_curves
 from tui.gap_further import nearer_first
 from tui.gap_study import run_case, run_study
@@ -61,13 +61,56 @@ def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
     monkeypatch.setattr(tui.gap_curves, "VARIED", {"points": (3,)})
     told: list[str] = []
     with ThreadPoolExecutor(1) as executor:
-        lines = run_curves([spec], tmp_path / "curves.jsonl", executor, told.append)
-        again = run_curves([spec], tmp_path / "curves.jsonl", executor, told.append)
+        hashes = {3: sealed(spec).truth_sha256}
+        lines = run_curves([spec], hashes, tmp_path / "curves.jsonl", executor, told.append)
+        again = run_curves([spec], hashes, tmp_path / "curves.jsonl", executor, told.append)
     assert told == ["case 3, 3 points: refused"]
     assert again == lines
     (row,) = curve_rows(lines)
     assert (row["varied"], row["n"], row["cases"], row["right"]) == ("points", 3, 1, 0)
     assert row["k_range"] is None
+
+
+def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypatch):
+    spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
+    other = replace(spec, kinds=("payload",))  # as `--whole` draws it: the same number and seed
+    monkeypatch.setattr(tui.gap_curves, "VARIED", {"points": (3,)})
+    path = tmp_path / "curves.jsonl"
+    told: list[str] = []
+    with ThreadPoolExecutor(1) as executor:
+        for case in (spec, other, spec):
+            hashes = {3: sealed(case).truth_sha256}
+            (row,) = run_curves([case], hashes, path, executor, told.append)
+            assert row["truth_sha256"] == hashes[3]
+        assert len(told) == 2  # the third is kept from the first
+        row.pop("truth_sha256")
+        path.write_text(json.dumps(row) + "\n")
+        run_curves([spec], hashes, path, executor, told.append)
+    assert len(told) == 3
+
+
+def test_a_size_that_rests_at_zero_has_no_relative_scatter(tmp_path, monkeypatch):
+    def effect(value, std):
+        return SimpleNamespace(
+            size="s", gain=1.0, parameters={"s": SimpleNamespace(value=value, std=std)}
+        )
+
+    def found(*effects):
+        joint = SimpleNamespace(low=1.0, high=2.0)
+        result = SimpleNamespace(joint_stiffness_ranges=(joint,), effects=effects)
+        monkeypatch.setattr(
+            tui.gap_curves, "find_gap", lambda *_, **__: SimpleNamespace(result=result)
+        )
+        with ThreadPoolExecutor(1) as executor:
+            path = tmp_path / f"{len(effects)}.jsonl"
+            return run_curves([spec], hashes, path, executor)[0]["size_std"]
+
+    spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
+    hashes = {3: sealed(spec).truth_sha256}
+    monkeypatch.setattr(tui.gap_curves, "VARIED", {"hits": (1,)})
+    monkeypatch.setattr(tui.gap_curves, "mark", lambda *_: SimpleNamespace(outcome="right"))
+    assert found(effect(0.0, 0.1), effect(-2.0, 0.5)) == 0.25
+    assert found(effect(0.0, 0.1)) is None
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +122,7 @@ def line():
 
 def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_ones(line):
     assert line["outcome"] == "missed"
+    assert line["tests"] == 1
     (after,) = line["after"]
     assert after["words"].startswith("measure all points")
     assert after["verdict"] in ("nothing_detectable", "ambiguous", "named")
@@ -121,27 +165,6 @@ def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):
     assert tests["brought_in_all"] == [14.0, 6.0]
     assert (tests["brought_twice"]["k"], tests["brought_twice"]["n"]) == (1, 3)
     assert tests["widths"] == {"n": 1, **widths}
-
-
-def test_a_study_whose_worker_fails_ends_and_keeps_what_was_done(tmp_path):
-    specs = [CaseSpec(number=n, arm="ur5", seed=n, kinds=(), magnitude="none") for n in (1, 2, 3)]
-
-    class Failing(Asked):
-        def submit(self, fn, /, spec, tests):
-            if spec.number == 1:
-                return super().submit(fn, spec, tests)
-            waits = Future()
-            if spec.number == 2:
-                waits.set_exception(MemoryError("no room"))
-            self.waiting = waits
-            return waits
-
-    executor = Failing()
-    with pytest.raises(MemoryError, match="no room"):
-        run_study(specs, {}, tmp_path / "study.jsonl", executor)
-    assert executor.waiting.cancelled()
-    (kept,) = (tmp_path / "study.jsonl").read_text().splitlines()
-    assert json.loads(kept)["number"] == 1
 
 
 class Asked(Executor):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from typer.testing import CliRunner
 
 from analyzer.arm.superset import Superset
 from analyzer.gap.library import all_instances
@@ -15,7 +17,9 @@ from hil_sim.study import make_case
 from protocols.arm.files import load_arm
 from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 from protocols.arm.rewrite import text_with_effects
-from tui.gap import keep_gap
+from protocols.errors import ArmError
+from tui.cli import app
+from tui.gap import check_arm_out, keep_gap
 
 
 @pytest.fixture(scope="module")
@@ -93,3 +97,29 @@ def test_what_the_arm_file_had_stays_if_it_still_earns_its_place(session, tmp_pa
     written = keep_gap(session, path, outcome, None)
     arm = load_arm(written["arm_file"])
     assert [(e.name, e.place) for e in arm.effects] == [("payload", "flange"), ("servo", "elbow")]
+
+
+@pytest.mark.parametrize("link", [None, os.symlink, os.link])
+def test_the_arm_file_that_is_read_is_not_the_one_to_write(tmp_path, link):
+    path, own = tmp_path / "s.h5", tmp_path / "s.arm.toml"
+    path.write_bytes(b"no session: what reads it fails otherwise")
+    own.write_text("edited by hand")
+    given = own
+    if link is not None:
+        given = tmp_path / "mine.toml"
+        link(own, given)
+    result = CliRunner().invoke(app, ["gap", str(path), "--arm", str(given)])
+    assert isinstance(result.exception, ArmError)
+    assert "wanted another arm file to write than --arm, got" in str(result.exception)
+    assert "--arm-out" in str(result.exception)
+    assert own.read_text() == "edited by hand"
+
+
+def test_another_arm_file_to_write_is_free_to_be_named_once(tmp_path):
+    path, own = tmp_path / "s.h5", tmp_path / "s.arm.toml"
+    own.write_text("edited by hand")
+    check_arm_out(path, str(own), tmp_path / "free.toml")
+    check_arm_out(path, "ur5", None)
+    check_arm_out(path, None, None)
+    with pytest.raises(ArmError, match="is there already; give --arm-out another name"):
+        check_arm_out(path, None, own)

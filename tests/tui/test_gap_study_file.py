@@ -7,12 +7,11 @@ import pytest
 
 import tui.gap_curves
 import tui.gap_study
-from hil_sim.study import CaseSpec
+from hil_sim.study import CaseSpec, sealed
 from protocols.errors import SessionError
 from tui.gap_curves import run_curves
-from tui.gap_study import kept_lines, run_study
+from tui.gap_study import run_study
 
-KEYS = ("number", "truth_sha256")
 ONE, TWO = ({"number": n, "truth_sha256": str(n)} for n in (1, 2))
 SPECS = [CaseSpec(number=n, arm="ur5", seed=n, kinds=(), magnitude="none") for n in (1, 2)]
 
@@ -41,22 +40,6 @@ def test_a_study_goes_on_from_a_torn_file(tmp_path, monkeypatch, capsys, torn):
     assert "line 2 is torn" in " ".join(capsys.readouterr().err.split())
 
 
-def test_a_last_line_whole_but_for_its_end_is_kept(tmp_path, capsys):
-    path = tmp_path / "study.jsonl"
-    path.write_text(text_of(ONE, TWO)[:-1])
-    assert kept_lines(path, *KEYS) == [ONE, TWO]
-    assert path.read_text() == text_of(ONE, TWO)
-    assert capsys.readouterr().err == ""
-
-
-def test_a_file_torn_at_its_first_line_or_empty_begins_anew(tmp_path):
-    path = tmp_path / "study.jsonl"
-    for text in ("", "\n", '{"num'):
-        path.write_text(text)
-        assert kept_lines(path, *KEYS) == []
-        assert path.read_text() == ""
-
-
 @pytest.mark.parametrize("odd", ["[1]", '{"number": 2', '{"number": [2], "truth_sha256": "2"}'])
 def test_another_line_that_cannot_be_read_is_refused_by_its_number(tmp_path, odd):
     path = tmp_path / "study.jsonl"
@@ -70,11 +53,50 @@ def test_another_line_that_cannot_be_read_is_refused_by_its_number(tmp_path, odd
 def test_curves_go_on_from_a_torn_file(tmp_path, monkeypatch):
     monkeypatch.setattr(tui.gap_curves, "VARIED", {"points": (3,)})
     path = tmp_path / "curves.jsonl"
+    hashes = {1: sealed(SPECS[0]).truth_sha256}
     with ThreadPoolExecutor(1) as executor:
-        lines = run_curves(SPECS[:1], path, executor)
+        lines = run_curves(SPECS[:1], hashes, path, executor)
         path.write_text(path.read_text()[:-9])
-        assert run_curves(SPECS[:1], path, executor) == lines
+        assert run_curves(SPECS[:1], hashes, path, executor) == lines
         assert path.read_text() == text_of(*lines)
         path.write_text("[1]\n" + text_of(*lines))
         with pytest.raises(SessionError, match="line 1: wanted"):
-            run_curves(SPECS[:1], path, executor)
+            run_curves(SPECS[:1], hashes, path, executor)
+
+
+HIDING = CaseSpec(number=3, arm="ur5", seed=3, kinds=("delay",), magnitude="clear")
+
+
+@pytest.mark.parametrize(
+    ("kept", "tests", "again"),
+    [
+        ({"tests": 2}, 2, False),
+        ({"tests": 2}, 1, True),
+        ({"tests": 0}, 2, True),
+        ({"tests": 2}, 0, True),
+        ({"after": []}, 2, False),
+        ({"after": []}, 0, True),
+        ({}, 0, False),
+        ({}, 2, True),
+    ],
+)
+def test_a_line_judged_with_another_number_of_tests_does_not_count(
+    tmp_path, monkeypatch, kept, tests, again
+):
+    monkeypatch.setattr(tui.gap_study, "run_case", judged)
+    path = tmp_path / "study.jsonl"
+    path.write_text(text_of({"number": 3, "truth_sha256": "3"} | kept))
+    told = []
+    with ThreadPoolExecutor(1) as executor:
+        run_study([HIDING], {3: "3"}, path, executor, told.append, tests=tests)
+    assert bool(told) is again
+
+
+def test_a_null_that_may_not_ask_counts_whatever_the_number_of_tests(tmp_path, monkeypatch):
+    monkeypatch.setattr(tui.gap_study, "run_case", judged)
+    path = tmp_path / "study.jsonl"
+    path.write_text(text_of(ONE, TWO | {"tests": 0}))
+    told = []
+    with ThreadPoolExecutor(1) as executor:
+        run_study(SPECS, {1: "1", 2: "2"}, path, executor, told.append, tests=2)
+    assert told == []
