@@ -2,14 +2,16 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from analyzer.gap.enough import notes_on
 from analyzer.gap.records import Verdict
 from analyzer.gap.score import mark, size_found, size_of_truth
-from analyzer.gap.workflow import find_gap
-from hil_sim.study import make_case
+from analyzer.gap.workflow import _test_postures, find_gap
+from hil_sim.study import draw_study, make_case, sealed
 from protocols.errors import EstimateError
 from protocols.plan import plan_from_text
 from protocols.plan_records import KnownMass
@@ -82,6 +84,54 @@ def test_points_hit_once_tell_nothing_of_scatter_and_are_to_be_hit_again(hidden)
     alone = replace(session, hits=tuple(once.values()))
     with pytest.raises(EstimateError, match=r"two good hits .* one at \d+ of \d+.*hit them again"):
         find_gap(alone)
+
+
+def test_a_further_test_is_checked_as_the_session_is(hidden):
+    _, session, _ = hidden
+    header = replace(session.header, session_id="b" * 16)
+    once = {(hit.posture, hit.sensor_point): hit for hit in session.hits}
+    alone = replace(session, header=header, hits=tuple(once.values()))
+    with pytest.raises(EstimateError, match=r"two good hits .* of test 2, .*hit them again"):
+        find_gap(session, more=[alone])
+    refused = replace(session.hits[0].verdict, accepted=False)
+    none = tuple(replace(hit, verdict=refused) for hit in session.hits)
+    with pytest.raises(EstimateError, match="no hit of test 2 was accepted"):
+        find_gap(session, more=[replace(session, header=header, hits=none)])
+    with pytest.raises(EstimateError, match="test 2 is a session that is there already"):
+        find_gap(session, more=[session])
+
+
+def test_what_was_not_judged_and_what_closed_the_levels_is_said(hidden):
+    _, session, _ = hidden
+    averaged = SimpleNamespace(posture="averaged")
+    mixed = SimpleNamespace(hits=session.hits, frfs=(averaged,), complete=True)
+    assert any("were not judged: averaged" in note for note in notes_on(mixed, ()))
+    levels = make_case(seed=4, arm="rv4frl", ladder=True).session()
+    assert not any("softly and hard" in note for note in notes_on(levels, [levels]))
+    assert any("test 3 was not hit softly" in note for note in notes_on(levels, [levels, session]))
+
+
+def test_where_every_posture_carries_a_known_mass_the_planned_ones_are_held_out(hidden):
+    _, session, _ = hidden
+    body = KnownMass(link="l", mass_kg=1.0, center_m=np.zeros(3))
+    planned = session.header.plan.postures
+    lines = [SimpleNamespace(name=p.name, known_mass=body) for p in planned]
+    held = [i for i, p in enumerate(planned) if p.validation]
+    assert held
+    assert _test_postures(session, lines) == tuple(held)
+    lines[0].known_mass = None  # one that is not for validation
+    assert _test_postures(session, lines) == tuple(range(1, len(lines)))
+
+
+@pytest.mark.parametrize("number", [218, 280])
+def test_a_window_that_only_the_sharp_lines_tell_is_named(number):
+    """With 218 an ordinary error ends at its limit, and broad lines alone tell another thing."""
+    studied = draw_study(41, nulls=150, effects=174, pairs=20, outside=34, ladder=True)
+    case = sealed(next(spec for spec in studied if spec.number == number))
+    result = find_gap(case.session(), gates=False, modes=False, advice=False).result
+    assert mark(json.loads(case.open_truth()), result).outcome == "right"
+    (effect,) = result.effects
+    assert effect.name == "exponential_window"
 
 
 def test_a_level_that_a_turned_axis_hid_is_looked_for_again():
