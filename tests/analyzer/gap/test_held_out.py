@@ -17,6 +17,7 @@ from analyzer.gap.judge import Judged, Thresholds
 from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Quadratic
 from analyzer.gap.workflow import _foretold
+from tests.support.made_gap_fits import made_fit
 
 N_DATA = 8
 TEST = (1, 3)
@@ -110,8 +111,7 @@ OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleName
 
 def fit_that_leaves(misfit, *instances):
     """What of a fit the step looks at."""
-    hypothesis = Hypothesis(ordinary=None, instances=instances)
-    return SimpleNamespace(hypothesis=hypothesis, cost=0.5 * 1000 * misfit)
+    return made_fit(Hypothesis(ordinary=None, instances=instances), cost=0.5 * 1000 * misfit)
 
 
 def step_to(better, present, gains, monkeypatch, n_named=0):

@@ -21,8 +21,8 @@ class Weighed:
 def left(*of_mountings, least_shared=0.0):
     """A fit that leaves so much of every mounting."""
     words = SimpleNamespace(least_shared=least_shared)
-    hypothesis = SimpleNamespace(instances=(SimpleNamespace(effect=words),), left=of_mountings)
-    return SimpleNamespace(hypothesis=hypothesis, values={})
+    hypothesis = SimpleNamespace(left=of_mountings)
+    return SimpleNamespace(hypothesis=hypothesis, last=SimpleNamespace(effect=words), values={})
 
 
 class Postures:

@@ -94,5 +94,6 @@ def test_a_bearing_that_ended_rigid_both_ways_starts_no_axis(ordinary):
     plain = Hypothesis(ordinary=ordinary)
     bearing = next(i for i in all_instances(ordinary) if i.effect.name == "bearing")
     values = dict.fromkeys(bearing.sizes, 0.0)
-    rigid = SimpleNamespace(hypothesis=replace(plain, instances=(bearing,)), values=values)
+    hypothesis = replace(plain, instances=(bearing,))
+    rigid = SimpleNamespace(hypothesis=hypothesis, last=bearing, values=values)
     assert axes_of_bearings(None, plain, [rigid]) == []
