@@ -176,7 +176,7 @@ def is_as_good(behind: float, gain: float, apart: float) -> bool:
     Parameters
     ----------
     behind
-        Nats by which the axis, with four parameters more, is better.
+        Nats by which the axis, with three parameters more, is better.
     gain
         Nats that the axis brings.
     apart

@@ -19,7 +19,7 @@ WORDS = EffectWords(
     changes="the direction of the force: one turn common to all postures, or that of one posture",
     signature="modes are excited in other shares than the direction written down would",
     confused_with=("encoder_offset", "hammer_gain", "wrong_point"),
-    # All aims off alike: ordinary errors beyond their tolerance rather than a term. Of 1150 nulls
+    # All aims off alike: ordinary errors beyond their tolerance rather than a term. Of 1178 nulls
     # none had a turn that was worth a fit.
     wanted=20.0,
     told_by="hits along a surface normal, or with a guide that holds the hammer",
