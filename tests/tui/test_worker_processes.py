@@ -15,6 +15,8 @@ import os, signal, time
 from tui.worker_processes import worker_processes
 
 if __name__ == "__main__":
+    # Whoever runs the tests in the background has Ctrl-C ignored, and processes inherit that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with worker_processes(2) as executor:
         {first}
         long = executor.submit(time.sleep, 3600.0)
