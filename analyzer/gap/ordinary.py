@@ -95,15 +95,18 @@ class Ordinary:
     def link_inertias(self, links: Sequence[int], z: Array) -> tuple[Array, Array]:
         """Return (k, 6, 6) inertias and (k, 4) masses with first moments of k links.
 
-        `z` (k, 10): relative mass, shift of the centre in m, six relative entries of the tensor.
+        `z` (k, 10): ln of the relative mass, shift of the centre in m, six relative entries of the
+        tensor. As a logarithm, because FRFs tell masses, stiffnesses and damping only up to one
+        factor, a gain's: in logarithms all of that is one straight line, along which a fit can go.
         """
         bodies = [self.arm.joints[link].link for link in links]
-        mass = np.array([body.mass_kg for body in bodies]) * (1.0 + z[:, 0])
+        relative = np.exp(z[:, 0])
+        mass = np.array([body.mass_kg for body in bodies]) * relative
         center = np.array([body.center_m for body in bodies]) + z[:, 1:4]
         own = np.array([body.inertia_kg_m2 for body in bodies])
         diagonal = own.diagonal(axis1=1, axis2=2)
         size = np.sqrt(diagonal[:, :, None] * diagonal[:, None, :])
-        inertia = (own + size * z[:, 4:][:, _FULL]) * (1.0 + z[:, 0])[:, None, None]
+        inertia = (own + size * z[:, 4:][:, _FULL]) * relative[:, None, None]
         moments = mass[:, None] * np.concatenate([np.ones((len(z), 1)), center], axis=1)
         return spatial_inertia(mass, center, inertia), moments
 

@@ -39,9 +39,11 @@ from protocols.errors import EstimateError
 from protocols.frf_records import FrequencyResponse
 from protocols.plan_records import Plan
 
-__all__ = ["GapOutcome", "conclude"]
+__all__ = ["GapOutcome", "conclude", "notes_on_its_end"]
 
 _WIDEST = 0.7  # of ln k
+# Nats that a fit's own quadratic still promises: a deviation and a half of a single parameter.
+_UNFINISHED = 1.0
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
 # of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
 _COMMON = 2.25
@@ -87,7 +89,7 @@ def conclude(
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
     verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
-    notes += [*why, *notes_on_aims(sharp, final)]
+    notes += [*why, *notes_on_its_end(final), *notes_on_aims(sharp, final)]
     if effects and len(standing) > 1:
         notes.append(f"something more is there that cannot be told: {titles(standing)}")
     alive = standing or (final,)
@@ -305,6 +307,17 @@ def _interface(stage: Stage, before: Fit) -> str:
     if second is not None and second.gain > 0.5 * lines[0].gain:
         words += f", nearly as much at '{second.instance.place}'"
     return words
+
+
+def notes_on_its_end(final: Fit) -> list[str]:
+    """Say where the final fit ended before its end."""
+    if final.promised < _UNFINISHED:
+        return []
+    words = (
+        f"the last fit is not at its end: {final.promised:.1f} nats more were promised where its "
+        "steps brought next to nothing; sizes and stiffnesses may be off by more than is stated"
+    )
+    return [words]
 
 
 def _summary(

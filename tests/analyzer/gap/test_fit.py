@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import least_squares, lsq_linear
 
 from analyzer.gap.fit import fit_hypothesis
+from analyzer.gap.outcome import notes_on_its_end
 from analyzer.gap.space import Parameter, Space
 from analyzer.gap.weigh import Quadratic
 
@@ -74,3 +75,25 @@ def test_far_from_a_curved_valley_it_finds_the_bottom():
     # A step that gains less than 0.05 ends the fit; the valley is 900 steep along x.
     assert fit.cost == pytest.approx(theirs.cost, abs=0.05)
     assert fit.values["x"] == pytest.approx(0.8, abs=0.02)
+
+
+def test_a_fit_that_small_steps_ended_still_promises_what_is_left():
+    """A valley so narrow that steps along it bring next to nothing before the fit ends."""
+
+    def of(x):
+        return np.array([1e4 * (x[1] - np.expm1(x[0])), 20.0 * (1.0 - x[0])])
+
+    def slopes(x):
+        return np.array([[-1e4 * np.exp(x[0]), 1e4], [-20.0, 0.0]])
+
+    parameters = [Parameter(name=n, unit="", mean=0.0, std=1.0) for n in ("x", "y")]
+    stage, hypothesis = Residuals(of, slopes), hypothesis_of(*parameters)
+    theirs = least_squares(lambda x: np.concatenate([of(x), x]), [1.0, np.expm1(1.0)], xtol=1e-14)
+    stuck = fit_hypothesis(stage, hypothesis, max_iterations=60)
+    assert stuck.n_iterations < 60
+    # The valley bends: its quadratic promises what is left to within a fifth.
+    assert stuck.promised == pytest.approx(stuck.cost - theirs.cost, rel=0.2)
+    ended = fit_hypothesis(stage, hypothesis, start=dict(zip("xy", theirs.x, strict=True)))
+    assert ended.promised < 1e-3 * stuck.promised
+    assert not notes_on_its_end(ended)
+    assert f"{stuck.promised:.1f} nats" in notes_on_its_end(stuck)[0]

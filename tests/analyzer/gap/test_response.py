@@ -1,5 +1,7 @@
 """FRFs of a hypothesis beside other ways to the same number, and their derivatives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -75,6 +77,31 @@ def test_without_errors_it_is_the_reduced_model_mounting_by_mounting(
             x = np.linalg.solve(s * s * model.mass + s * model.damping + model.stiffness, b)
             want = R.T @ (s * s * J[:3] @ x + np.cross(J[3:] @ x, gravity))
             np.testing.assert_allclose(got[m, :, i], want, rtol=1e-9, atol=1e-14)
+
+
+def test_a_gain_is_a_straight_line_of_masses_springs_and_dampers(lines, ordinary, posed):
+    """An arm 1.3 times as heavy, stiff and damped answers as one whose hammer reads 1.3 too much.
+
+    As logarithms they all move alike, so that a fit can go from one to the other in one step.
+    """
+    hypothesis = Hypothesis(ordinary=ordinary)
+    space = hypothesis.space()
+    values = {
+        name: 0.0 if name.startswith("bearing") else value
+        for name, value in space.values(space.start()).items()
+    }
+    without_sensor = replace(lines, sensor_mass_kg=0.0)
+    step = np.log(1.3)
+    heavier = {
+        name: value + step if name.startswith(("mass ", "ln k ", "ln c ")) else value
+        for name, value in values.items()
+    }
+    gain = {**values, "ln hammer": values["ln hammer"] + step}
+    got = posed.values(hypothesis, without_sensor, heavier)
+    want = posed.values(hypothesis, without_sensor, gain)
+    assert np.max(np.abs(want)) > 0.0
+    # Equal by the equations: what is left is rounding, 1e-16 times their condition, about 1e4.
+    np.testing.assert_allclose(got, want, rtol=1e-9, atol=1e-12 * np.max(np.abs(want)))
 
 
 def test_a_compliance_of_zero_is_the_model_without_it(lines, ordinary, posed):
