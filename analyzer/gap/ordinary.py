@@ -197,7 +197,7 @@ def _across_joints(superset: Superset) -> Array:
 
 _FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
 _CENTER = ("cx", "cy", "cz")
-_INERTIAL = ("mass", *_CENTER, "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_INERTIAL = ("ln mass", *_CENTER, "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 @lru_cache(maxsize=16)  # asked for with every fit

@@ -130,6 +130,7 @@ def main() -> int:
         constraints = HERE.parents[1] / "constraints.txt"
         if constraints.is_file():
             install += ["--constraint", str(constraints)]
+        # This interpreter's own pip, and a name fixed here.
         subprocess.run(install, check=True)  # noqa: S603
         importlib.invalidate_caches()
         ensure_library()

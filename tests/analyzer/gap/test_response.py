@@ -93,7 +93,7 @@ def test_a_gain_is_a_straight_line_of_masses_springs_and_dampers(lines, ordinary
     without_sensor = replace(lines, sensor_mass_kg=0.0)
     step = np.log(1.3)
     heavier = {
-        name: value + step if name.startswith(("mass ", "ln k ", "ln c ")) else value
+        name: value + step if name.startswith(("ln mass ", "ln k ", "ln c ")) else value
         for name, value in values.items()
     }
     gain = {**values, "ln hammer": values["ln hammer"] + step}
