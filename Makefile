@@ -28,7 +28,7 @@ $(BENCH_STAMP): $(STAMP)
 	@touch $@
 
 $(DEVICE_LIBRARY): $(STAMP) $(DEVICE_SOURCES)
-	$(BIN)/python -m protocols.c.build
+	$(BIN)/python -m armodal.protocols.c.build
 	@touch $@
 
 demo: $(DEVICE_LIBRARY)
@@ -51,7 +51,7 @@ torture: $(DEVICE_LIBRARY)
 	$(BIN)/python bench/torture.py
 
 sizes: $(STAMP)
-	$(BIN)/python -m protocols.c.sizes
+	$(BIN)/python -m armodal.protocols.c.sizes
 
 format: $(STAMP)
 	$(BIN)/ruff format .

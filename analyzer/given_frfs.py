@@ -18,10 +18,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.modal.noise import hit_scatter_variance, independent_line_share, smooth_lines
-from protocols.arrays import frozen_array
-from protocols.frf_records import FrequencyResponse
-from protocols.session.records import Session
+from armodal.analyzer.modal.noise import hit_scatter_variance, independent_line_share, smooth_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.records import Session
 
 __all__ = ["with_variance", "with_variances"]
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analyzer.modal.spectra import HitSpectra
-from protocols.errors import EstimateError
+from armodal.analyzer.modal.spectra import HitSpectra
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["RatioCalibration", "ratio_calibration"]
 

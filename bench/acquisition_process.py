@@ -10,10 +10,10 @@ import sys
 from multiprocessing.connection import Client
 from pathlib import Path
 
-from daq.acquisition import run_acquisition
-from daq.settings import AcquisitionSettings
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
 
 if __name__ == "__main__":
     socket, board, can, journal, plan, time_scale = sys.argv[1:]

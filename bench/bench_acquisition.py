@@ -21,13 +21,13 @@ import tempfile
 import time
 from pathlib import Path
 
-from daq.acquisition import run_acquisition
-from daq.commands import Ready, Stop
-from daq.events import Failed, Finished, HitJudged, LossNoted, Prompted
-from daq.session_machine import PromptKind
-from daq.settings import AcquisitionSettings
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.commands import Ready, Stop
+from armodal.daq.events import Failed, Finished, HitJudged, LossNoted, Prompted
+from armodal.daq.session_machine import PromptKind
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
 
 
 def busy() -> None:

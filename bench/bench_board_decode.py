@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 
-from protocols.board import (
+from armodal.protocols.board import (
     FrameDecoder,
     FrameType,
     Header,

@@ -16,17 +16,17 @@ import sys
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.compare import posture_gap
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.held_out import held_out
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import misfit_per_line
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.score import instance_of_truth, size_of_truth
-from analyzer.gap.stages import stages_of
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import CaseSpec, sealed
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.compare import posture_gap
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.held_out import held_out
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import misfit_per_line
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.score import instance_of_truth, size_of_truth
+from armodal.analyzer.gap.stages import stages_of
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import CaseSpec, sealed
 
 CASES = [
     f"{arm}:{kind}:clear:{seed}"

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from scipy import stats
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from offline_lab import simulate_session
+from support.offline_lab import simulate_session
 
-from analyzer.identification.identify import identify
-from analyzer.identification.scatter import half_width_95
-from hil_sim.plant import load_plant
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.identification.scatter import half_width_95
+from armodal.hil_sim.plant import load_plant
 
 SEEDS = range(20)
 

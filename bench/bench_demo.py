@@ -16,7 +16,7 @@ ANGLE_LIMIT_DEG, DISTANCE_LIMIT_MM = 3.0, 15.0
 
 
 def demo(seed: int, folder: Path) -> dict[str, Any] | None:
-    command = [sys.executable, "-c", "from tui.cli import main; main()", "demo", "--json"]
+    command = [sys.executable, "-c", "from armodal.tui.cli import main; main()", "demo", "--json"]
     command += ["--seed", str(seed), "--out", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
     if done.returncode:

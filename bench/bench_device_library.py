@@ -31,13 +31,13 @@ from typing import Any
 import numpy as np
 from cffi import FFI
 
-from hil_sim.board import Board
-from hil_sim.board_state import BoardFirmware, Converter
-from hil_sim.clock import DeviceClock, LabClock
-from hil_sim.faults import FaultSet
-from hil_sim.lab_process import TICK_S
-from hil_sim.pty_port import PtyPort
-from protocols.board import (
+from armodal.hil_sim.board import Board
+from armodal.hil_sim.board_state import BoardFirmware, Converter
+from armodal.hil_sim.clock import DeviceClock, LabClock
+from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.lab_process import TICK_S
+from armodal.hil_sim.pty_port import PtyPort
+from armodal.protocols.board import (
     BoardDictionary,
     BoardStatus,
     Channel,
@@ -56,8 +56,8 @@ from protocols.board import (
     encode_release,
     encode_samples,
 )
-from protocols.c.build import HEADER, INCLUDE, SOURCES, STRICT, compile_with, compilers
-from protocols.c.library import declarations
+from armodal.protocols.c.build import HEADER, INCLUDE, SOURCES, STRICT, compile_with, compilers
+from armodal.protocols.c.library import declarations
 
 RATE_HZ, N_CHANNELS, N_SAMPLES = 51_200, 4, 64
 N_FRAMES, ROUNDS = 2000, 15

@@ -21,12 +21,12 @@ from pathlib import Path
 import numpy as np
 from scipy import stats
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from judged import LEVEL_N, judge_force, sees_two
-from strikes import Strike, draw_strike, force_record, gap_of, second_strike
+from support.judged import LEVEL_N, judge_force, sees_two
+from support.strikes import Strike, draw_strike, force_record, gap_of, second_strike
 
-from protocols.session.records import Verdict
+from armodal.protocols.session.records import Verdict
 
 RATES_HZ = (1000.0, 1652.0, 5120.0, 25600.0, 51200.0)
 WIDTHS_S = (0.2e-3, 0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3)

@@ -14,11 +14,11 @@ import sys
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.middle_hits import bow_of, told_by_bow
-from analyzer.gap.stages import at_three_levels
-from analyzer.gap.workflow import find_gap
-from hil_sim.study import LIBRARY, CaseSpec, draw_study, sealed
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.middle_hits import bow_of, told_by_bow
+from armodal.analyzer.gap.stages import at_three_levels
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.hil_sim.study import LIBRARY, CaseSpec, draw_study, sealed
 
 
 def measured(spec: CaseSpec) -> dict[str, object]:

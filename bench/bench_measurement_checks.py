@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from offline_lab import simulate_session
-from sensor_faults import (
+from support.offline_lab import simulate_session
+from support.sensor_faults import (
     FLIP_X,
     FLIP_Z,
     SWAP_XY,
@@ -26,10 +26,10 @@ from sensor_faults import (
     mixed,
 )
 
-from analyzer.arm.superset import Superset
-from analyzer.checks import Fault, Outcome, check_links, sensor_verdict
-from analyzer.identification.identify import estimate_frfs
-from analyzer.modal import fit_modes, hit_frfs, hit_spectra
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks import Fault, Outcome, check_links, sensor_verdict
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra
 
 GOOD_SEEDS = 40
 FAULT_SEEDS = 12

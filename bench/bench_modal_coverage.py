@@ -16,19 +16,18 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from scipy.stats import t as student
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-import hammer
-from offline_lab import simulate_session
-from simulated import poles_of
+from support import hammer
+from support.offline_lab import simulate_session
+from support.simulated_frfs import poles_of
 
-from analyzer.identification.identify import identify
-from analyzer.identification.scatter import half_width_95
-from analyzer.modal import fit_modes, posture_frf
-from hil_sim.study.plant_of_arm import plant_of_arm
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.identification.scatter import half_width_95
+from armodal.analyzer.modal import fit_modes, posture_frf
+from armodal.hil_sim.study.plant_of_arm import plant_of_arm
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
 
 SEEDS = range(200)
 POLES = poles_of([11.0, 12.5, 38.0, 79.0], [0.03, 0.035, 0.025, 0.02])

@@ -12,13 +12,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-import hammer
-from simulated import modal_frf, poles_of
+from support import hammer
+from support.simulated_frfs import modal_frf, poles_of
 
-from analyzer.modal import fit_modes, mass_scaling, posture_frf, synthesise
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal import fit_modes, mass_scaling, posture_frf, synthesise
+from armodal.protocols.frf_records import FrfForm
 
 SEEDS = range(50)
 F_HZ = np.array([11.0, 17.0, 38.0, 79.0])

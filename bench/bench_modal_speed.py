@@ -12,12 +12,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from simulated import modal_frf, noisy_record, poles_of
+from support.simulated_frfs import modal_frf, noisy_record, poles_of
 
-from analyzer.modal import fit_modes
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.modal import fit_modes
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 REPEATS = 5
 MODES_HZ = np.array([150.0, 420.0, 433.0, 800.0, 1250.0, 1900.0, 2500.0, 3100.0, 3900.0, 4500.0])

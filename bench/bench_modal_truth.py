@@ -15,12 +15,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "analyzer" / "modal"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from simulated import EIGHT_HZ, EightModes, cramer_rao_std, eight_modes
+from support.simulated_frfs import EIGHT_HZ, EightModes, cramer_rao_std, eight_modes
 
-from analyzer.modal import fit_modes
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.modal import fit_modes
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 SEEDS = range(100)
 F_TOLERANCE, DAMPING_TOLERANCE = 2e-3, 0.05

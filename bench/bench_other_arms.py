@@ -12,21 +12,21 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from any_arm import arm_text_of_urdf
-from offline_lab import simulate_session
+from support.any_arm import arm_text_of_urdf
+from support.offline_lab import simulate_session
 
-from analyzer.identification.identify import identify
-from analyzer.planning.clearance import Clearance
-from analyzer.planning.selective import plan_tests
-from analyzer.workspace.spectrum import elastic_joints
-from analyzer.workspace.study import study_workspace
-from hil_sim.study.plant_of_arm import plant_of_arm
-from protocols.arm.files import load_arm
-from protocols.arm.urdf import read_urdf
-from tui.mozzi import load_tool
-from tui.plan import plan_text, write_plan
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.selective import plan_tests
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.analyzer.workspace.study import study_workspace
+from armodal.hil_sim.study.plant_of_arm import plant_of_arm
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.urdf import read_urdf
+from armodal.tui.mozzi import load_tool
+from armodal.tui.plan import plan_text, write_plan
 
 URDFS = {
     "ur5": "ur_description/urdf/ur5_robot.urdf",

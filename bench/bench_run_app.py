@@ -22,14 +22,13 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from support.key_operator import act_until_done
 from support.terminal import Terminal, armodal
 from terminal_watch import TerminalWatch
 
-from protocols.plan import PLANS_DIRECTORY
-from protocols.session.journal import load_journal
+from armodal.protocols.plan import PLANS_DIRECTORY
+from armodal.protocols.session.journal import load_journal
 
 LEAST_HIT_BYTES = 8_000  # a record with 2048 samples of four channels; marks are far smaller
 SAME_RECORD_S = 0.05

@@ -19,14 +19,13 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from bench_run_app import TICKS_HZ, cpu_s
 from support.terminal import Terminal, armodal
 from terminal_watch import TerminalWatch
 
-from protocols.plan import PLANS_DIRECTORY
-from protocols.session.journal import load_journal
+from armodal.protocols.plan import PLANS_DIRECTORY
+from armodal.protocols.session.journal import load_journal
 
 LOOK_EVERY_S = 1.0
 

@@ -30,7 +30,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from bench_run_app import cpu_s
 from support.offline_lab import simulate_session
 
-from protocols.session.hdf5 import write_session
+from armodal.protocols.session.hdf5 import write_session
 
 ROOT = Path(__file__).parents[1]
 ASKED, ANSWER = b"\x1b[?2026$p", b"\x1b[?2026;2$y"
@@ -112,7 +112,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "s.h5"
         write_session(simulate_session(4, hits_per_point=2), path)
-        command = [sys.executable, "-m", "tui.cli", "review", str(path)]
+        command = [sys.executable, "-m", "armodal.tui.cli", "review", str(path)]
         window = Window(command, wanted.columns, wanted.rows)
         try:
             window.until(b"modes automatic", 120.0)

@@ -10,13 +10,13 @@ import numpy as np
 import pinocchio as pin
 import scipy.linalg
 
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.moments import moments_of
-from analyzer.workspace.postures import CHUNK, random_postures
-from analyzer.workspace.spectrum import elastic_joints, spectrum
-from analyzer.workspace.study import study_workspace
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.moments import moments_of
+from armodal.analyzer.workspace.postures import CHUNK, random_postures
+from armodal.analyzer.workspace.spectrum import elastic_joints, spectrum
+from armodal.analyzer.workspace.study import study_workspace
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
 
 N = 1_000_000
 N_LOOP = 50_000

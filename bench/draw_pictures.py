@@ -23,14 +23,14 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from support.offline_lab import simulate_session
 from textual.pilot import Pilot
 
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
-from tui.review.app import ReviewApp
-from tui.review.posture_view import fit_automatic, opened_session
-from tui.run.app import RunApp
-from tui.run.conductor import RunOptions
-from tui.run.place import find_place
-from tui.run.state import Step
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.tui.review.app import ReviewApp
+from armodal.tui.review.posture_view import fit_automatic, opened_session
+from armodal.tui.run.app import RunApp
+from armodal.tui.run.conductor import RunOptions
+from armodal.tui.run.place import find_place
+from armodal.tui.run.state import Step
 
 DEADLINE_S = 60.0
 TIME_SCALE = 3.0

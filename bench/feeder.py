@@ -20,10 +20,10 @@ from contextlib import suppress
 import numpy as np
 from cobs import cobs
 
-from daq.process import ask_for_priority
-from protocols.arm.files import load_arm
-from protocols.board.codec import FrameDecoder, encode_frame
-from protocols.board.messages import (
+from armodal.daq.process import ask_for_priority
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.messages import (
     decode_configuration,
     decode_release,
     dictionary_hash,
@@ -34,7 +34,7 @@ from protocols.board.messages import (
     encode_status,
     hello_fragments,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BlockInfo,
     BoardDictionary,
     BoardState,
@@ -47,8 +47,8 @@ from protocols.board.records import (
     ReplyCode,
     Samples,
 )
-from protocols.can_database import CanEncoder
-from protocols.slcan import encode_slcan
+from armodal.protocols.can_database import CanEncoder
+from armodal.protocols.slcan import encode_slcan
 
 RATE_HZ = 51200
 TICK_HZ = 1_000_000

@@ -17,20 +17,20 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from accepted_hits import quick_folder, wrong_after_stop
-from recorded_disk import Point, RecordingDisk
-from simulated_session import PLAN, Announcing, operate
+from support.accepted_hits import quick_folder, wrong_after_stop
+from support.recorded_disk import Point, RecordingDisk
+from support.simulated_session import PLAN, Announcing, operate
 
-from daq.acquisition import run_acquisition
-from daq.settings import AcquisitionSettings
-from hil_sim.lab import start_laboratory
-from protocols.arm.files import load_arm
-from protocols.plan import plan_from_text
-from protocols.session.journal import encode_hit, read_journal
-from protocols.session.recovery import rebuild
-from tui.acquire import ScriptedOperator
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.settings import AcquisitionSettings
+from armodal.hil_sim.lab import start_laboratory
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.journal import encode_hit, read_journal
+from armodal.protocols.session.recovery import rebuild
+from armodal.tui.acquire import ScriptedOperator
 
 TIME_SCALE = 16.0
 POINTS = ["2", "5", "8", "11"]

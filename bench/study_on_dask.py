@@ -14,9 +14,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from hil_sim.study import draw_study
-from tui.gap_study import run_study, seal_hashes
-from tui.gap_study_summary import study_summary, study_tables
+from armodal.hil_sim.study import draw_study
+from armodal.tui.gap_study import run_study, seal_hashes
+from armodal.tui.gap_study_summary import study_summary, study_tables
 
 
 def main() -> int:

@@ -22,12 +22,12 @@ import numpy as np
 from figures import Figure, told
 from recorded_session import recorded
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from accepted_hits import quick_folder
-from faulty_disk import FaultyDisk, wrong_with_faulty_disk
+from support.accepted_hits import quick_folder
+from support.faulty_disk import FaultyDisk, wrong_with_faulty_disk
 
-from protocols.session.journal import load_journal
+from armodal.protocols.session.journal import load_journal
 
 CODES = (errno.EIO, errno.ENOSPC, errno.EROFS)
 HITS = 12

@@ -23,7 +23,6 @@ from pathlib import Path
 from figures import Figure, told
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from support.fault_runs import MATRIX, run_seed, script_of
 from support.fault_runs_pty import PTY_MATRIX, run_on_ptys

@@ -30,7 +30,6 @@ import numpy as np
 from figures import Figure, told
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[1]))  # else tests/protocols is found for protocols
 
 from support.accepted_hits import quick_folder, quick_place
 from support.decoders import Decoder, check

@@ -17,9 +17,9 @@ import numpy as np
 from figures import Figure, told
 from recorded_session import recorded, tried
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from recorded_disk import kill_points
+from support.recorded_disk import kill_points
 
 PLACES = 75
 

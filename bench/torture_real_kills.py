@@ -26,20 +26,20 @@ from pathlib import Path
 import numpy as np
 from figures import Figure, told
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from accepted_hits import missing
-from simulated_session import PLAN, operate
+from support.accepted_hits import missing
+from support.simulated_session import PLAN, operate
 
-from daq.events import Event, Failed, HitJudged, SessionOpened
-from hil_sim.lab import Laboratory, start_laboratory
-from hil_sim.ledger import read_ledger
-from protocols.arm.files import load_arm
-from protocols.errors import JournalError
-from protocols.plan import load_plan
-from protocols.session.journal import encode_hit, read_journal
-from protocols.session.recovery import rebuild
-from tui.acquire import ScriptedOperator
+from armodal.daq.events import Event, Failed, HitJudged, SessionOpened
+from armodal.hil_sim.lab import Laboratory, start_laboratory
+from armodal.hil_sim.ledger import read_ledger
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import JournalError
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.journal import encode_hit, read_journal
+from armodal.protocols.session.recovery import rebuild
+from armodal.tui.acquire import ScriptedOperator
 
 TIME_SCALE = 16.0
 KILLS = 100
@@ -121,7 +121,7 @@ def checked(journal: Path, told_of: dict, tally: Tally) -> None:
 
 def checked_by_command(journal: Path, told_of: dict, tally: Tally) -> None:
     """Recover by the command that a user types."""
-    command = [sys.executable, "-m", "tui.cli", "recover", str(journal), "--json"]
+    command = [sys.executable, "-m", "armodal.tui.cli", "recover", str(journal), "--json"]
     said = subprocess.run(command, capture_output=True, text=True, check=False)
     tally.commands += 1
     if said.returncode != 0 or json.loads(said.stdout)["hits"]["accepted"] < len(told_of):

@@ -28,14 +28,22 @@ from figures import Figure, told
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
-from daq.commands import Ready, Stop
-from daq.events import Failed, Finished, HitJudged, LossNoted, Preview, Prompted, SessionOpened
-from daq.process import start_process
-from daq.session_machine import PromptKind
-from daq.settings import AcquisitionSettings
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
-from protocols.session.journal import load_journal
+from armodal.daq.commands import Ready, Stop
+from armodal.daq.events import (
+    Failed,
+    Finished,
+    HitJudged,
+    LossNoted,
+    Preview,
+    Prompted,
+    SessionOpened,
+)
+from armodal.daq.process import start_process
+from armodal.daq.session_machine import PromptKind
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.journal import load_journal
 
 WIDTH, HEIGHT = 160, 45
 REDRAWS_PER_S = 12.0

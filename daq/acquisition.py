@@ -18,23 +18,23 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from daq import session_machine
-from daq.board_link import BoardLink
-from daq.board_session import BoardSession
-from daq.can_listener import CanSource
-from daq.clock import Clock
-from daq.commands import Command, Stop
-from daq.events import BoardFound, Failed, Finished, SessionOpened
-from daq.joint_state import JointState
-from daq.journal_writer import JournalWriter
-from daq.judge import prepare_judge
-from daq.losses import LossTally
-from daq.session_loop import SessionLoop
-from daq.settings import AcquisitionSettings
-from daq.surroundings import EventQueue, Surroundings
-from protocols.arm.records import CanMapping
-from protocols.board.records import IepeState
-from protocols.errors import (
+from armodal.daq import session_machine
+from armodal.daq.board_link import BoardLink
+from armodal.daq.board_session import BoardSession
+from armodal.daq.can_listener import CanSource
+from armodal.daq.clock import Clock
+from armodal.daq.commands import Command, Stop
+from armodal.daq.events import BoardFound, Failed, Finished, SessionOpened
+from armodal.daq.joint_state import JointState
+from armodal.daq.journal_writer import JournalWriter
+from armodal.daq.judge import prepare_judge
+from armodal.daq.losses import LossTally
+from armodal.daq.session_loop import SessionLoop
+from armodal.daq.settings import AcquisitionSettings
+from armodal.daq.surroundings import EventQueue, Surroundings
+from armodal.protocols.arm.records import CanMapping
+from armodal.protocols.board.records import IepeState
+from armodal.protocols.errors import (
     ArmError,
     ArmodalError,
     BoardRefusedError,
@@ -44,10 +44,10 @@ from protocols.errors import (
     FrameError,
     JournalError,
 )
-from protocols.file_layer import DISK, FileLayer
-from protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
-from protocols.session.progress import roving_point
-from protocols.session.records import SessionHeader
+from armodal.protocols.file_layer import DISK, FileLayer
+from armodal.protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
+from armodal.protocols.session.progress import roving_point
+from armodal.protocols.session.records import SessionHeader
 
 __all__ = ["run_acquisition"]
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from daq.blocks import CapturedBlock
-from daq.clock import Clock
-from daq.joint_state import JointState, largest_difference_rad
-from daq.judge_posture import judge_posture
-from daq.settings import AcquisitionSettings
-from protocols.plan_records import PlannedPosture
-from protocols.session.records import JointReading
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.clock import Clock
+from armodal.daq.joint_state import JointState, largest_difference_rad
+from armodal.daq.judge_posture import judge_posture
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.plan_records import PlannedPosture
+from armodal.protocols.session.records import JointReading
 
 __all__ = ["ArmAround"]
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.board.records import BlockInfo, Samples
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.board.records import BlockInfo, Samples
 
 __all__ = ["BlockAssembler", "BlockCollector", "CapturedBlock", "Resend"]
 

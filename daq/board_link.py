@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
-from daq.clock import Clock, waits
-from daq.clock_fit import RoundTrip
-from daq.serial_port import BytePort
-from protocols.board.codec import PROTOCOL_VERSION, FrameDecoder, encode_frame
-from protocols.board.messages import (
+from armodal.daq.clock import Clock, waits
+from armodal.daq.clock_fit import RoundTrip
+from armodal.daq.serial_port import BytePort
+from armodal.protocols.board.codec import PROTOCOL_VERSION, FrameDecoder, encode_frame
+from armodal.protocols.board.messages import (
     decode_dictionary,
     decode_reply,
     decode_status,
@@ -22,7 +22,7 @@ from protocols.board.messages import (
     encode_configuration,
     join_hello,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BoardDictionary,
     BoardState,
     BoardStatus,
@@ -32,8 +32,8 @@ from protocols.board.records import (
     Header,
     ReplyCode,
 )
-from protocols.board.sequence import SequenceTracker
-from protocols.errors import (
+from armodal.protocols.board.sequence import SequenceTracker
+from armodal.protocols.errors import (
     BoardRefusedError,
     DeviceLostError,
     DeviceTimeoutError,

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections import deque
 
-from daq.blocks import BlockCollector, CapturedBlock
-from daq.board_link import BoardLink, FoundBoard
-from daq.clock import Clock
-from daq.clock_fit import ClockFit, ClockTracker
-from daq.judge import FORCE, channels_of
-from daq.losses import LossTally
-from daq.preview import StreamWatch
-from daq.settings import AcquisitionSettings
-from protocols.board.messages import (
+from armodal.daq.blocks import BlockCollector, CapturedBlock
+from armodal.daq.board_link import BoardLink, FoundBoard
+from armodal.daq.clock import Clock
+from armodal.daq.clock_fit import ClockFit, ClockTracker
+from armodal.daq.judge import FORCE, channels_of
+from armodal.daq.losses import LossTally
+from armodal.daq.preview import StreamWatch
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_reply,
     decode_samples,
@@ -20,7 +20,7 @@ from protocols.board.messages import (
     encode_release,
     encode_resend,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BoardStatus,
     Channel,
     Configuration,
@@ -29,9 +29,9 @@ from protocols.board.records import (
     ReplyCode,
     Slope,
 )
-from protocols.board.samples import COUNT_MAX
-from protocols.errors import BoardRefusedError, DeviceLostError, FrameError, PlanError
-from protocols.plan_records import Plan
+from armodal.protocols.board.samples import COUNT_MAX
+from armodal.protocols.errors import BoardRefusedError, DeviceLostError, FrameError, PlanError
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["BoardSession", "configuration_for", "measured_mask"]
 

@@ -10,11 +10,11 @@ from typing import Any, Protocol
 
 import can
 
-from daq.clock import Clock, SystemClock, waits
-from daq.serial_port import BytePort, SerialPort
-from protocols.can_records import CanFrame
-from protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
-from protocols.slcan import (
+from armodal.daq.clock import Clock, SystemClock, waits
+from armodal.daq.serial_port import BytePort, SerialPort
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
+from armodal.protocols.slcan import (
     CLOSE,
     STATUS,
     SlcanFault,

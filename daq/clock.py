@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from protocols.errors import SessionError
+from armodal.protocols.errors import SessionError
 
 __all__ = ["Clock", "SystemClock", "check_time_scale", "waits"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from daq.session_machine import Progress, Prompt
-from protocols.board.records import BoardDictionary, BoardStatus
-from protocols.session.records import Hit, JointReading, Loss, Verdict
+from armodal.daq.session_machine import Progress, Prompt
+from armodal.protocols.board.records import BoardDictionary, BoardStatus
+from armodal.protocols.session.records import Hit, JointReading, Loss, Verdict
 
 __all__ = [
     "BoardFound",

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.kinematics import link_pose
-from protocols.arm.records import Arm
-from protocols.arrays import frozen_array
-from protocols.plan_records import PlannedPosture
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.plan_records import PlannedPosture
 
 __all__ = ["hit_direction", "link_rotation"]
 

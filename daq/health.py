@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from daq.board_session import BoardSession
-from daq.can_listener import CanSource
-from daq.events import Health
-from daq.joint_state import JointState
+from armodal.daq.board_session import BoardSession
+from armodal.daq.can_listener import CanSource
+from armodal.daq.events import Health
+from armodal.daq.joint_state import JointState
 
 __all__ = ["HEALTH_EVERY_WALL_S", "health_of"]
 

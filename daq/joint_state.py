@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import CanMapping
-from protocols.arrays import frozen_array
-from protocols.can_database import CanDecoder
-from protocols.can_records import CanFrame
-from protocols.errors import CanError
-from protocols.session.records import JointReading
+from armodal.protocols.arm.records import CanMapping
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.can_database import CanDecoder
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import CanError
+from armodal.protocols.session.records import JointReading
 
 __all__ = ["JointState", "largest_difference_rad"]
 

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from daq.session_lock import SessionLock, lock_journal
-from protocols.errors import JournalError
-from protocols.file_layer import DISK, FileLayer, write_all
-from protocols.session.journal import (
+from armodal.daq.session_lock import SessionLock, lock_journal
+from armodal.protocols.errors import JournalError
+from armodal.protocols.file_layer import DISK, FileLayer, write_all
+from armodal.protocols.session.journal import (
     Journal,
     Record,
     begin_journal,
@@ -19,8 +19,8 @@ from protocols.session.journal import (
     read_journal_bytes,
     scan,
 )
-from protocols.session.journal_framing import MAX_JOURNAL, MAX_RECORDS
-from protocols.session.records import SessionHeader
+from armodal.protocols.session.journal_framing import MAX_JOURNAL, MAX_RECORDS
+from armodal.protocols.session.records import SessionHeader
 
 __all__ = ["JournalWriter"]
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from daq.blocks import CapturedBlock
-from daq.judge_anti_alias import templates
-from daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, stuck, unsettled
-from daq.judge_pulses import FEWEST_QUIET, Pulses, find_pulses
-from protocols.board.records import BoardDictionary, Channel
-from protocols.plan_records import Sampling, Trigger
-from protocols.session.records import Verdict
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.judge_anti_alias import templates
+from armodal.daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, stuck, unsettled
+from armodal.daq.judge_pulses import FEWEST_QUIET, Pulses, find_pulses
+from armodal.protocols.board.records import BoardDictionary, Channel
+from armodal.protocols.plan_records import Sampling, Trigger
+from armodal.protocols.session.records import Verdict
 
 __all__ = ["FORCE", "JudgeLimits", "channels_of", "force_column", "judge_record", "prepare_judge"]
 

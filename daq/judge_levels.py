@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from daq.judge_pulses import FEWEST_QUIET
-from protocols.board.records import Channel
-from protocols.board.samples import COUNT_MAX
+from armodal.daq.judge_pulses import FEWEST_QUIET
+from armodal.protocols.board.records import Channel
+from armodal.protocols.board.samples import COUNT_MAX
 
 __all__ = ["FORCE", "clipped", "lost_in_noise", "still_ringing", "stuck", "unsettled"]
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from daq.joint_state import largest_difference_rad
-from protocols.session.records import JointReading, Verdict
+from armodal.daq.joint_state import largest_difference_rad
+from armodal.protocols.session.records import JointReading, Verdict
 
 __all__ = ["judge_posture", "with_posture"]
 

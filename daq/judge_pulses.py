@@ -20,8 +20,8 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
-from daq.judge_anti_alias import COMPARED, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
-from daq.judge_disturbance import without_disturbance, without_undershoot
+from armodal.daq.judge_anti_alias import COMPARED, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
+from armodal.daq.judge_disturbance import without_disturbance, without_undershoot
 
 __all__ = ["FEWEST_QUIET", "OtherPulse", "Pulses", "find_pulses"]
 

@@ -13,22 +13,22 @@ from typing import Any
 
 import numpy as np
 
-from daq.blocks import CapturedBlock
-from daq.board_link import BoardLink
-from daq.board_session import BoardSession
-from daq.can_listener import CanSource, open_can
-from daq.clock import Clock, SystemClock
-from daq.commands import Command, Stop, TriggerLevel
-from daq.events import BoardFound, DeviceTrouble, Finished, JointsSeen, LossNoted, TrialHit
-from daq.health import HEALTH_EVERY_WALL_S, health_of
-from daq.joint_state import JointState
-from daq.judge import force_column, judge_record, prepare_judge
-from daq.losses import LossTally
-from daq.outbox import Outbox
-from daq.preview import PREVIEW_EVERY_WALL_S
-from daq.serial_port import SerialPort
-from daq.settings import AcquisitionSettings
-from protocols.errors import ArmError, ArmodalError
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.board_link import BoardLink
+from armodal.daq.board_session import BoardSession
+from armodal.daq.can_listener import CanSource, open_can
+from armodal.daq.clock import Clock, SystemClock
+from armodal.daq.commands import Command, Stop, TriggerLevel
+from armodal.daq.events import BoardFound, DeviceTrouble, Finished, JointsSeen, LossNoted, TrialHit
+from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
+from armodal.daq.joint_state import JointState
+from armodal.daq.judge import force_column, judge_record, prepare_judge
+from armodal.daq.losses import LossTally
+from armodal.daq.outbox import Outbox
+from armodal.daq.preview import PREVIEW_EVERY_WALL_S
+from armodal.daq.serial_port import SerialPort
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.errors import ArmError, ArmodalError
 
 __all__ = ["run_lab_watch"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocols.session.records import Loss
+from armodal.protocols.session.records import Loss
 
 __all__ = ["LossTally"]
 

@@ -11,7 +11,7 @@ from collections import deque
 from multiprocessing.connection import Connection
 from typing import Any
 
-from daq.events import Event, is_preview
+from armodal.daq.events import Event, is_preview
 
 __all__ = ["Outbox"]
 

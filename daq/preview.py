@@ -10,10 +10,10 @@ import struct
 
 import numpy as np
 
-from daq.events import Preview
-from protocols.board.messages import STREAM_PREFIX_SIZE
-from protocols.board.records import Frame
-from protocols.board.samples import BYTES_PER_COUNT, unpack_counts
+from armodal.daq.events import Preview
+from armodal.protocols.board.messages import STREAM_PREFIX_SIZE
+from armodal.protocols.board.records import Frame
+from armodal.protocols.board.samples import BYTES_PER_COUNT, unpack_counts
 
 __all__ = ["PREVIEW_EVERY_WALL_S", "StreamWatch"]
 

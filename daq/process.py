@@ -1,4 +1,4 @@
-"""The acquisition as a program: `python -m daq.process BODY DESCRIPTOR`.
+"""The acquisition as a program: `python -m armodal.daq.process BODY DESCRIPTOR`.
 
 It imports what it needs and no more, so it is ready sooner than a process that has to import the
 program that started it, and it has a session of its own, out of reach of a terminal's hang-up.
@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import IO, Any
 
-from daq.acquisition import run_acquisition
-from daq.lab_watch import run_lab_watch
-from daq.settings import AcquisitionSettings
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.lab_watch import run_lab_watch
+from armodal.daq.settings import AcquisitionSettings
 
 __all__ = ["BODIES", "DaqProcess", "ask_for_priority", "start_process"]
 
@@ -58,7 +58,7 @@ def start_process(body: str, settings: AcquisitionSettings) -> DaqProcess:
     ours, theirs = socket.socketpair()
     stderr = tempfile.TemporaryFile()  # noqa: SIM115 - it is read when the process has gone
     with theirs:
-        command = [sys.executable, "-m", "daq.process", body, str(theirs.fileno())]
+        command = [sys.executable, "-m", "armodal.daq.process", body, str(theirs.fileno())]
         # The command is composed here, of this interpreter and checked values.
         process = subprocess.Popen(  # noqa: S603
             command,

@@ -14,8 +14,8 @@ from typing import Protocol
 
 import serial
 
-from daq.session_lock import lock_port
-from protocols.errors import DeviceLostError, DeviceTimeoutError, PortError
+from armodal.daq.session_lock import lock_port
+from armodal.protocols.errors import DeviceLostError, DeviceTimeoutError, PortError
 
 __all__ = ["BytePort", "SerialPort"]
 

@@ -16,8 +16,8 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-from daq.holder import Holder, Life, read_holder, this_process
-from protocols.errors import JournalError, PortError
+from armodal.daq.holder import Holder, Life, read_holder, this_process
+from armodal.protocols.errors import JournalError, PortError
 
 __all__ = ["HeldError", "SessionLock", "lock_folder", "lock_journal", "lock_port"]
 

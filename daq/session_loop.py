@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq import session_machine as machine
-from daq.arm_around import ArmAround
-from daq.blocks import CapturedBlock
-from daq.board_session import BoardSession
-from daq.can_listener import CanSource
-from daq.clock import Clock
-from daq.commands import Command, Note, Ready, Retake, Skip, Stop, Withdraw
-from daq.events import (
+from armodal.daq import session_machine as machine
+from armodal.daq.arm_around import ArmAround
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.board_session import BoardSession
+from armodal.daq.can_listener import CanSource
+from armodal.daq.clock import Clock
+from armodal.daq.commands import Command, Note, Ready, Retake, Skip, Stop, Withdraw
+from armodal.daq.events import (
     HitJudged,
     HitWithdrawn,
     JointsSeen,
@@ -23,21 +23,21 @@ from daq.events import (
     Noted,
     Prompted,
 )
-from daq.geometry import hit_direction
-from daq.health import HEALTH_EVERY_WALL_S, health_of
-from daq.joint_state import JointState, largest_difference_rad
-from daq.journal_writer import JournalWriter
-from daq.judge import force_column, judge_record
-from daq.judge_posture import with_posture
-from daq.losses import LossTally
-from daq.preview import PREVIEW_EVERY_WALL_S
-from daq.session_machine import PromptKind, SessionState
-from daq.settings import AcquisitionSettings
-from daq.stopping import Stopping, begin_stopping
-from daq.surroundings import EventQueue
-from protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
-from protocols.session.progress import roving_point
-from protocols.session.records import Hit, JointReading
+from armodal.daq.geometry import hit_direction
+from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
+from armodal.daq.joint_state import JointState, largest_difference_rad
+from armodal.daq.journal_writer import JournalWriter
+from armodal.daq.judge import force_column, judge_record
+from armodal.daq.judge_posture import with_posture
+from armodal.daq.losses import LossTally
+from armodal.daq.preview import PREVIEW_EVERY_WALL_S
+from armodal.daq.session_machine import PromptKind, SessionState
+from armodal.daq.settings import AcquisitionSettings
+from armodal.daq.stopping import Stopping, begin_stopping
+from armodal.daq.surroundings import EventQueue
+from armodal.protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
+from armodal.protocols.session.progress import roving_point
+from armodal.protocols.session.records import Hit, JointReading
 
 __all__ = ["SessionLoop"]
 

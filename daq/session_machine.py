@@ -13,11 +13,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from protocols.plan_records import Mode, Plan, PlannedPosture
-from protocols.session.journal_payloads import Mark
-from protocols.session.progress import accepted_counts, roving_point
-from protocols.session.records import Hit
-from protocols.session.steps import place_in_hand, skipped_points
+from armodal.protocols.plan_records import Mode, Plan, PlannedPosture
+from armodal.protocols.session.journal_payloads import Mark
+from armodal.protocols.session.progress import accepted_counts, roving_point
+from armodal.protocols.session.records import Hit
+from armodal.protocols.session.steps import place_in_hand, skipped_points
 
 __all__ = [
     "Progress",

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from daq.clock import check_time_scale
-from daq.judge import JudgeLimits
-from protocols.arm.records import Arm
-from protocols.errors import PlanError
-from protocols.plan_records import Plan
+from armodal.daq.clock import check_time_scale
+from armodal.daq.judge import JudgeLimits
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["AcquisitionSettings"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from daq.commands import Stop
+from armodal.daq.commands import Stop
 
 __all__ = ["Stopping", "begin_stopping"]
 

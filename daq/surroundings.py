@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Protocol
 
-from daq.can_listener import CanSource, open_can
-from daq.clock import Clock, SystemClock
-from daq.events import Event
-from daq.outbox import Outbox
-from daq.serial_port import BytePort, SerialPort
-from daq.settings import AcquisitionSettings
+from armodal.daq.can_listener import CanSource, open_can
+from armodal.daq.clock import Clock, SystemClock
+from armodal.daq.events import Event
+from armodal.daq.outbox import Outbox
+from armodal.daq.serial_port import BytePort, SerialPort
+from armodal.daq.settings import AcquisitionSettings
 
 __all__ = ["EventQueue", "Surroundings"]
 

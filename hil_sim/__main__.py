@@ -1,4 +1,4 @@
-"""`python -m hil_sim`: run the simulated laboratory until it is told to stop."""
+"""`python -m armodal.hil_sim`: run the simulated laboratory until it is told to stop."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from hil_sim.arm_in_cell import arm_in_cell
-from hil_sim.cell import BlowT
-from hil_sim.faults import Fault
-from hil_sim.lab_process import LabOptions, LabProcess
-from hil_sim.plant import load_plant
-from protocols.errors import ArmodalError
+from armodal.hil_sim.arm_in_cell import arm_in_cell
+from armodal.hil_sim.cell import BlowT
+from armodal.hil_sim.faults import Fault
+from armodal.hil_sim.lab_process import LabOptions, LabProcess
+from armodal.hil_sim.plant import load_plant
+from armodal.protocols.errors import ArmodalError
 
 __all__ = ["main", "parse", "run"]
 
@@ -21,9 +21,9 @@ __all__ = ["main", "parse", "run"]
 def parse(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(
-        prog="hil_sim",
+        prog="armodal.hil_sim",
         description="Simulated laboratory: prints its ports as one line of JSON, then runs.",
-        epilog="example: python -m hil_sim --plant rv4frl --time-scale 16 --directory lab",
+        epilog="example: python -m armodal.hil_sim --plant rv4frl --time-scale 16 --directory lab",
     )
     parser.add_argument("--plant", default="rv4frl", help="plant file or shipped name")
     parser.add_argument("--seed", type=int, default=1, help="for everything random")

@@ -9,11 +9,11 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.hand import Blow, blow, hand_at
-from hil_sim.lab_process import ArmInCell
-from hil_sim.plant import Plant
-from hil_sim.small_motion import Mounting
-from hil_sim.source import SensorSource, draw_mounting
+from armodal.hil_sim.hand import Blow, blow, hand_at
+from armodal.hil_sim.lab_process import ArmInCell
+from armodal.hil_sim.plant import Plant
+from armodal.hil_sim.small_motion import Mounting
+from armodal.hil_sim.source import SensorSource, draw_mounting
 
 __all__ = ["arm_in_cell"]
 

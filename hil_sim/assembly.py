@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.newton_euler import Body, skew
-from protocols.errors import PlantError
+from armodal.hil_sim.newton_euler import Body, skew
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Assembly", "Inertial", "Segment", "Spring"]
 

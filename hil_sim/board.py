@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hil_sim.board_state import BoardFirmware
-from hil_sim.faults import Fault, FaultSet
-from hil_sim.link_faults import ChannelFaults, LinkFaults
-from hil_sim.pty_port import PtyPort
+from armodal.hil_sim.board_state import BoardFirmware
+from armodal.hil_sim.faults import Fault, FaultSet
+from armodal.hil_sim.link_faults import ChannelFaults, LinkFaults
+from armodal.hil_sim.pty_port import PtyPort
 
 __all__ = ["Board"]
 

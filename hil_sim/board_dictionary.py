@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import zlib
 
-from hil_sim.plant_file import PlantFile
-from protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.hil_sim.plant_file import PlantFile
+from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 
 __all__ = ["BOARD_ID", "FIRMWARE", "board_dictionary"]
 

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.clock import DeviceClock, SampleClock
-from protocols.board.dictionary import encode_dictionary
-from protocols.board.records import BoardDictionary, BoardState, IepeState
-from protocols.c.library import device_library
+from armodal.hil_sim.clock import DeviceClock, SampleClock
+from armodal.protocols.board.dictionary import encode_dictionary
+from armodal.protocols.board.records import BoardDictionary, BoardState, IepeState
+from armodal.protocols.c.library import device_library
 
 __all__ = ["CONVERTER_HZ", "BoardFirmware", "Converter"]
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from protocols.can_records import CanFrame
-from protocols.errors import PlantError
-from protocols.slcan import SlcanParser, encode_slcan
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import PlantError
+from armodal.protocols.slcan import SlcanParser, encode_slcan
 
 __all__ = ["BROKEN_CONTROLLERS", "BrokenController", "broken_controller"]
 

@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Cell", "Source"]
 

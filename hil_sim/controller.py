@@ -11,13 +11,13 @@ import cantools.database.can
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.cell import BlowT, Cell
-from hil_sim.clock import LabClock
-from hil_sim.faults import Fault, FaultSet
-from hil_sim.motion import Motion
-from hil_sim.pty_port import PtyPort
-from hil_sim.slcan_adapter import SlcanAdapter
-from protocols.slcan import encode_slcan
+from armodal.hil_sim.cell import BlowT, Cell
+from armodal.hil_sim.clock import LabClock
+from armodal.hil_sim.faults import Fault, FaultSet
+from armodal.hil_sim.motion import Motion
+from armodal.hil_sim.pty_port import PtyPort
+from armodal.hil_sim.slcan_adapter import SlcanAdapter
+from armodal.protocols.slcan import encode_slcan
 
 __all__ = ["Controller", "ControllerOptions", "JointMessages"]
 
@@ -48,7 +48,7 @@ class JointMessages:
     """Lines of one cycle, encoded by the DBC shipped with the protocols."""
 
     def __init__(self, database: str = "armodal_controller.dbc") -> None:
-        text = (resources.files("protocols") / "dbc" / database).read_text(encoding="utf-8")
+        text = (resources.files("armodal.protocols") / "dbc" / database).read_text(encoding="utf-8")
         can_database = cantools.database.can.Database()
         can_database.add_dbc_string(text)
         self._messages = [

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from protocols.errors import PlantError
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Fault", "FaultSet", "ScriptedFault"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.front_end import FrontEnd
-from hil_sim.hand import Blow
-from hil_sim.ringing import force_history
+from armodal.hil_sim.front_end import FrontEnd
+from armodal.hil_sim.hand import Blow
+from armodal.hil_sim.ringing import force_history
 
 __all__ = ["felt_on_mass"]
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from hil_sim.plant_file import PlantFile
+from armodal.hil_sim.plant_file import PlantFile
 
 __all__ = ["FULL_SCALE_COUNTS", "FrontEnd"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.plant_file import HandTruth
-from protocols.arrays import frozen_array
+from armodal.hil_sim.plant_file import HandTruth
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Blow", "Pulse", "blow", "hand_at"]
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from protocols.errors import DeviceLostError, DeviceTimeoutError, PlantError
+from armodal.protocols.errors import DeviceLostError, DeviceTimeoutError, PlantError
 
 __all__ = ["Laboratory", "launch", "start_laboratory"]
 
@@ -121,7 +121,7 @@ def start_laboratory(
     """
     temporary = Path(tempfile.mkdtemp(prefix="armodal-")) if directory is None else None
     home = directory if directory is not None else temporary
-    command = [sys.executable, "-m", "hil_sim", "--plant", str(plant), "--seed", str(seed)]
+    command = [sys.executable, "-m", "armodal.hil_sim", "--plant", str(plant), "--seed", str(seed)]
     command += ["--time-scale", str(time_scale), "--directory", str(home), "--watch-stdin"]
     for fault in faults:
         command += ["--fault", fault]
@@ -150,7 +150,7 @@ def _ready_line(process: subprocess.Popen[bytes]) -> dict[str, object]:
     if not readable:
         raise DeviceTimeoutError(
             f"the laboratory is not ready after {READY_TIMEOUT_S:g} s: "
-            "run python -m hil_sim to see why"
+            "run python -m armodal.hil_sim to see why"
         )
     line = process.stdout.readline()
     if not line:

@@ -16,18 +16,18 @@ from typing import Generic
 
 import numpy as np
 
-from hil_sim.board import Board
-from hil_sim.board_dictionary import board_dictionary
-from hil_sim.board_state import BoardFirmware, Converter
-from hil_sim.cell import BlowT, Cell, Source
-from hil_sim.clock import DeviceClock, LabClock
-from hil_sim.controller import Controller
-from hil_sim.faults import FaultSet
-from hil_sim.ledger import LedgerWriter
-from hil_sim.operator import Operator, Swing, Workplace
-from hil_sim.operator_socket import OperatorSocket, check_free
-from hil_sim.plant import Plant
-from hil_sim.pty_port import PtyPort
+from armodal.hil_sim.board import Board
+from armodal.hil_sim.board_dictionary import board_dictionary
+from armodal.hil_sim.board_state import BoardFirmware, Converter
+from armodal.hil_sim.cell import BlowT, Cell, Source
+from armodal.hil_sim.clock import DeviceClock, LabClock
+from armodal.hil_sim.controller import Controller
+from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.ledger import LedgerWriter
+from armodal.hil_sim.operator import Operator, Swing, Workplace
+from armodal.hil_sim.operator_socket import OperatorSocket, check_free
+from armodal.hil_sim.plant import Plant
+from armodal.hil_sim.pty_port import PtyPort
 
 __all__ = ["LEDGER_NAME", "SOCKET_NAME", "ArmInCell", "LabOptions", "LabProcess"]
 

@@ -15,9 +15,9 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.plant import Plant
-from protocols.arrays import frozen_array
-from protocols.errors import PlantError
+from armodal.hil_sim.plant import Plant
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import PlantError
 
 __all__ = ["AxisTruth", "JointTruth", "LedgerRecord", "LedgerTruth", "LedgerWriter", "read_ledger"]
 

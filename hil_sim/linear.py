@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.assembly import Spring
-from hil_sim.elements import Element
-from hil_sim.newton_euler import Chain, Placement, point_jacobian
-from protocols.errors import PlantError
+from armodal.hil_sim.assembly import Spring
+from armodal.hil_sim.elements import Element
+from armodal.hil_sim.newton_euler import Chain, Placement, point_jacobian
+from armodal.protocols.errors import PlantError
 
 __all__ = ["LinearTerms", "MaxwellElement"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.faults import Fault, FaultSet
-from hil_sim.front_end import FULL_SCALE_COUNTS
-from protocols.board.codec import decode_frame
-from protocols.board.records import FrameType
+from armodal.hil_sim.faults import Fault, FaultSet
+from armodal.hil_sim.front_end import FULL_SCALE_COUNTS
+from armodal.protocols.board.codec import decode_frame
+from armodal.protocols.board.records import FrameType
 
 __all__ = ["ChannelFaults", "LinkFaults"]
 

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.elements import Element
-from hil_sim.small_motion import SmallMotion
+from armodal.hil_sim.elements import Element
+from armodal.hil_sim.small_motion import SmallMotion
 
 __all__ = ["Drive", "nonlinear_response"]
 

@@ -13,11 +13,11 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.cell import BlowT, Cell
-from hil_sim.clock import LabClock
-from hil_sim.faults import FaultSet
-from hil_sim.ledger import LedgerWriter
-from protocols.errors import PlantError
+from armodal.hil_sim.cell import BlowT, Cell
+from armodal.hil_sim.clock import LabClock
+from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.ledger import LedgerWriter
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Action", "Operator", "OperatorOptions", "Swing", "Workplace"]
 

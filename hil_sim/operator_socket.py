@@ -11,9 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hil_sim.clock import LabClock
-from hil_sim.operator import Action
-from protocols.errors import PlantError
+from armodal.hil_sim.clock import LabClock
+from armodal.hil_sim.operator import Action
+from armodal.protocols.errors import PlantError
 
 __all__ = ["OperatorSocket", "check_free"]
 

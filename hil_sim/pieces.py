@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.assembly import Assembly, Inertial, Spring
-from hil_sim.newton_euler import skew
+from armodal.hil_sim.assembly import Assembly, Inertial, Spring
+from armodal.hil_sim.newton_euler import skew
 
 __all__ = ["sliced"]
 

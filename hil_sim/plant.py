@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.assembly import Assembly, Segment, Spring
-from hil_sim.newton_euler import Body, Chain
-from hil_sim.plant_file import HiddenAxisTruth, PlantFile, load_plant_file
-from hil_sim.sensing import Sensing
-from protocols.arrays import frozen_array
-from protocols.errors import PlantError
+from armodal.hil_sim.assembly import Assembly, Segment, Spring
+from armodal.hil_sim.newton_euler import Body, Chain
+from armodal.hil_sim.plant_file import HiddenAxisTruth, PlantFile, load_plant_file
+from armodal.hil_sim.sensing import Sensing
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import PlantError
 
 __all__ = ["BASE", "Plant", "PlantPoint", "load_plant"]
 

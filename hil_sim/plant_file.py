@@ -13,9 +13,9 @@ import numpy as np
 import tomlkit
 from pydantic import Field, ValidationError, model_validator
 
-from hil_sim.effects import Effect
-from hil_sim.truth import Interval, NotNegative, Positive, Probability, Truth, Vector
-from protocols.errors import PlantError
+from armodal.hil_sim.effects import Effect
+from armodal.hil_sim.truth import Interval, NotNegative, Positive, Probability, Truth, Vector
+from armodal.protocols.errors import PlantError
 
 __all__ = [
     "AccelerometerTruth",

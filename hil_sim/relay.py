@@ -15,8 +15,8 @@ from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Protocol, Self
 
-from hil_sim.pty_port import PtyPort
-from protocols.errors import PortError
+from armodal.hil_sim.pty_port import PtyPort
+from armodal.protocols.errors import PortError
 
 __all__ = ["Alteration", "Relay", "relayed"]
 

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from hil_sim.front_end import FrontEnd
-from hil_sim.hand import Blow
-from hil_sim.nonlinear_motion import Drive, nonlinear_response
-from hil_sim.small_motion import SmallMotion
+from armodal.hil_sim.front_end import FrontEnd
+from armodal.hil_sim.hand import Blow
+from armodal.hil_sim.nonlinear_motion import Drive, nonlinear_response
+from armodal.hil_sim.small_motion import SmallMotion
 
 __all__ = ["Strike", "force_history", "modal_response", "ring"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from protocols.slcan import MAX_LINE, bitrate_command
+from armodal.protocols.slcan import MAX_LINE, bitrate_command
 
 __all__ = ["SlcanAdapter"]
 

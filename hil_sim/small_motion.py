@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.assembly import Spring
-from hil_sim.effects import BaseEffect
-from hil_sim.elements import Element
-from hil_sim.linear import LinearTerms
-from hil_sim.newton_euler import (
+from armodal.hil_sim.assembly import Spring
+from armodal.hil_sim.effects import BaseEffect
+from armodal.hil_sim.elements import Element
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.newton_euler import (
     Chain,
     Placement,
     gravity_stiffness,
@@ -30,8 +30,8 @@ from hil_sim.newton_euler import (
     skew,
     with_point_mass,
 )
-from hil_sim.plant import BASE, Plant
-from protocols.errors import PlantError
+from armodal.hil_sim.plant import BASE, Plant
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Mounting", "SmallMotion", "force_torque", "linear_terms", "linearise", "sensor_rows"]
 

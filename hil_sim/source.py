@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from hil_sim.free_mass import felt_on_mass
-from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
-from hil_sim.hand import Blow
-from hil_sim.newton_euler import rotation
-from hil_sim.plant import BASE, Plant
-from hil_sim.ringing import Strike, ring
-from hil_sim.small_motion import Mounting, SmallMotion, force_torque, linearise
+from armodal.hil_sim.free_mass import felt_on_mass
+from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
+from armodal.hil_sim.hand import Blow
+from armodal.hil_sim.newton_euler import rotation
+from armodal.hil_sim.plant import BASE, Plant
+from armodal.hil_sim.ringing import Strike, ring
+from armodal.hil_sim.small_motion import Mounting, SmallMotion, force_torque, linearise
 
 __all__ = ["SensorSource", "draw_mounting", "strike_of"]
 

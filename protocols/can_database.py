@@ -14,9 +14,9 @@ from pathlib import Path
 import cantools
 import cantools.database.can
 
-from protocols.arm.records import CanMapping, JointSignal
-from protocols.can_records import CanFrame
-from protocols.errors import CanError
+from armodal.protocols.arm.records import CanMapping, JointSignal
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import CanError
 
 __all__ = [
     "DBC_DIRECTORY",

@@ -12,9 +12,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
-from protocols.toml_reader import (
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
+from armodal.protocols.toml_reader import (
     FileModel,
     Name,
     not_wanted,

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from protocols.arm.records import Arm
-from protocols.arrays import frozen_array
-from protocols.errors import PlanError
-from protocols.frf_records import FrfEstimator
-from protocols.plan_model import PlanFile, PostureTable, exact_rate
-from protocols.plan_records import (
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import PlanError
+from armodal.protocols.frf_records import FrfEstimator
+from armodal.protocols.plan_model import PlanFile, PostureTable, exact_rate
+from armodal.protocols.plan_records import (
     Averaging,
     KnownMass,
     Mode,
@@ -27,7 +27,7 @@ from protocols.plan_records import (
     Trigger,
     Windows,
 )
-from protocols.toml_reader import parse_toml, read_text, refuse, validate
+from armodal.protocols.toml_reader import parse_toml, read_text, refuse, validate
 
 __all__ = ["PLANS_DIRECTORY", "load_plan", "plan_from_text", "shipped_plans"]
 

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from protocols.toml_reader import FileModel, Name, Vector3, not_wanted
+from armodal.protocols.toml_reader import FileModel, Name, Vector3, not_wanted
 
 __all__ = ["PlanFile", "PostureTable", "exact_rate"]
 

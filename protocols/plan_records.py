@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from protocols.frf_records import FrfEstimator
+from armodal.protocols.frf_records import FrfEstimator
 
 __all__ = [
     "Averaging",

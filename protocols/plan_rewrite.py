@@ -10,10 +10,10 @@ import numpy as np
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from protocols.arm.records import Arm
-from protocols.errors import PlanError
-from protocols.plan import plan_from_text
-from protocols.plan_records import Plan, PlannedPosture
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.plan_records import Plan, PlannedPosture
 
 __all__ = ["text_with_peaks", "text_with_posture"]
 

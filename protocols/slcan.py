@@ -15,8 +15,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from protocols.can_records import CanFrame
-from protocols.errors import CanError
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import CanError
 
 __all__ = [
     "CLOSE",

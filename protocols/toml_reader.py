@@ -16,7 +16,7 @@ from typing import Annotated, Any, NoReturn, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from protocols.errors import ArmodalError
+from armodal.protocols.errors import ArmodalError
 
 __all__ = [
     "FileModel",

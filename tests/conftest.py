@@ -1,15 +1,10 @@
 """What holds for all tests."""
 
-import sys
 import time
 from functools import cache
-from pathlib import Path
 
 import pytest
 from hypothesis import settings
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from support.held_up import HeldUpError, StallWatch
 
 # A loaded machine stalls for seconds: how long one example takes says nothing.

@@ -10,15 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from daq.acquisition import run_acquisition
-from daq.commands import Command, Ready, Stop
-from daq.events import Event, Failed, Finished, HitJudged, Prompted
-from daq.geometry import hit_direction
-from daq.session_machine import Prompt, PromptKind
-from daq.settings import AcquisitionSettings
-from protocols.arm.records import Arm
-from protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
-from protocols.plan_records import Plan
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.commands import Command, Ready, Stop
+from armodal.daq.events import Event, Failed, Finished, HitJudged, Prompted
+from armodal.daq.geometry import hit_direction
+from armodal.daq.session_machine import Prompt, PromptKind
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["AcquisitionFailedError", "Operator", "PersonAtTerminal", "ScriptedOperator", "acquire"]
 

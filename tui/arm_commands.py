@@ -8,15 +8,15 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from analyzer.planning.clearance import Clearance
-from analyzer.planning.selective import plan_tests
-from analyzer.workspace.spectrum import elastic_joints
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
-from tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
-from tui.console import Json, err, out, print_json, progress, say
-from tui.mozzi import (
+from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.selective import plan_tests
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
+from armodal.tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
+from armodal.tui.console import Json, err, out, print_json, progress, say
+from armodal.tui.mozzi import (
     Elbow,
     deflection_json,
     deflection_tables,
@@ -24,10 +24,10 @@ from tui.mozzi import (
     posture_of_wrist,
     rank_random_postures,
 )
-from tui.plan import plan_json, plan_text, write_plan
-from tui.plan_tables import other_plan, plan_tables
-from tui.reproduce import figure_json, figure_tables, reproduce_papers
-from tui.workspace import survey_to_files, workspace_table
+from armodal.tui.plan import plan_json, plan_text, write_plan
+from armodal.tui.plan_tables import other_plan, plan_tables
+from armodal.tui.reproduce import figure_json, figure_tables, reproduce_papers
+from armodal.tui.workspace import survey_to_files, workspace_table
 
 __all__ = ["app", "comma_numbers"]
 

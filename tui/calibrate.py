@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from analyzer.calibration.calibrate import Calibration
-from analyzer.calibration.from_file import calibrate_from_file
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
-from protocols.arm.rewrite import text_with_inertials
-from protocols.errors import ArmError
-from protocols.inertia_targets import load_inertia_targets
+from armodal.analyzer.calibration.calibrate import Calibration
+from armodal.analyzer.calibration.from_file import calibrate_from_file
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arm.rewrite import text_with_inertials
+from armodal.protocols.errors import ArmError
+from armodal.protocols.inertia_targets import load_inertia_targets
 
 __all__ = ["calibrate", "calibration_json", "calibration_tables"]
 

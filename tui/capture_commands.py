@@ -8,16 +8,16 @@ from typing import Annotated
 
 import typer
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs
-from daq.events import Event
-from daq.settings import AcquisitionSettings
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
-from protocols.session.recovery import rebuild
-from tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
-from tui.console import Json, TimeScale, err, out, print_json
-from tui.software import SOFTWARE
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.daq.events import Event
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.recovery import rebuild
+from armodal.tui.acquire import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
+from armodal.tui.console import Json, TimeScale, err, out, print_json
+from armodal.tui.software import SOFTWARE
 
 __all__ = ["app", "show_event"]
 

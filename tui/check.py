@@ -10,13 +10,13 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from daq.check import BoardCheckOptions, Report, StepResult, Verdict, check_board, check_can
-from daq.clock import SystemClock
-from daq.serial_port import SerialPort
-from protocols.arm.files import load_arm
-from protocols.session.hdf5 import read_session
-from tui.check_session import session_checks
-from tui.console import Json, TimeScale, err, out, print_json, say
+from armodal.daq.check import BoardCheckOptions, Report, StepResult, Verdict, check_board, check_can
+from armodal.daq.clock import SystemClock
+from armodal.daq.serial_port import SerialPort
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.check_session import session_checks
+from armodal.tui.console import Json, TimeScale, err, out, print_json, say
 
 __all__ = ["app"]
 

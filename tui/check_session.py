@@ -6,10 +6,10 @@ from typing import Any
 
 from rich.table import Table
 
-from analyzer.arm.superset import Superset
-from analyzer.checks import check_session
-from analyzer.identification.identify import estimate_frfs
-from protocols.session.records import Session
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks import check_session
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.protocols.session.records import Session
 
 __all__ = ["session_checks"]
 

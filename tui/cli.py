@@ -10,34 +10,34 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from protocols.errors import ArmodalError, SessionError
-from tui.console import err
+from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.tui.console import err
 
 __all__ = ["app", "main"]
 
 USER_ERROR = 2
 # In the order of the help. The `app` of each module holds the command, or is a group of that name.
 MODULES = {
-    "demo": "tui.demo_command",
-    "sim": "tui.sim_command",
-    "acquire": "tui.capture_commands",
-    "run": "tui.run_command",
-    "recover": "tui.capture_commands",
-    "import": "tui.exchange",
-    "export": "tui.exchange",
-    "review": "tui.review.command",
-    "plan": "tui.arm_commands",
-    "mozzi": "tui.arm_commands",
-    "workspace": "tui.arm_commands",
-    "calibrate-inertia": "tui.arm_commands",
-    "reproduce": "tui.arm_commands",
-    "fit": "tui.session_commands",
-    "identify": "tui.session_commands",
-    "predict": "tui.session_commands",
-    "report": "tui.session_commands",
-    "gap": "tui.gap_commands",
-    "gap-study": "tui.gap_commands",
-    "check": "tui.check",
+    "demo": "armodal.tui.demo_command",
+    "sim": "armodal.tui.sim_command",
+    "acquire": "armodal.tui.capture_commands",
+    "run": "armodal.tui.run_command",
+    "recover": "armodal.tui.capture_commands",
+    "import": "armodal.tui.exchange",
+    "export": "armodal.tui.exchange",
+    "review": "armodal.tui.review.command",
+    "plan": "armodal.tui.arm_commands",
+    "mozzi": "armodal.tui.arm_commands",
+    "workspace": "armodal.tui.arm_commands",
+    "calibrate-inertia": "armodal.tui.arm_commands",
+    "reproduce": "armodal.tui.arm_commands",
+    "fit": "armodal.tui.session_commands",
+    "identify": "armodal.tui.session_commands",
+    "predict": "armodal.tui.session_commands",
+    "report": "armodal.tui.session_commands",
+    "gap": "armodal.tui.gap_commands",
+    "gap-study": "armodal.tui.gap_commands",
+    "check": "armodal.tui.check",
 }
 
 

@@ -10,8 +10,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from daq.clock import check_time_scale
-from tui.json_text import json_text
+from armodal.daq.clock import check_time_scale
+from armodal.tui.json_text import json_text
 
 __all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say"]
 

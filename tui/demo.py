@@ -9,24 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.records import GapResult
-from analyzer.gap.workflow import find_gap
-from analyzer.identification.identify import estimate_frfs, identify
-from analyzer.identification.records import AxisResult, Identification
-from analyzer.report import write_report
-from analyzer.screws import line_angle_rad, line_distance_m
-from daq.events import Event
-from daq.settings import AcquisitionSettings
-from hil_sim.lab import start_laboratory
-from hil_sim.ledger import AxisTruth, LedgerTruth, read_ledger
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
-from protocols.plan import load_plan
-from protocols.session.recovery import rebuild
-from tui.acquire import ScriptedOperator, acquire
-from tui.gap import gap_json, keep_gap
-from tui.results import identification_json
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.records import GapResult
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.analyzer.identification.identify import estimate_frfs, identify
+from armodal.analyzer.identification.records import AxisResult, Identification
+from armodal.analyzer.report import write_report
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.daq.events import Event
+from armodal.daq.settings import AcquisitionSettings
+from armodal.hil_sim.lab import start_laboratory
+from armodal.hil_sim.ledger import AxisTruth, LedgerTruth, read_ledger
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.recovery import rebuild
+from armodal.tui.acquire import ScriptedOperator, acquire
+from armodal.tui.gap import gap_json, keep_gap
+from armodal.tui.results import identification_json
 
 __all__ = ["run_demo"]
 

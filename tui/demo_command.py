@@ -8,12 +8,12 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from tui.capture_commands import show_event
-from tui.console import Json, TimeScale, out, print_json, say
-from tui.demo import DEMO_TIME_SCALE, run_demo
-from tui.gap import gap_tables
-from tui.results import identification_tables
-from tui.software import SOFTWARE
+from armodal.tui.capture_commands import show_event
+from armodal.tui.console import Json, TimeScale, out, print_json, say
+from armodal.tui.demo import DEMO_TIME_SCALE, run_demo
+from armodal.tui.gap import gap_tables
+from armodal.tui.results import identification_tables
+from armodal.tui.software import SOFTWARE
 
 __all__ = ["app"]
 

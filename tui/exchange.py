@@ -12,29 +12,29 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from analyzer.arm.superset import Superset
-from analyzer.given_frfs import with_variances
-from analyzer.identification.identify import estimate_frfs, identify
-from analyzer.identification.records import Identification
-from analyzer.modal import ModalModel, fit_modes
-from daq.blocks import CapturedBlock
-from daq.judge import channels_of, judge_record
-from protocols.arm.updated import JointValues, arm_text_with
-from protocols.arrays import frozen_array
-from protocols.board.records import BlockInfo
-from protocols.errors import EstimateError, ForeignFileError
-from protocols.foreign.export_uff import ExportedMode, posture_uff
-from protocols.foreign.import_session import import_session
-from protocols.foreign.manifest import load_manifest
-from protocols.foreign.mat import write_mat
-from protocols.foreign.uff_write import write_uff
-from protocols.session.hdf5 import Provenance, read_session, write_session
-from protocols.session.records import Hit, Session
-from tui.console import Json, out, print_json, say
-from tui.json_text import json_text
-from tui.output_file import check_output
-from tui.results import identification_json
-from tui.software import SOFTWARE
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.given_frfs import with_variances
+from armodal.analyzer.identification.identify import estimate_frfs, identify
+from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.modal import ModalModel, fit_modes
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.judge import channels_of, judge_record
+from armodal.protocols.arm.updated import JointValues, arm_text_with
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.board.records import BlockInfo
+from armodal.protocols.errors import EstimateError, ForeignFileError
+from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
+from armodal.protocols.foreign.import_session import import_session
+from armodal.protocols.foreign.manifest import load_manifest
+from armodal.protocols.foreign.mat import write_mat
+from armodal.protocols.foreign.uff_write import write_uff
+from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
+from armodal.protocols.session.records import Hit, Session
+from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.json_text import json_text
+from armodal.tui.output_file import check_output
+from armodal.tui.results import identification_json
+from armodal.tui.software import SOFTWARE
 
 __all__ = ["app", "export_model", "export_session", "import_manifest"]
 

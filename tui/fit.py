@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from analyzer.modal import (
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
     Stabilisation,
@@ -26,11 +26,11 @@ from analyzer.modal import (
     missing_mode_hints,
     real_modes,
 )
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfEstimator
-from protocols.plan_records import Averaging, Windows
-from protocols.session.records import Session
-from tui.json_text import plain
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfEstimator
+from armodal.protocols.plan_records import Averaging, Windows
+from armodal.protocols.session.records import Session
+from armodal.tui.json_text import plain
 
 __all__ = ["FitSettings", "fit_lines", "fit_session", "stable_poles"]
 

@@ -12,15 +12,15 @@ from typing import Any
 
 from rich.table import Table
 
-from analyzer.arm.same_parts import check_same_parts
-from analyzer.gap.add import added_effects, joint_estimates
-from analyzer.gap.records import GapResult, PostureGap, Verdict
-from analyzer.gap.workflow import GapOutcome
-from analyzer.report import gap_path, gap_to_json
-from protocols.arm.records import Arm
-from protocols.arm.rewrite import text_with_effects
-from protocols.errors import ArmError, SessionError
-from protocols.session.records import Session
+from armodal.analyzer.arm.same_parts import check_same_parts
+from armodal.analyzer.gap.add import added_effects, joint_estimates
+from armodal.analyzer.gap.records import GapResult, PostureGap, Verdict
+from armodal.analyzer.gap.workflow import GapOutcome
+from armodal.analyzer.report import gap_path, gap_to_json
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arm.rewrite import text_with_effects
+from armodal.protocols.errors import ArmError, SessionError
+from armodal.protocols.session.records import Session
 
 __all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "replace_text", "with_arm"]
 

@@ -11,24 +11,24 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from analyzer.gap.add import is_of_one_posture
-from analyzer.gap.workflow import GapOutcome, find_gap
-from analyzer.report import gap_page
-from hil_sim.study import MAGNITUDES, CaseSpec, draw_study, make_case
-from hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
-from protocols.arm.files import load_arm
-from protocols.errors import SessionError
-from protocols.session.hdf5 import read_session
-from tui.console import Json, out, print_json, say
-from tui.gap import check_arm_out, gap_json, gap_tables, keep_gap, replace_text, with_arm
-from tui.gap_curves import curve_rows, run_curves
-from tui.gap_lab import SimulatedLaboratory, run_loop
-from tui.gap_study import run_study, seal_hashes
-from tui.gap_study_page import study_page
-from tui.gap_study_summary import study_summary, study_tables
-from tui.idle_options import refuse_idle
-from tui.output_file import check_output
-from tui.worker_processes import worker_processes
+from armodal.analyzer.gap.add import is_of_one_posture
+from armodal.analyzer.gap.workflow import GapOutcome, find_gap
+from armodal.analyzer.report import gap_page
+from armodal.hil_sim.study import MAGNITUDES, CaseSpec, draw_study, make_case
+from armodal.hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.gap import check_arm_out, gap_json, gap_tables, keep_gap, replace_text, with_arm
+from armodal.tui.gap_curves import curve_rows, run_curves
+from armodal.tui.gap_lab import SimulatedLaboratory, run_loop
+from armodal.tui.gap_study import run_study, seal_hashes
+from armodal.tui.gap_study_page import study_page
+from armodal.tui.gap_study_summary import study_summary, study_tables
+from armodal.tui.idle_options import refuse_idle
+from armodal.tui.output_file import check_output
+from armodal.tui.worker_processes import worker_processes
 
 __all__ = ["app"]
 

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from analyzer.gap.score import mark
-from analyzer.gap.workflow import find_gap
-from hil_sim.study import CaseSpec, sealed
-from hil_sim.study.arms import study_arm
-from protocols.errors import ArmodalError
-from protocols.plan_records import Plan
-from tui.kept_lines import Line, kept_lines, run_and_keep
+from armodal.analyzer.gap.score import mark
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.hil_sim.study import CaseSpec, sealed
+from armodal.hil_sim.study.arms import study_arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.plan_records import Plan
+from armodal.tui.kept_lines import Line, kept_lines, run_and_keep
 
 __all__ = ["VARIED", "curve_rows", "levels_of", "reduced", "run_curves"]
 

@@ -8,21 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from analyzer.gap.advice import NARROWS, plan_text
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.hit_levels import middle_level
-from analyzer.gap.levels import any_level, weighed_anew
-from analyzer.gap.next_test import evidence_brought
-from analyzer.gap.possible_tests import possible_tests
-from analyzer.gap.records import GapResult, Verdict
-from analyzer.gap.score import instance_of_truth, mark
-from analyzer.gap.stages import with_test
-from analyzer.gap.weigh import Discrepancy
-from analyzer.gap.workflow import GapOutcome, find_gap
-from hil_sim.study import SealedCase
-from protocols.plan import plan_from_text
-from protocols.session.records import Session
-from tui.gap_lab import SimulatedLaboratory
+from armodal.analyzer.gap.advice import NARROWS, plan_text
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.hit_levels import middle_level
+from armodal.analyzer.gap.levels import any_level, weighed_anew
+from armodal.analyzer.gap.next_test import evidence_brought
+from armodal.analyzer.gap.possible_tests import possible_tests
+from armodal.analyzer.gap.records import GapResult, Verdict
+from armodal.analyzer.gap.score import instance_of_truth, mark
+from armodal.analyzer.gap.stages import with_test
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.workflow import GapOutcome, find_gap
+from armodal.hil_sim.study import SealedCase
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.records import Session
+from armodal.tui.gap_lab import SimulatedLaboratory
 
 __all__ = ["further", "nearer_first"]
 

@@ -11,16 +11,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from analyzer.gap.records import NextTest
-from analyzer.gap.workflow import GapOutcome, find_gap
-from hil_sim.study import KnownMass, SealedCase
-from protocols.arm.records import Arm
-from protocols.errors import SessionError
-from protocols.plan import plan_from_text
-from protocols.plan_records import Plan
-from protocols.session.hdf5 import read_session, write_session
-from protocols.session.records import Session
-from tui.gap import replace_text
+from armodal.analyzer.gap.records import NextTest
+from armodal.analyzer.gap.workflow import GapOutcome, find_gap
+from armodal.hil_sim.study import KnownMass, SealedCase
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import SessionError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.plan_records import Plan
+from armodal.protocols.session.hdf5 import read_session, write_session
+from armodal.protocols.session.records import Session
+from armodal.tui.gap import replace_text
 
 __all__ = ["ClosedLoop", "Laboratory", "SimulatedLaboratory", "run_loop"]
 

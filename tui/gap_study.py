@@ -16,24 +16,24 @@ from typing import Any
 
 import numpy as np
 
-from analyzer.gap.compare import posture_gap
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.held_out import held_out
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.score import (
+from armodal.analyzer.gap.compare import posture_gap
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.held_out import held_out
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.score import (
     instance_of_truth,
     mark,
     ordinary_beside,
     size_found,
     size_of_truth,
 )
-from analyzer.gap.workflow import GapOutcome, find_gap
-from hil_sim.study import CaseSpec, sealed
-from protocols.errors import ArmodalError
-from tui.gap_further import further
-from tui.kept_lines import Line, kept_lines, run_and_keep
-from tui.pace import pace
+from armodal.analyzer.gap.workflow import GapOutcome, find_gap
+from armodal.hil_sim.study import CaseSpec, sealed
+from armodal.protocols.errors import ArmodalError
+from armodal.tui.gap_further import further
+from armodal.tui.kept_lines import Line, kept_lines, run_and_keep
+from armodal.tui.pace import pace
 
 __all__ = ["run_case", "run_study", "seal_hashes"]
 

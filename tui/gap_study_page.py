@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from analyzer.gap.score import OUTCOMES
-from tui.pace import REFERENCE_S
+from armodal.analyzer.gap.score import OUTCOMES
+from armodal.tui.pace import REFERENCE_S
 
 __all__ = ["study_page"]
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from analyzer.gap.advice import NARROWS
-from analyzer.gap.score import OUTCOMES, rate
-from hil_sim.study.catalogue import MAGNITUDES
+from armodal.analyzer.gap.advice import NARROWS
+from armodal.analyzer.gap.score import OUTCOMES, rate
+from armodal.hil_sim.study.catalogue import MAGNITUDES
 
 __all__ = ["study_summary", "study_tables"]
 

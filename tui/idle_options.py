@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 import typer
 
-from protocols.errors import SessionError
+from armodal.protocols.errors import SessionError
 
 __all__ = ["refuse_idle"]
 

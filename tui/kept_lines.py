@@ -9,8 +9,8 @@ from concurrent.futures import Executor, Future, as_completed
 from pathlib import Path
 from typing import Any
 
-from protocols.errors import SessionError
-from tui.console import say
+from armodal.protocols.errors import SessionError
+from armodal.tui.console import say
 
 __all__ = ["Line", "kept_lines", "run_and_keep"]
 

@@ -9,15 +9,15 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
-from analyzer.screws import MozziAxis, Translation
-from analyzer.statics.deflection import Deflections, JointLine, deflect, joint_lines
-from analyzer.statics.ranking import rank_postures
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.meridian import meridian_plane
-from analyzer.workspace.postures import random_postures
-from analyzer.workspace.spectrum import elastic_joints
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.analyzer.screws import MozziAxis, Translation
+from armodal.analyzer.statics.deflection import Deflections, JointLine, deflect, joint_lines
+from armodal.analyzer.statics.ranking import rank_postures
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.meridian import meridian_plane
+from armodal.analyzer.workspace.postures import random_postures
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = [
     "Elbow",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from protocols.errors import SessionError
+from armodal.protocols.errors import SessionError
 
 __all__ = ["check_output"]
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from analyzer.identification.penalty_of_session import SessionPenalty, chosen_joints
-from analyzer.identification.records import Identification
-from protocols.arm.records import Arm
-from protocols.errors import EstimateError
+from armodal.analyzer.identification.penalty_of_session import SessionPenalty, chosen_joints
+from armodal.analyzer.identification.records import Identification
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["Method", "chosen_for", "penalty_json", "penalty_tables"]
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from analyzer.planning.selective import PlannedTest, SelectivePlan
-from protocols.errors import PlanError
-from protocols.plan import plan_from_text
-from tui.plan_tables import Beside
+from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import plan_from_text
+from armodal.tui.plan_tables import Beside
 
 __all__ = ["plan_json", "plan_text", "write_plan"]
 

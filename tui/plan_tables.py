@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
-from analyzer.planning.selective import PlannedTest, SelectivePlan
-from analyzer.planning.selectivity import worst_coupling
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.spectrum import ElasticJoints
-from protocols.arm.records import Arm
-from protocols.errors import PlanError
-from protocols.plan import load_plan, shipped_plans
-from protocols.plan_records import Plan
+from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
+from armodal.analyzer.planning.selectivity import worst_coupling
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import load_plan, shipped_plans
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["Beside", "other_plan", "plan_tables"]
 

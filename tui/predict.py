@@ -9,17 +9,17 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.prediction import (
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.prediction import (
     ModelScatter,
     PredictedModes,
     predict_modes,
     prediction_model_std,
 )
-from analyzer.identification.records import Identification
-from analyzer.identification.scatter import half_width_95
-from protocols.arm.records import Arm
-from tui.mozzi import checked_posture
+from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.identification.scatter import half_width_95
+from armodal.protocols.arm.records import Arm
+from armodal.tui.mozzi import checked_posture
 
 __all__ = ["Prediction", "predict_posture", "prediction_json", "prediction_tables"]
 

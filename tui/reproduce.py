@@ -10,13 +10,13 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from analyzer.calibration.from_file import calibrate_from_file
-from analyzer.reproduce.file_000 import figures_000
-from analyzer.reproduce.file_001 import figures_001
-from analyzer.reproduce.file_002 import figures_002
-from analyzer.reproduce.records import Figure, Status
-from protocols.arm.files import ARMS_DIRECTORY, load_arm
-from protocols.inertia_targets import load_inertia_targets
+from armodal.analyzer.calibration.from_file import calibrate_from_file
+from armodal.analyzer.reproduce.file_000 import figures_000
+from armodal.analyzer.reproduce.file_001 import figures_001
+from armodal.analyzer.reproduce.file_002 import figures_002
+from armodal.analyzer.reproduce.records import Figure, Status
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.inertia_targets import load_inertia_targets
 
 __all__ = ["figure_json", "figure_tables", "reproduce_papers"]
 

@@ -9,9 +9,9 @@ import numpy.typing as npt
 from rich import box
 from rich.table import Table
 
-from analyzer.identification.records import Identification
-from analyzer.identification.scatter import half_width_95
-from protocols.session.records import Session
+from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.identification.scatter import half_width_95
+from armodal.protocols.session.records import Session
 
 __all__ = ["identification_json", "identification_tables", "mode_json"]
 

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from tui.console import TimeScale
-from tui.run.command import run_app
-from tui.software import SOFTWARE
+from armodal.tui.console import TimeScale
+from armodal.tui.run.command import run_app
+from armodal.tui.software import SOFTWARE
 
 __all__ = ["app"]
 

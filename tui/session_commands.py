@@ -7,22 +7,22 @@ from typing import Annotated
 
 import typer
 
-from analyzer.identification.identify import identify
-from analyzer.identification.penalty_of_session import penalty_of_session
-from analyzer.report import gap_path, read_gap, write_report
-from protocols.errors import SessionError
-from protocols.frf_records import FrfEstimator
-from protocols.session.hdf5 import read_session
-from tui.arm_commands import comma_numbers
-from tui.console import Json, out, print_json, say
-from tui.fit import FitSettings, fit_lines, fit_session
-from tui.mozzi import checked_posture
-from tui.output_file import check_output
-from tui.penalty import Method, chosen_for, penalty_json, penalty_tables
-from tui.predict import predict_posture, prediction_json, prediction_tables
-from tui.results import identification_json, identification_tables
-from tui.review.picked_file import read_picked
-from tui.workspace import workspace_section
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.identification.penalty_of_session import penalty_of_session
+from armodal.analyzer.report import gap_path, read_gap, write_report
+from armodal.protocols.errors import SessionError
+from armodal.protocols.frf_records import FrfEstimator
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.arm_commands import comma_numbers
+from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.fit import FitSettings, fit_lines, fit_session
+from armodal.tui.mozzi import checked_posture
+from armodal.tui.output_file import check_output
+from armodal.tui.penalty import Method, chosen_for, penalty_json, penalty_tables
+from armodal.tui.predict import predict_posture, prediction_json, prediction_tables
+from armodal.tui.results import identification_json, identification_tables
+from armodal.tui.review.picked_file import read_picked
+from armodal.tui.workspace import workspace_section
 
 __all__ = ["app"]
 

@@ -11,11 +11,11 @@ from typing import Annotated
 
 import typer
 
-from hil_sim.broken_board import broken_board
-from hil_sim.broken_controller import broken_controller
-from hil_sim.lab import Laboratory, start_laboratory
-from hil_sim.relay import relayed
-from tui.console import Json, TimeScale, out
+from armodal.hil_sim.broken_board import broken_board
+from armodal.hil_sim.broken_controller import broken_controller
+from armodal.hil_sim.lab import Laboratory, start_laboratory
+from armodal.hil_sim.relay import relayed
+from armodal.tui.console import Json, TimeScale, out
 
 __all__ = ["app", "broken_lines"]
 

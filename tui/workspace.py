@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from analyzer.identification.records import Identification
-from analyzer.report import ReportSection
-from analyzer.workspace.spectrum import ElasticJoints, elastic_joints
-from analyzer.workspace.study import WorkspaceStudy
-from analyzer.workspace.survey import (
+from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.report import ReportSection
+from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints
+from armodal.analyzer.workspace.study import WorkspaceStudy
+from armodal.analyzer.workspace.survey import (
     WorkspaceSurvey,
     survey_arrays,
     survey_figures,
     survey_workspace,
 )
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
-from tui.console import progress as told_progress
-from tui.worker_processes import worker_processes
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
+from armodal.tui.console import progress as told_progress
+from armodal.tui.worker_processes import worker_processes
 
 __all__ = ["survey_to_files", "workspace_section", "workspace_table"]
 

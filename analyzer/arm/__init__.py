@@ -1,7 +1,7 @@
 """The arm as a dynamic model: rigid links by pinocchio, springs and axes put around them."""
 
-from analyzer.arm.reduced import ReducedModel, reduce_model
-from analyzer.arm.structure import Axis, Structure
-from analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.arm.reduced import ReducedModel, reduce_model
+from armodal.analyzer.arm.structure import Axis, Structure
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
 
 __all__ = ["Axis", "PostureDynamics", "ReducedModel", "Structure", "Superset", "reduce_model"]

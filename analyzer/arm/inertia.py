@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import Arm
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["moments_about_joints"]
 

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from analyzer.arm.structure import Structure
-from analyzer.arm.superset import PostureDynamics, Superset
-from protocols.errors import EstimateError
+from armodal.analyzer.arm.structure import Structure
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["ModelModes", "ReducedModel", "model_modes", "reduce_model", "selection"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = ["check_same_parts"]
 

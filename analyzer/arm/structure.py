@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import Arm
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["Axis", "Structure", "believed_structure"]
 

@@ -18,9 +18,9 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from protocols.arm.records import Arm, InertialLink
-from protocols.arrays import frozen_array
-from protocols.errors import ArmError
+from armodal.protocols.arm.records import Arm, InertialLink
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ArmError
 
 __all__ = ["PostureDynamics", "Superset"]
 

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from protocols.arm.records import InertialLink
+from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["N_NUMBERS", "BelievedBody", "moved_body"]
 

@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
-from analyzer.calibration.bodies import N_NUMBERS, BelievedBody, moved_body
-from analyzer.calibration.targets import Target
-from analyzer.workspace.batch import ArmBatch
-from protocols.arm.records import Arm, InertialLink
-from protocols.errors import EstimateError
+from armodal.analyzer.calibration.bodies import N_NUMBERS, BelievedBody, moved_body
+from armodal.analyzer.calibration.targets import Target
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.protocols.arm.records import Arm, InertialLink
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["Calibration", "calibrate_inertia"]
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from analyzer.calibration.bodies import BelievedBody
-from analyzer.calibration.calibrate import Calibration, calibrate_inertia
-from analyzer.calibration.targets import (
+from armodal.analyzer.calibration.bodies import BelievedBody
+from armodal.analyzer.calibration.calibrate import Calibration, calibrate_inertia
+from armodal.analyzer.calibration.targets import (
     FrequencyTarget,
     MomentTarget,
     Target,
     TotalMassTarget,
     ZeroTarget,
 )
-from analyzer.workspace.spectrum import elastic_joints
-from protocols.arm.records import Arm
-from protocols.inertia_targets import InertiaTargetsFile, ModesTable
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.inertia_targets import InertiaTargetsFile, ModesTable
 
 __all__ = ["calibrate_from_file", "modes_target"]
 

@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
-from protocols.errors import EstimateError
+from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["FrequencyTarget", "MomentTarget", "Target", "TotalMassTarget", "ZeroTarget"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.checks.records import Fault
-from analyzer.checks.rigid_statistics import Relaxed, RigidFit, fit_relaxed
-from analyzer.checks.sensor_hypotheses import Hypothesis
+from armodal.analyzer.checks.records import Fault
+from armodal.analyzer.checks.rigid_statistics import Relaxed, RigidFit, fit_relaxed
+from armodal.analyzer.checks.sensor_hypotheses import Hypothesis
 
 __all__ = ["Candidate", "describe", "discrete", "relaxed"]
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.checks.candidates import Candidate, describe
-from analyzer.checks.records import Finding, Outcome
+from armodal.analyzer.checks.candidates import Candidate, describe
+from armodal.analyzer.checks.records import Finding, Outcome
 
 __all__ = [
     "ADEQUATE",

@@ -20,9 +20,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from analyzer.checks.records import Fault, Finding, Outcome
-from analyzer.modal.windows import laplace_lines
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.checks.records import Fault, Finding, Outcome
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["driving_point"]
 

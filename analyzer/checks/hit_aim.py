@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.checks.modal_basis import modal_basis, real_lines
+from armodal.analyzer.checks.modal_basis import modal_basis, real_lines
 
 __all__ = ["aim_patterns"]
 

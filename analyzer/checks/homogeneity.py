@@ -23,8 +23,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import special
 
-from analyzer.checks.modal_basis import modal_basis, real_lines
-from analyzer.checks.records import Fault, Finding, Outcome
+from armodal.analyzer.checks.modal_basis import modal_basis, real_lines
+from armodal.analyzer.checks.records import Fault, Finding, Outcome
 
 __all__ = ["homogeneity"]
 

@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER
-from analyzer.checks.hit_aim import aim_patterns
-from analyzer.checks.records import Finding, Outcome
-from analyzer.checks.rigid_design import Assembly, rigid_design
-from analyzer.checks.rigid_link import RigidLinkResult, rigid_link
-from analyzer.checks.rigid_statistics import OrdinaryErrors, statistics
-from analyzer.modal.noise import independent_line_share
-from analyzer.modal.windows import laplace_lines
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER
+from armodal.analyzer.checks.hit_aim import aim_patterns
+from armodal.analyzer.checks.records import Finding, Outcome
+from armodal.analyzer.checks.rigid_design import Assembly, rigid_design
+from armodal.analyzer.checks.rigid_link import RigidLinkResult, rigid_link
+from armodal.analyzer.checks.rigid_statistics import OrdinaryErrors, statistics
+from armodal.analyzer.modal.noise import independent_line_share
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["POSITION_STD_M", "check_links", "ordinary_errors"]
 

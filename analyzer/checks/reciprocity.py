@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.checks.records import Fault, Finding, Outcome
-from protocols.frf_records import Dof, FrequencyResponse
+from armodal.analyzer.checks.records import Fault, Finding, Outcome
+from armodal.protocols.frf_records import Dof, FrequencyResponse
 
 __all__ = ["reciprocity"]
 

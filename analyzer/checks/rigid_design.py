@@ -15,8 +15,8 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import PostureDynamics, Superset
-from protocols.arrays import frozen_array
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Assembly", "RigidDesign", "rigid_design"]
 

@@ -12,19 +12,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.checks.candidates import Candidate, discrete, relaxed
-from analyzer.checks.decision import CLEARLY_BETTER, and_besides, decide
-from analyzer.checks.records import Fault, Finding
-from analyzer.checks.rigid_design import RigidDesign
-from analyzer.checks.rigid_statistics import (
+from armodal.analyzer.checks.candidates import Candidate, discrete, relaxed
+from armodal.analyzer.checks.decision import CLEARLY_BETTER, and_besides, decide
+from armodal.analyzer.checks.records import Fault, Finding
+from armodal.analyzer.checks.rigid_design import RigidDesign
+from armodal.analyzer.checks.rigid_statistics import (
     OrdinaryErrors,
     RigidFit,
     RigidStatistics,
     fit_rigid,
     screen,
 )
-from analyzer.checks.sensor_hypotheses import Hypothesis, hypotheses
-from protocols.arrays import frozen_array
+from armodal.analyzer.checks.sensor_hypotheses import Hypothesis, hypotheses
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["PointSight", "RigidLinkResult", "rigid_link"]
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
+from armodal.protocols.arrays import frozen_array
 
 __all__ = [
     "OrdinaryErrors",

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analyzer.checks.candidates import Candidate, describe
-from analyzer.checks.decision import CLEARLY_BETTER, CONTINUOUS_BAR, RIVAL_WITHIN
-from analyzer.checks.records import Fault, Finding, Outcome
-from analyzer.checks.rigid_link import RigidLinkResult
+from armodal.analyzer.checks.candidates import Candidate, describe
+from armodal.analyzer.checks.decision import CLEARLY_BETTER, CONTINUOUS_BAR, RIVAL_WITHIN
+from armodal.analyzer.checks.records import Fault, Finding, Outcome
+from armodal.analyzer.checks.rigid_link import RigidLinkResult
 
 __all__ = ["sensor_verdict"]
 

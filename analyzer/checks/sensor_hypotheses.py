@@ -8,8 +8,8 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.checks.records import Fault
-from protocols.arrays import frozen_array
+from armodal.analyzer.checks.records import Fault
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Hypothesis", "axis_text", "hypotheses", "signed_permutations"]
 

@@ -7,20 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.checks.driving_point import driving_point
-from analyzer.checks.homogeneity import homogeneity
-from analyzer.checks.links import check_links
-from analyzer.checks.reciprocity import reciprocity
-from analyzer.checks.records import Finding, Outcome
-from analyzer.checks.rigid_link import RigidLinkResult
-from analyzer.checks.sensor import sensor_verdict
-from analyzer.modal import convert_form, fit_modes, hit_frfs, hit_spectra
-from analyzer.modal.windows import laplace_lines
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfForm
-from protocols.plan_records import Mode
-from protocols.session.records import Session
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks.driving_point import driving_point
+from armodal.analyzer.checks.homogeneity import homogeneity
+from armodal.analyzer.checks.links import check_links
+from armodal.analyzer.checks.reciprocity import reciprocity
+from armodal.analyzer.checks.records import Finding, Outcome
+from armodal.analyzer.checks.rigid_link import RigidLinkResult
+from armodal.analyzer.checks.sensor import sensor_verdict
+from armodal.analyzer.modal import convert_form, fit_modes, hit_frfs, hit_spectra
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.protocols.plan_records import Mode
+from armodal.protocols.session.records import Session
 
 __all__ = ["check_session"]
 

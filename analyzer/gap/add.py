@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.records import EffectFound, GapResult
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
-from protocols.errors import ArmError
+from armodal.analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.records import EffectFound, GapResult
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
+from armodal.protocols.errors import ArmError
 
 __all__ = [
     "added_effects",

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.middle_hits import either_slips
-from analyzer.gap.next_test import hidden_rival, proposed
-from analyzer.gap.possible_tests import Test
-from analyzer.gap.records import NextTest
-from analyzer.gap.scan import Candidate
-from analyzer.gap.without_levels import hits_at_levels, is_alike
-from protocols.arm.records import Arm
-from protocols.errors import PlanError
-from protocols.plan_records import Plan, PlannedPosture
-from protocols.plan_rewrite import text_with_posture
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.middle_hits import either_slips
+from armodal.analyzer.gap.next_test import hidden_rival, proposed
+from armodal.analyzer.gap.possible_tests import Test
+from armodal.analyzer.gap.records import NextTest
+from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.without_levels import hits_at_levels, is_alike
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan_records import Plan, PlannedPosture
+from armodal.protocols.plan_rewrite import text_with_posture
 
 __all__ = ["NARROWS", "Advice", "advise", "plan_text"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.fit import Fit, Stage
 
 __all__ = ["notes_on_aims"]
 

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.geometry import PostureGeometry, skew
-from analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.geometry import PostureGeometry, skew
+from armodal.analyzer.gap.lines import PostureLines
 
 __all__ = ["BASE", "Assembly", "Pieces", "System", "spatial_inertia"]
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.library import all_instances
-from analyzer.gap.looks import goes_with, most_promising
-from analyzer.gap.scan import scan_instances
-from analyzer.gap.starts import WORTH_BROAD, first_steps
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.looks import goes_with, most_promising
+from armodal.analyzer.gap.scan import scan_instances
+from armodal.analyzer.gap.starts import WORTH_BROAD, first_steps
 
 __all__ = ["promising_by_level"]
 

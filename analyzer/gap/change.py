@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import System
-from analyzer.gap.response import Response, of_hits, real_times
+from armodal.analyzer.gap.assembly import System
+from armodal.analyzer.gap.response import Response, of_hits, real_times
 
 __all__ = ["Change", "by_change"]
 

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from analyzer.gap.assembly import System
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.records import Disagreement, ModeMatch, PostureGap
-from analyzer.gap.response import hysteresis
-from analyzer.modal.correlation import mac
-from analyzer.modal.modes import ModalModel
+from armodal.analyzer.gap.assembly import System
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
+from armodal.analyzer.gap.response import hysteresis
+from armodal.analyzer.modal.correlation import mac
+from armodal.analyzer.modal.modes import ModalModel
 
 __all__ = ["disagreement_map", "match_modes", "posture_gap"]
 

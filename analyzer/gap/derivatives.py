@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import BASE, Assembly
-from analyzer.gap.change import Change, by_change
-from analyzer.gap.geometry import GeometrySlopes
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.moved_otherwise import by_motion, by_slopes
-from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.response import Response, as_single, hysteresis, respond
-from analyzer.gap.space import Space
-from analyzer.gap.systems import angle_slopes, motion_slopes, systems
+from armodal.analyzer.gap.assembly import BASE, Assembly
+from armodal.analyzer.gap.change import Change, by_change
+from armodal.analyzer.gap.geometry import GeometrySlopes
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.moved_otherwise import by_motion, by_slopes
+from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.response import Response, as_single, hysteresis, respond
+from armodal.analyzer.gap.space import Space
+from armodal.analyzer.gap.systems import angle_slopes, motion_slopes, systems
 
 __all__ = ["Solved"]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from analyzer.gap.hit_levels import has_levels
-from analyzer.gap.stages import FEWEST_POSTURES
-from protocols.errors import EstimateError
-from protocols.plan_records import Mode
-from protocols.session.records import Hit, Session
+from armodal.analyzer.gap.hit_levels import has_levels
+from armodal.analyzer.gap.stages import FEWEST_POSTURES
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan_records import Mode
+from armodal.protocols.session.records import Hit, Session
 
 __all__ = ["check_enough", "check_tests", "notes_on"]
 

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.box import least_in_box
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.posed import PosedModel, Postures
-from analyzer.gap.space import Space
-from analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.box import least_in_box
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.posed import PosedModel, Postures
+from armodal.analyzer.gap.space import Space
+from armodal.analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
 
 __all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
 
 __all__ = ["GeometryNear", "GeometrySlopes", "PostureGeometry", "skew"]
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
 
 __all__ = ["HeldOut", "held_out"]
 

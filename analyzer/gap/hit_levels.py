@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from protocols.session.records import Hit, Session
+from armodal.protocols.session.records import Hit, Session
 
 __all__ = [
     "at_levels",

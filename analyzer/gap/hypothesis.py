@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Space
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Space
 
 __all__ = ["Hypothesis"]
 

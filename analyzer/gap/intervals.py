@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import special
 
-from analyzer.gap.fit import Fit
-from analyzer.gap.records import Interval
+from armodal.analyzer.gap.fit import Fit
+from armodal.analyzer.gap.records import Interval
 
 __all__ = ["ONE_SIDED_95", "TWO_SIDED_95", "intervals"]
 

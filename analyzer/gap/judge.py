@@ -14,11 +14,11 @@ from itertools import zip_longest
 
 import numpy as np
 
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.shared import is_shared
-from protocols.arm.records import Joint
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.shared import is_shared
+from armodal.protocols.arm.records import Joint
 
 __all__ = [
     "SURELY_BY_LEVEL",

@@ -12,13 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects.level import any_change
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.lines import PostureLines, scatter
-from analyzer.gap.scan import scan_instances
-from analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects.level import any_change
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.lines import PostureLines, scatter
+from armodal.analyzer.gap.scan import scan_instances
+from armodal.analyzer.gap.weigh import Discrepancy
 
 __all__ = ["any_level", "told_apart", "weighed_anew"]
 

@@ -7,9 +7,9 @@ import pkgutil
 from collections.abc import Callable
 from functools import lru_cache
 
-from analyzer.gap import effects
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap import effects
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["all_instances"]
 

@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.hit_levels import has_levels, soft_and_hard, weight_factors
-from analyzer.modal.frf import posture_frf
-from analyzer.modal.noise import smooth_lines
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfForm
-from protocols.plan_records import KnownMass
-from protocols.session.records import Hit, Session
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.hit_levels import has_levels, soft_and_hard, weight_factors
+from armodal.analyzer.modal.frf import posture_frf
+from armodal.analyzer.modal.noise import smooth_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.session.records import Hit, Session
 
 __all__ = [
     "Annealing",

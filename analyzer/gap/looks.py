@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.library import all_instances
-from analyzer.gap.scan import Candidate, scan_axes, scan_instances
-from analyzer.gap.scan_dampers import scan_dampers
-from analyzer.gap.scan_postures import scan_compensators
-from analyzer.gap.sensors import scan_sensors
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.scan import Candidate, scan_axes, scan_instances
+from armodal.analyzer.gap.scan_dampers import scan_dampers
+from armodal.analyzer.gap.scan_postures import scan_compensators
+from armodal.analyzer.gap.sensors import scan_sensors
 
 __all__ = ["goes_with", "look_at_all", "look_at_others", "most_promising"]
 

@@ -23,14 +23,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy import special
 
-from analyzer.gap.effects import friction, microslip, softening
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.effects.level import any_bow
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged
-from analyzer.gap.levels import weighed_anew
-from analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.effects import friction, microslip, softening
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.effects.level import any_bow
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged
+from armodal.analyzer.gap.levels import weighed_anew
+from armodal.analyzer.gap.weigh import Discrepancy
 
 __all__ = ["Bow", "bow_of", "either_slips", "told_by_bow", "told_by_hits_between"]
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.response import Response, of_hits, real_times
-from analyzer.gap.systems import MotionSlopes, Slopes
+from armodal.analyzer.gap.response import Response, of_hits, real_times
+from armodal.analyzer.gap.systems import MotionSlopes, Slopes
 
 __all__ = ["by_motion", "by_slopes"]
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analyzer.gap.effects import sensor_axes
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.held_out import HeldOut
-from analyzer.gap.judge import Judged, Thresholds, is_as_good
-from analyzer.gap.library import all_instances
-from analyzer.gap.starts import spread_of, taken_out
+from armodal.analyzer.gap.effects import sensor_axes
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.held_out import HeldOut
+from armodal.analyzer.gap.judge import Judged, Thresholds, is_as_good
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.starts import spread_of, taken_out
 
 __all__ = ["Step", "with_step"]
 

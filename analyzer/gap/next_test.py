@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.possible_tests import Doable, Test, possible_tests
-from analyzer.gap.scan import Candidate
-from analyzer.gap.space import Parameter, Space
-from analyzer.gap.weigh import Discrepancy, Weighing, summed
-from protocols.arm.records import Tolerances
+from armodal.analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.possible_tests import Doable, Test, possible_tests
+from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.weigh import Discrepancy, Weighing, summed
+from armodal.protocols.arm.records import Tolerances
 
 __all__ = [
     "evidence_brought",

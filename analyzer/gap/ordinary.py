@@ -15,13 +15,13 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.assembly import Assembly, spatial_inertia
-from analyzer.gap.geometry import PostureGeometry
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.space import Parameter
-from protocols.arm.records import Arm, Estimate
-from protocols.arrays import frozen_array
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.assembly import Assembly, spatial_inertia
+from armodal.analyzer.gap.geometry import PostureGeometry
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.space import Parameter
+from armodal.protocols.arm.records import Arm, Estimate
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Ordinary", "across"]
 

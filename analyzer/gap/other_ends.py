@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
-from analyzer.gap.library import all_instances
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.library import all_instances
 
 __all__ = ["other_ends"]
 

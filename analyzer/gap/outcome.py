@@ -8,17 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from analyzer.gap.advice import Advice, advise
-from analyzer.gap.aims import notes_on_aims
-from analyzer.gap.compare import disagreement_map, posture_gap
-from analyzer.gap.dispersion import dispersion
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.held_out import HeldOut, held_out
-from analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
-from analyzer.gap.judge import Judged, Thresholds, misfit_per_line
-from analyzer.gap.looks import look_at_others
-from analyzer.gap.named_step import Step
-from analyzer.gap.records import (
+from armodal.analyzer.gap.advice import Advice, advise
+from armodal.analyzer.gap.aims import notes_on_aims
+from armodal.analyzer.gap.compare import disagreement_map, posture_gap
+from armodal.analyzer.gap.dispersion import dispersion
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.held_out import HeldOut, held_out
+from armodal.analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
+from armodal.analyzer.gap.judge import Judged, Thresholds, misfit_per_line
+from armodal.analyzer.gap.looks import look_at_others
+from armodal.analyzer.gap.named_step import Step
+from armodal.analyzer.gap.records import (
     Disagreement,
     EffectFound,
     GapResult,
@@ -29,15 +29,15 @@ from analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from analyzer.gap.rivals import Rivals
-from analyzer.gap.scan import Candidate, scan_axes
-from analyzer.gap.verdict import verdict_of
-from analyzer.gap.without_levels import titles
-from analyzer.modal.fit import fit_modes
-from analyzer.modal.modes import ModalModel
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
-from protocols.plan_records import Plan
+from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.scan import Candidate, scan_axes
+from armodal.analyzer.gap.verdict import verdict_of
+from armodal.analyzer.gap.without_levels import titles
+from armodal.analyzer.modal.fit import fit_modes
+from armodal.analyzer.modal.modes import ModalModel
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["GapOutcome", "conclude", "notes_on_its_end"]
 

@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.assembly import Assembly, System
-from analyzer.gap.derivatives import Solved
-from analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.response import Response, respond
-from analyzer.gap.space import Space
-from analyzer.gap.systems import stacked_slopes, systems
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.assembly import Assembly, System
+from armodal.analyzer.gap.derivatives import Solved
+from armodal.analyzer.gap.geometry import GeometryNear, GeometrySlopes, PostureGeometry
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.response import Response, respond
+from armodal.analyzer.gap.space import Space
+from armodal.analyzer.gap.systems import stacked_slopes, systems
 
 __all__ = ["PosedModel", "Postures"]
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.lines import PostureLines
-from protocols.plan_records import KnownMass
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.protocols.plan_records import KnownMass
 
 __all__ = ["Doable", "Test", "possible_tests"]
 

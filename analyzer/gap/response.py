@@ -32,8 +32,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import System
-from analyzer.gap.geometry import skew
+from armodal.analyzer.gap.assembly import System
+from armodal.analyzer.gap.geometry import skew
 
 __all__ = ["Response", "as_single", "hysteresis", "of_hits", "real_times", "respond"]
 

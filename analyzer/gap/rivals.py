@@ -14,15 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analyzer.gap.by_level import promising_by_level
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import is_plainer, misfit_per_line
-from analyzer.gap.looks import look_at_all, look_at_others, most_promising
-from analyzer.gap.other_ends import other_ends
-from analyzer.gap.scan import Candidate
-from analyzer.gap.starts import (
+from armodal.analyzer.gap.by_level import promising_by_level
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import is_plainer, misfit_per_line
+from armodal.analyzer.gap.looks import look_at_all, look_at_others, most_promising
+from armodal.analyzer.gap.other_ends import other_ends
+from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.starts import (
     BEHIND,
     FIRST_STEPS,
     WORTH_BROAD,

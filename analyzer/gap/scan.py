@@ -19,15 +19,15 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects import link_axis
-from analyzer.gap.effects.compliance import compliance_parameter
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.space import Parameter, Space
-from analyzer.gap.weigh import summed
-from protocols.arrays import frozen_array
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.weigh import summed
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Candidate", "beside", "scan_axes", "scan_instances"]
 

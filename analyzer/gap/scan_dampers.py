@@ -17,13 +17,13 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.effects import nonproportional
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.effects.nonproportional import FLOOR
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.geometry import PostureGeometry
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.effects import nonproportional
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.effects.nonproportional import FLOOR
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.geometry import PostureGeometry
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.scan import Candidate
 
 __all__ = ["scan_dampers"]
 

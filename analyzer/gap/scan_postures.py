@@ -12,10 +12,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.effects import gravity_compensator
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.effects import gravity_compensator
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.scan import Candidate
 
 __all__ = ["scan_compensators"]
 

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from analyzer.gap.effects import channel_gain, link_axis
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.records import EffectFound, GapResult, Verdict
+from armodal.analyzer.gap.effects import channel_gain, link_axis
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.records import EffectFound, GapResult, Verdict
 
 __all__ = [
     "Marked",

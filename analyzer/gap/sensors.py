@@ -15,13 +15,13 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.effects import channel_gain, sensor_axes, wrong_point
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Stage
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.posed import Postures
-from analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.effects import channel_gain, sensor_axes, wrong_point
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Stage
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.posed import Postures
+from armodal.analyzer.gap.scan import Candidate
 
 __all__ = ["scan_sensors"]
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.fit import Fit, Stage
 
 __all__ = ["is_shared", "mountings_worth"]
 

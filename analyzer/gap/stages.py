@@ -7,24 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.arm.reduced import model_modes, reduce_model
-from analyzer.arm.same_parts import check_same_parts
-from analyzer.arm.structure import believed_structure
-from analyzer.arm.superset import Superset
-from analyzer.gap.fit import Stage, models_of
-from analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
-from analyzer.gap.lines import (
+from armodal.analyzer.arm.reduced import model_modes, reduce_model
+from armodal.analyzer.arm.same_parts import check_same_parts
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.fit import Stage, models_of
+from armodal.analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
+from armodal.analyzer.gap.lines import (
     Annealing,
     PostureLines,
     lines_at_levels,
     own_lines,
     shifted_lines,
 )
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.weigh import Discrepancy
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
-from protocols.session.records import Session
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.records import Session
 
 __all__ = [
     "FEWEST_POSTURES",

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.gap.effects import link_axis
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.effects.long_link import long_links
-from analyzer.gap.fit import TOLERANCE, Fit, Stage, better_start, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.library import all_instances
-from analyzer.gap.looks import goes_with, look_at_all, most_promising
-from analyzer.gap.ordinary import Ordinary, across
-from analyzer.gap.scan import Candidate, beside
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.effects.long_link import long_links
+from armodal.analyzer.gap.fit import TOLERANCE, Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.looks import goes_with, look_at_all, most_promising
+from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.scan import Candidate, beside
 
 __all__ = [
     "BEHIND",

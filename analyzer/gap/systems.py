@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly, Pieces, System
-from analyzer.gap.geometry import GeometrySlopes, skew
+from armodal.analyzer.gap.assembly import Assembly, Pieces, System
+from armodal.analyzer.gap.geometry import GeometrySlopes, skew
 
 __all__ = [
     "MotionSlopes",

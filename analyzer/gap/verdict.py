@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from analyzer.gap.compare import posture_gap
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.judge import (
+from armodal.analyzer.gap.compare import posture_gap
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.judge import (
     SURELY_BY_LEVEL,
     Judged,
     Thresholds,
@@ -18,8 +18,8 @@ from analyzer.gap.judge import (
     one_mechanism,
     outside_misfit,
 )
-from analyzer.gap.records import Verdict
-from analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.rivals import Rivals
 
 __all__ = ["verdict_of"]
 

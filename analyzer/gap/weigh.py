@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.lines import PostureLines
-from protocols.arm.records import Tolerances
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.protocols.arm.records import Tolerances
 
 __all__ = ["Discrepancy", "Quadratic", "Weighing", "costs_of", "summed"]
 

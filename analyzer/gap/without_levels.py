@@ -13,16 +13,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.arm.same_parts import check_same_parts
-from analyzer.gap.effects.level import COVERED
-from analyzer.gap.enough import check_enough
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.hit_levels import has_levels
-from analyzer.gap.records import NextTest
-from protocols.errors import EstimateError
-from protocols.plan_records import Plan
-from protocols.plan_rewrite import text_with_peaks
-from protocols.session.records import Session
+from armodal.analyzer.arm.same_parts import check_same_parts
+from armodal.analyzer.gap.effects.level import COVERED
+from armodal.analyzer.gap.enough import check_enough
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.hit_levels import has_levels
+from armodal.analyzer.gap.records import NextTest
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan_records import Plan
+from armodal.protocols.plan_rewrite import text_with_peaks
+from armodal.protocols.session.records import Session
 
 __all__ = ["LEVELS_NEEDED", "first_with_levels", "hits_at_levels", "is_alike", "titles"]
 

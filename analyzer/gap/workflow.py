@@ -8,15 +8,15 @@ from functools import partial
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from analyzer.checks.session import check_session
-from analyzer.gap.add import instances_of_file
-from analyzer.gap.enough import check_enough, check_tests, notes_on
-from analyzer.gap.fit import Fit, Stage
-from analyzer.gap.held_out import held_out
-from analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import (
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks.session import check_session
+from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.enough import check_enough, check_tests, notes_on
+from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.held_out import held_out
+from armodal.analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import (
     SURELY_BY_LEVEL,
     Judged,
     Thresholds,
@@ -28,22 +28,22 @@ from analyzer.gap.judge import (
     outside_misfit,
     scale,
 )
-from analyzer.gap.levels import told_apart
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.middle_hits import told_by_hits_between
-from analyzer.gap.named_step import Step, with_step
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.outcome import GapOutcome, conclude
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.records import Gate
-from analyzer.gap.rivals import Rivals, find_rivals
-from analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
-from analyzer.gap.weigh import Discrepancy
-from analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
-from analyzer.identification.identify import estimate_frfs
-from protocols.frf_records import FrequencyResponse
-from protocols.plan_records import Mode, Plan
-from protocols.session.records import Session
+from armodal.analyzer.gap.levels import told_apart
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.middle_hits import told_by_hits_between
+from armodal.analyzer.gap.named_step import Step, with_step
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.outcome import GapOutcome, conclude
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.records import Gate
+from armodal.analyzer.gap.rivals import Rivals, find_rivals
+from armodal.analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.plan_records import Mode, Plan
+from armodal.protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
 

@@ -7,21 +7,21 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.structure import Axis
-from analyzer.arm.superset import Superset
-from analyzer.identification.frf_fit import FrfFit
-from analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
-from analyzer.identification.prediction import PredictedModes
-from analyzer.identification.records import AxisResult, LineReading, MozziOfMode
-from analyzer.identification.structural import (
+from armodal.analyzer.arm.structure import Axis
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.frf_fit import FrfFit
+from armodal.analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
+from armodal.analyzer.identification.prediction import PredictedModes
+from armodal.analyzer.identification.records import AxisResult, LineReading, MozziOfMode
+from armodal.analyzer.identification.structural import (
     STRUCTURAL_SHARE,
     moment_about,
     mozzi_of_shape,
     to_link,
     triplets_of_shape,
 )
-from analyzer.screws import line_angle_rad, line_distance_m
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["axis_results"]
 

@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.structure import Axis, Structure
-from analyzer.arm.superset import Superset
-from analyzer.identification.frf_fit import FrfFit, fit_frfs
-from analyzer.identification.frf_model import PostureData
-from analyzer.identification.mode_fit import MeasuredModes, fit_to_frequencies
-from analyzer.identification.parameters import FitState
-from analyzer.identification.structural import moment_about, mozzi_of_shape, to_link
-from protocols.errors import EstimateError
+from armodal.analyzer.arm.structure import Axis, Structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
+from armodal.analyzer.identification.frf_model import PostureData
+from armodal.analyzer.identification.mode_fit import MeasuredModes, fit_to_frequencies
+from armodal.analyzer.identification.parameters import FitState
+from armodal.analyzer.identification.structural import moment_about, mozzi_of_shape, to_link
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["axis_starts", "best_axis_fit", "start_state"]
 

@@ -17,16 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
-from analyzer.identification.parameters import (
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
+from armodal.analyzer.identification.parameters import (
     FitState,
     ParameterNames,
     parameter_vector,
     step_state,
 )
-from analyzer.identification.scatter import ParameterScatter
-from protocols.errors import EstimateError
+from armodal.analyzer.identification.scatter import ParameterScatter
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["FrfFit", "fit_frfs", "line_weights", "normal_equations"]
 

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.reduced import selection
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.identification.parameters import FitState, axis_frame
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.arm.reduced import selection
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.identification.parameters import FitState, axis_frame
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["PostureData", "posture_data", "predict", "predict_with_derivatives"]
 

@@ -8,33 +8,33 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.structure import Structure, believed_structure
-from analyzer.arm.superset import Superset
-from analyzer.identification.axis_results import axis_results
-from analyzer.identification.axis_search import best_axis_fit, start_state
-from analyzer.identification.frf_fit import FrfFit, fit_frfs
-from analyzer.identification.frf_model import PostureData, posture_data
-from analyzer.identification.mode_fit import (
+from armodal.analyzer.arm.structure import Structure, believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.axis_results import axis_results
+from armodal.analyzer.identification.axis_search import best_axis_fit, start_state
+from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
+from armodal.analyzer.identification.frf_model import PostureData, posture_data
+from armodal.analyzer.identification.mode_fit import (
     MeasuredModes,
     fit_to_frequencies,
 )
-from analyzer.identification.model_error import model_error_std, model_moves
-from analyzer.identification.prediction import predict_modes, roving_mass
-from analyzer.identification.records import (
+from armodal.analyzer.identification.model_error import model_error_std, model_moves
+from armodal.analyzer.identification.prediction import predict_modes, roving_mass
+from armodal.analyzer.identification.records import (
     Identification,
 )
-from analyzer.identification.result_rows import (
+from armodal.analyzer.identification.result_rows import (
     UNEXPLAINED,
     fit_notes,
     joint_results,
     mode_results,
     validation_results,
 )
-from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from analyzer.modal import ModalModel, fit_modes, fit_modes_at, posture_frf
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
-from protocols.session.records import Session
+from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at, posture_frf
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.records import Session
 
 __all__ = ["estimate_frfs", "identify"]
 

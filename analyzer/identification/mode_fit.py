@@ -15,12 +15,12 @@ import numpy.typing as npt
 import scipy.linalg
 import scipy.optimize
 
-from analyzer.arm.reduced import ReducedModel, reduce_model
-from analyzer.arm.structure import Structure
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.modal import ModalModel, Mode
-from protocols.errors import EstimateError
-from protocols.frf_records import Dof
+from armodal.analyzer.arm.reduced import ReducedModel, reduce_model
+from armodal.analyzer.arm.structure import Structure
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.modal import ModalModel, Mode
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import Dof
 
 __all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape", "shape_at"]
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.frf_fit import FrfFit, line_weights
-from analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
-from protocols.arm.records import Arm, InertialLink
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.frf_fit import FrfFit, line_weights
+from armodal.analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
+from armodal.protocols.arm.records import Arm, InertialLink
 
 __all__ = ["STEP", "ModelMove", "model_error_std", "model_moves"]
 

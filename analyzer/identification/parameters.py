@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.structure import Axis, Structure
-from protocols.arm.records import Arm, Tolerances
+from armodal.analyzer.arm.structure import Axis, Structure
+from armodal.protocols.arm.records import Arm, Tolerances
 
 __all__ = ["FitState", "ParameterNames", "axis_frame", "step_state"]
 

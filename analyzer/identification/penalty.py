@@ -20,11 +20,11 @@ import numpy.typing as npt
 import scipy.linalg
 import scipy.optimize
 
-from analyzer.arm.reduced import reduce_model
-from analyzer.arm.structure import Structure
-from analyzer.arm.superset import Superset
-from analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
-from protocols.errors import EstimateError
+from armodal.analyzer.arm.reduced import reduce_model
+from armodal.analyzer.arm.structure import Structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["PairedMode", "PenaltyFit", "fit_by_penalty"]
 

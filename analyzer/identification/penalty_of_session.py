@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analyzer.arm.structure import believed_structure
-from analyzer.arm.superset import Superset
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.penalty import PenaltyFit, fit_by_penalty
-from analyzer.identification.prediction import roving_mass
-from analyzer.identification.records import Identification
-from protocols.arm.records import Arm
-from protocols.errors import EstimateError
-from protocols.session.records import Session
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.penalty import PenaltyFit, fit_by_penalty
+from armodal.analyzer.identification.prediction import roving_mass
+from armodal.analyzer.identification.records import Identification
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.session.records import Session
 
 __all__ = ["SessionPenalty", "chosen_joints", "penalty_of_session"]
 

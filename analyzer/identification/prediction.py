@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.reduced import ModelModes, ReducedModel, model_modes, reduce_model
-from analyzer.arm.structure import Structure
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.identification.frf_fit import FrfFit
-from analyzer.identification.mode_fit import pair_by_shape
-from analyzer.identification.model_error import STEP, ModelMove
-from analyzer.identification.parameters import step_state
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.arm.reduced import ModelModes, ReducedModel, model_modes, reduce_model
+from armodal.analyzer.arm.structure import Structure
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.identification.frf_fit import FrfFit
+from armodal.analyzer.identification.mode_fit import pair_by_shape
+from armodal.analyzer.identification.model_error import STEP, ModelMove
+from armodal.analyzer.identification.parameters import step_state
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["ModelScatter", "PredictedModes", "predict_modes", "prediction_model_std", "roving_mass"]
 

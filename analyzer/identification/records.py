@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.identification.frf_fit import FrfFit
-from analyzer.identification.model_error import ModelMove
-from analyzer.identification.triplets import TripletAxes
-from analyzer.modal import ModalModel
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.identification.frf_fit import FrfFit
+from armodal.analyzer.identification.model_error import ModelMove
+from armodal.analyzer.identification.triplets import TripletAxes
+from armodal.analyzer.modal import ModalModel
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = [
     "AxisResult",

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.inertia import moments_about_joints
-from analyzer.arm.structure import believed_structure
-from analyzer.arm.superset import Superset
-from analyzer.identification.frf_fit import FrfFit
-from analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
-from analyzer.identification.prediction import PredictedModes
-from analyzer.identification.records import JointResult, ModeResult, ValidationResult
-from analyzer.identification.scatter import FEWEST_DOF
-from analyzer.identification.structural import STRUCTURAL_SHARE
-from analyzer.modal import Mode
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.arm.inertia import moments_about_joints
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.frf_fit import FrfFit
+from armodal.analyzer.identification.mode_fit import MeasuredModes, pair_by_shape
+from armodal.analyzer.identification.prediction import PredictedModes
+from armodal.analyzer.identification.records import JointResult, ModeResult, ValidationResult
+from armodal.analyzer.identification.scatter import FEWEST_DOF
+from armodal.analyzer.identification.structural import STRUCTURAL_SHARE
+from armodal.analyzer.modal import Mode
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["UNEXPLAINED", "fit_notes", "joint_results", "mode_results", "validation_results"]
 

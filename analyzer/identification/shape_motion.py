@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.mode_fit import MeasuredModes
-from protocols.arm.records import Arm, Point
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.protocols.arm.records import Arm, Point
 
 __all__ = ["ShapeMotion", "measured_motion"]
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.structure import Axis
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.triplets import TripletAxes, triplet_axes
-from analyzer.screws import MozziAxis, mozzi_axis, rigid_motion
-from protocols.errors import EstimateError
+from armodal.analyzer.arm.structure import Axis
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.triplets import TripletAxes, triplet_axes
+from armodal.analyzer.screws import MozziAxis, mozzi_axis, rigid_motion
+from armodal.protocols.errors import EstimateError
 
 __all__ = [
     "STRUCTURAL_SHARE",

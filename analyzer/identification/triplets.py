@@ -13,8 +13,8 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.screws import MozziAxis, mozzi_axis, rigid_motion
-from protocols.errors import EstimateError
+from armodal.analyzer.screws import MozziAxis, mozzi_axis, rigid_motion
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["TripletAxes", "triplet_axes"]
 

@@ -1,12 +1,12 @@
 """Frequency responses, modes and their uncertainty."""
 
-from analyzer.modal.chosen_hits import HitChoice, hit_choices
-from analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
-from analyzer.modal.estimators import FrfEstimate, estimate_frf
-from analyzer.modal.fit import fit_modes, fit_modes_at
-from analyzer.modal.forms import convert_form
-from analyzer.modal.frf import HitFrfs, SensorAxes, posture_frf, posture_hit_frfs
-from analyzer.modal.indicators import (
+from armodal.analyzer.modal.chosen_hits import HitChoice, hit_choices
+from armodal.analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
+from armodal.analyzer.modal.estimators import FrfEstimate, estimate_frf
+from armodal.analyzer.modal.fit import fit_modes, fit_modes_at
+from armodal.analyzer.modal.forms import convert_form
+from armodal.analyzer.modal.frf import HitFrfs, SensorAxes, posture_frf, posture_hit_frfs
+from armodal.analyzer.modal.indicators import (
     TrackedCmif,
     cmif,
     frf_sum,
@@ -15,16 +15,16 @@ from analyzer.modal.indicators import (
     multivariate_mif,
     tracked_cmif,
 )
-from analyzer.modal.missing import MissingModeHint, missing_mode_hints
-from analyzer.modal.modes import ModalModel, Mode, mode_receptance, synthesise
-from analyzer.modal.plscf import Stabilisation, poles_plscf
-from analyzer.modal.random_error import (
+from armodal.analyzer.modal.missing import MissingModeHint, missing_mode_hints
+from armodal.analyzer.modal.modes import ModalModel, Mode, mode_receptance, synthesise
+from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
+from armodal.analyzer.modal.random_error import (
     RandomError,
     coherence_random_error,
     scatter_random_error,
 )
-from analyzer.modal.scaling import MassScaling, mass_scaling, real_modes
-from analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
+from armodal.analyzer.modal.scaling import MassScaling, mass_scaling, real_modes
+from armodal.analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
 
 __all__ = [
     "FrfEstimate",

@@ -5,25 +5,25 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
-from analyzer.modal.forms import derivative_order
-from analyzer.modal.modes import ModalModel, Mode
-from analyzer.modal.noise import SMOOTHED_LINES
-from analyzer.modal.plscf import Stabilisation
-from analyzer.modal.rank_one import RankOneFit
-from analyzer.modal.regression import residual_terms
-from analyzer.modal.selection import Selection
-from analyzer.modal.shape_uncertainty import (
+from armodal.analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
+from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.modes import ModalModel, Mode
+from armodal.analyzer.modal.noise import SMOOTHED_LINES
+from armodal.analyzer.modal.plscf import Stabilisation
+from armodal.analyzer.modal.rank_one import RankOneFit
+from armodal.analyzer.modal.regression import residual_terms
+from armodal.analyzer.modal.selection import Selection
+from armodal.analyzer.modal.shape_uncertainty import (
     axis_correlation,
     common_gain_variance,
     participation_covariance,
     shape_covariance,
     turned_std,
 )
-from analyzer.modal.uncertainty import PoleCovariance, pole_covariance
-from analyzer.modal.windows import laplace_lines
-from protocols.arrays import frozen_array
-from protocols.frf_records import Dof, FrequencyResponse
+from armodal.analyzer.modal.uncertainty import PoleCovariance, pole_covariance
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.frf_records import Dof, FrequencyResponse
 
 __all__ = ["assemble_model"]
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.plscf import Stabilisation
+from armodal.analyzer.modal.plscf import Stabilisation
 
 __all__ = ["candidate_poles", "merge_duplicates", "physical", "zoom_bands"]
 

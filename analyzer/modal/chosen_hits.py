@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.hit_selection import DroppedHit, select_hits
-from analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
-from protocols.frf_records import Dof
-from protocols.session.records import Hit, Session
+from armodal.analyzer.modal.hit_selection import DroppedHit, select_hits
+from armodal.analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import Dof
+from armodal.protocols.session.records import Hit, Session
 
 __all__ = ["HitChoice", "HitPairs", "accepted_hits", "choose_hits", "hit_choices", "hit_pairs"]
 

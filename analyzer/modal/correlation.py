@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from protocols.errors import EstimateError
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["frac", "mac", "mac_matrix", "mcf", "mpc", "mpd_deg"]
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.errors import EstimateError
-from protocols.frf_records import FrfEstimator
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrfEstimator
 
 __all__ = ["FrfEstimate", "estimate_frf", "single_reference"]
 

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.assemble import assemble_model
-from analyzer.modal.choice import candidate_poles, merge_duplicates, zoom_bands
-from analyzer.modal.forms import derivative_order
-from analyzer.modal.modes import ModalModel
-from analyzer.modal.noise import independent_line_share
-from analyzer.modal.plscf import Stabilisation, poles_plscf
-from analyzer.modal.rank_one import refine_rank_one
-from analyzer.modal.regression import ModalData, modal_data
-from analyzer.modal.second_look import left_over_poles, split_poles
-from analyzer.modal.selection import Selection, keep_modes, select_modes
-from analyzer.modal.windows import laplace_lines
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.modal.assemble import assemble_model
+from armodal.analyzer.modal.choice import candidate_poles, merge_duplicates, zoom_bands
+from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.modes import ModalModel
+from armodal.analyzer.modal.noise import independent_line_share
+from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
+from armodal.analyzer.modal.rank_one import refine_rank_one
+from armodal.analyzer.modal.regression import ModalData, modal_data
+from armodal.analyzer.modal.second_look import left_over_poles, split_poles
+from armodal.analyzer.modal.selection import Selection, keep_modes, select_modes
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["fit_modes", "fit_modes_at"]
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from analyzer.modal.windows import laplace_lines
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["convert_form", "derivative_order"]
 

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.chosen_hits import HitChoice, accepted_hits, choose_hits, hit_pairs
-from analyzer.modal.estimators import single_reference
-from analyzer.modal.hit_selection import coherence_of_all
-from analyzer.modal.noise import hit_scatter_variance, independent_line_share
-from analyzer.modal.sensor_axes import sensor_axes
-from analyzer.modal.spectra import HitSpectra, active_channels, hit_frfs, hit_spectra
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
-from protocols.frf_records import Dof, FrequencyResponse, FrfEstimator, FrfForm
-from protocols.session.records import Hit, Session
+from armodal.analyzer.modal.chosen_hits import HitChoice, accepted_hits, choose_hits, hit_pairs
+from armodal.analyzer.modal.estimators import single_reference
+from armodal.analyzer.modal.hit_selection import coherence_of_all
+from armodal.analyzer.modal.noise import hit_scatter_variance, independent_line_share
+from armodal.analyzer.modal.sensor_axes import sensor_axes
+from armodal.analyzer.modal.spectra import HitSpectra, active_channels, hit_frfs, hit_spectra
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfEstimator, FrfForm
+from armodal.protocols.session.records import Hit, Session
 
 __all__ = ["HitFrfs", "SensorAxes", "posture_frf", "posture_hit_frfs"]
 

@@ -39,9 +39,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.noise import smooth_lines
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
+from armodal.analyzer.modal.noise import smooth_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["DroppedHit", "HitSelection", "coherence_of_all", "select_hits"]
 

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from analyzer.modal.forms import derivative_order
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.modal.forms import derivative_order
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = [
     "TrackedCmif",

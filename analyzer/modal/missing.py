@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.modes import ModalModel, synthesise
-from analyzer.modal.noise import independent_line_share
-from protocols.errors import EstimateError
-from protocols.frf_records import FrequencyResponse
+from armodal.analyzer.modal.modes import ModalModel, synthesise
+from armodal.analyzer.modal.noise import independent_line_share
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["MissingModeHint", "missing_mode_hints"]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.forms import derivative_order
-from analyzer.modal.plscf import Stabilisation
-from analyzer.modal.regression import residual_terms
-from analyzer.modal.windows import laplace_lines
-from protocols.arrays import frozen_array
-from protocols.frf_records import Dof, FrfForm
+from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.plscf import Stabilisation
+from armodal.analyzer.modal.regression import residual_terms
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.frf_records import Dof, FrfForm
 
 __all__ = ["ModalModel", "Mode", "mode_receptance", "synthesise"]
 

@@ -25,7 +25,7 @@ import numpy.typing as npt
 from scipy.linalg import eig as matrix_eig
 from scipy.linalg import solve_triangular
 
-from protocols.errors import EstimateError
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["Stabilisation", "poles_plscf"]
 

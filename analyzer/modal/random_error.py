@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import special
 
-from analyzer.modal.noise import smooth_lines
-from protocols.errors import EstimateError
+from armodal.analyzer.modal.noise import smooth_lines
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["RandomError", "coherence_random_error", "scatter_random_error"]
 

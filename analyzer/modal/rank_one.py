@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.refine import admissible
-from analyzer.modal.regression import N_RESIDUAL, ModalData, gram_system
+from armodal.analyzer.modal.refine import admissible
+from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, gram_system
 
 __all__ = ["RankOneFit", "refine_rank_one"]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.regression import ModalData, Regression, regress
+from armodal.analyzer.modal.regression import ModalData, Regression, regress
 
 __all__ = ["admissible", "refine_poles"]
 

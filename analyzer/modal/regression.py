@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.forms import derivative_order
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal.forms import derivative_order
+from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
     "N_RESIDUAL",

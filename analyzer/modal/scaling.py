@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.modes import ModalModel, Mode
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
-from protocols.frf_records import Dof
+from armodal.analyzer.modal.modes import ModalModel, Mode
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import Dof
 
 __all__ = ["MassScaling", "mass_scaling", "real_modes"]
 

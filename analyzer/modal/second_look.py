@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.choice import candidate_poles
-from analyzer.modal.noise import smooth_lines
-from analyzer.modal.plscf import poles_plscf
-from analyzer.modal.regression import ModalData, Regression, misfit
+from armodal.analyzer.modal.choice import candidate_poles
+from armodal.analyzer.modal.noise import smooth_lines
+from armodal.analyzer.modal.plscf import poles_plscf
+from armodal.analyzer.modal.regression import ModalData, Regression, misfit
 
 __all__ = ["left_over_poles", "split_poles"]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.choice import physical
-from analyzer.modal.correlation import mac
-from analyzer.modal.refine import refine_poles
-from analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
-from analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
+from armodal.analyzer.modal.choice import physical
+from armodal.analyzer.modal.correlation import mac
+from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
+from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
 __all__ = ["Selection", "keep_modes", "lack_of_fit", "select_modes"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from protocols.board.records import Channel
-from protocols.errors import EstimateError
+from armodal.protocols.board.records import Channel
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["axis_letter", "sensor_axes"]
 

@@ -25,7 +25,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.rank_one import RankOneFit
+from armodal.analyzer.modal.rank_one import RankOneFit
 
 __all__ = [
     "axis_correlation",

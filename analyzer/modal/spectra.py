@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.fft import prev_fast_len
 
-from analyzer.modal.sensor_axes import axis_letter
-from analyzer.modal.windows import (
+from armodal.analyzer.modal.sensor_axes import axis_letter
+from armodal.analyzer.modal.windows import (
     exponential_decay,
     exponential_window,
     force_window,
@@ -17,9 +17,9 @@ from analyzer.modal.windows import (
     laplace_lines,
     undo_highpass,
 )
-from protocols.board.records import Channel
-from protocols.errors import EstimateError
-from protocols.session.records import Hit, Session
+from armodal.protocols.board.records import Channel
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.session.records import Hit, Session
 
 __all__ = ["HitSpectra", "active_channels", "hit_frfs", "hit_spectra"]
 

@@ -35,7 +35,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.rank_one import RankOneFit
+from armodal.analyzer.modal.rank_one import RankOneFit
 
 __all__ = ["PoleCovariance", "frequency_damping_jacobian", "pole_covariance", "white_covariance"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.batch import ArmBatch
 
 __all__ = ["Clearance", "clear_postures"]
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
 
 __all__ = ["HitChoice", "PostureModes", "best_hits", "posture_modes", "seeing_points"]
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.workspace.spectrum import ElasticJoints
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.workspace.spectrum import ElasticJoints
 
 __all__ = ["Instruments", "expected_std", "information"]
 

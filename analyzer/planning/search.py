@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.planning.clearance import Clearance, clear_postures
-from analyzer.planning.selectivity import worst_coupling
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.postures import random_postures
-from analyzer.workspace.spectrum import ElasticJoints
-from protocols.errors import EstimateError
+from armodal.analyzer.planning.clearance import Clearance, clear_postures
+from armodal.analyzer.planning.selectivity import worst_coupling
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.postures import random_postures
+from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["isolating_postures"]
 

@@ -8,23 +8,23 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import PostureDynamics, Superset
-from analyzer.planning.clearance import Clearance, clear_postures
-from analyzer.planning.excitation import (
+from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.planning.clearance import Clearance, clear_postures
+from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
     best_hits,
     posture_modes,
     seeing_points,
 )
-from analyzer.planning.expected import Instruments, expected_std, information
-from analyzer.planning.search import isolating_postures
-from analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.postures import random_postures
-from analyzer.workspace.spectrum import ElasticJoints
-from protocols.arm.records import Arm
-from protocols.errors import EstimateError
+from armodal.analyzer.planning.expected import Instruments, expected_std, information
+from armodal.analyzer.planning.search import isolating_postures
+from armodal.analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.postures import random_postures
+from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["GravityCheck", "PlannedTest", "SelectivePlan", "describe_tests", "plan_tests"]
 

@@ -1,7 +1,7 @@
 """The report: one self-contained HTML page of a session and what was identified from it."""
 
-from analyzer.report.gap_file import gap_path, gap_to_json, read_gap
-from analyzer.report.gap_section import gap_page
-from analyzer.report.page import ReportSection, write_report
+from armodal.analyzer.report.gap_file import gap_path, gap_to_json, read_gap
+from armodal.analyzer.report.gap_section import gap_page
+from armodal.analyzer.report.page import ReportSection, write_report
 
 __all__ = ["ReportSection", "gap_page", "gap_path", "gap_to_json", "read_gap", "write_report"]

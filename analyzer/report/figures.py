@@ -9,11 +9,11 @@ import plotly.graph_objects as go
 from markupsafe import escape
 from plotly.subplots import make_subplots
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.records import AxisResult
-from analyzer.modal import ModalModel, group_sums, mif, tracked_cmif
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.records import AxisResult
+from armodal.analyzer.modal import ModalModel, group_sums, mif, tracked_cmif
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
 

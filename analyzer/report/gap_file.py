@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from analyzer.gap.records import GapResult
-from protocols.errors import EstimateError
-from protocols.toml_reader import read_text
+from armodal.analyzer.gap.records import GapResult
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.toml_reader import read_text
 
 __all__ = ["gap_from_json", "gap_path", "gap_to_json", "read_gap"]
 

@@ -8,7 +8,7 @@ import jinja2
 import plotly.graph_objects as go
 from markupsafe import escape
 
-from analyzer.gap.records import GapResult, Verdict
+from armodal.analyzer.gap.records import GapResult, Verdict
 
 __all__ = ["gap_page", "gap_section"]
 
@@ -37,7 +37,7 @@ th { background: #f3f5f7 } caption { text-align: left; font-weight: 600 }
 def gap_section(result: GapResult, *, with_plotly: bool) -> str:
     """Return the section as HTML; `with_plotly` puts the library of the plots into it."""
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("analyzer.report", "."),
+        loader=jinja2.PackageLoader("armodal.analyzer.report", "."),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
     )

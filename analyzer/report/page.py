@@ -11,13 +11,13 @@ from typing import Any
 
 import jinja2
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.records import GapResult
-from analyzer.identification.records import Identification
-from analyzer.modal import hit_choices, missing_mode_hints
-from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
-from analyzer.report.gap_section import gap_section
-from protocols.session.records import Session
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.records import GapResult
+from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.modal import hit_choices, missing_mode_hints
+from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
+from armodal.analyzer.report.gap_section import gap_section
+from armodal.protocols.session.records import Session
 
 __all__ = ["ReportSection", "write_report"]
 
@@ -49,7 +49,7 @@ def write_report(
         If the file cannot be written.
     """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("analyzer.report", "."),
+        loader=jinja2.PackageLoader("armodal.analyzer.report", "."),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
     )

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.reproduce.records import Figure, Status, compared, not_derivable
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.meridian import meridian_plane
-from protocols.arm.records import Arm
+from armodal.analyzer.reproduce.records import Figure, Status, compared, not_derivable
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.meridian import meridian_plane
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["figures_000"]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.reproduce.records import Figure, Status, compared, not_derivable, statement
-from analyzer.screws import MozziAxis
-from analyzer.statics.deflection import deflect, joint_lines
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.meridian import MeridianPlane, meridian_plane
-from analyzer.workspace.spectrum import ElasticJoints, spectrum
-from protocols.arm.records import Arm
+from armodal.analyzer.reproduce.records import Figure, Status, compared, not_derivable, statement
+from armodal.analyzer.screws import MozziAxis
+from armodal.analyzer.statics.deflection import deflect, joint_lines
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.meridian import MeridianPlane, meridian_plane
+from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["figures_001"]
 

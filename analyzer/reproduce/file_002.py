@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from analyzer.calibration.calibrate import Calibration
-from analyzer.reproduce.file_002_mass import couplings, figure_3, gravity
-from analyzer.reproduce.file_002_tables import PAPER, table_2, table_4
-from analyzer.reproduce.file_002_workspace import figures_12_13, figures_14_16
-from analyzer.reproduce.records import Figure, not_derivable
-from protocols.arm.records import Arm
+from armodal.analyzer.calibration.calibrate import Calibration
+from armodal.analyzer.reproduce.file_002_mass import couplings, figure_3, gravity
+from armodal.analyzer.reproduce.file_002_tables import PAPER, table_2, table_4
+from armodal.analyzer.reproduce.file_002_workspace import figures_12_13, figures_14_16
+from armodal.analyzer.reproduce.records import Figure, not_derivable
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["figures_002"]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from analyzer.reproduce.file_002_tables import PAPER, TESTS_DEG
-from analyzer.reproduce.records import Figure, Status, compared, statement
-from analyzer.workspace.coupling import sweep_coupling
-from analyzer.workspace.spectrum import elastic_joints
-from analyzer.workspace.study import study_workspace
-from protocols.arm.records import Arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.reproduce.file_002_tables import PAPER, TESTS_DEG
+from armodal.analyzer.reproduce.records import Figure, Status, compared, statement
+from armodal.analyzer.workspace.coupling import sweep_coupling
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.analyzer.workspace.study import study_workspace
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["couplings", "figure_3", "gravity"]
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.calibration.calibrate import Calibration
-from analyzer.reproduce.records import Figure, Status, compared, not_derivable
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.spectrum import elastic_joints, spectrum, spectrum_of_mass
-from protocols.arm.records import Arm
+from armodal.analyzer.calibration.calibrate import Calibration
+from armodal.analyzer.reproduce.records import Figure, Status, compared, not_derivable
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.spectrum import elastic_joints, spectrum, spectrum_of_mass
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["PAPER", "TESTS_DEG", "table_2", "table_4"]
 

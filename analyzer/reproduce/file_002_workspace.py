@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.reproduce.records import Figure, Status, statement
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.maps import FrequencyMap, map_frequencies
-from analyzer.workspace.meridian import meridian_plane
-from analyzer.workspace.spectrum import ElasticJoints, elastic_joints, spectrum
-from analyzer.workspace.study import WorkspaceStudy, study_workspace
-from protocols.arm.records import Arm
+from armodal.analyzer.reproduce.records import Figure, Status, statement
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.maps import FrequencyMap, map_frequencies
+from armodal.analyzer.workspace.meridian import meridian_plane
+from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints, spectrum
+from armodal.analyzer.workspace.study import WorkspaceStudy, study_workspace
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["figures_12_13", "figures_14_16"]
 

@@ -1,13 +1,13 @@
 """Screws: rigid-body motion of a set of points, and its Mozzi axis."""
 
-from analyzer.screws.mozzi import (
+from armodal.analyzer.screws.mozzi import (
     MozziAxis,
     Translation,
     line_angle_rad,
     line_distance_m,
     mozzi_axis,
 )
-from analyzer.screws.rigid_motion import RigidMotion, rigid_motion
+from armodal.analyzer.screws.rigid_motion import RigidMotion, rigid_motion
 
 __all__ = [
     "MozziAxis",

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.errors import EstimateError
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["RigidMotion", "rigid_motion"]
 

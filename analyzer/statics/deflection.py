@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.screws import MozziAxis, Translation, line_angle_rad, mozzi_axis
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.spectrum import ElasticJoints
-from protocols.errors import ArmError
+from armodal.analyzer.screws import MozziAxis, Translation, line_angle_rad, mozzi_axis
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.protocols.errors import ArmError
 
 __all__ = ["Deflections", "JointLine", "cartesian_compliance", "deflect", "joint_lines"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.statics.deflection import deflect
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.spectrum import ElasticJoints
+from armodal.analyzer.statics.deflection import deflect
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.spectrum import ElasticJoints
 
 __all__ = ["RankedPostures", "rank_postures"]
 

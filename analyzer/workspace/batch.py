@@ -24,8 +24,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import Arm, InertialLink
-from protocols.errors import ArmError
+from armodal.protocols.arm.records import Arm, InertialLink
+from armodal.protocols.errors import ArmError
 
 __all__ = ["ArmBatch"]
 

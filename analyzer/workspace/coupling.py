@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.workspace.batch import ArmBatch
-from protocols.arm.records import Arm
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["CouplingSweep", "sweep_coupling"]
 

@@ -8,11 +8,11 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from analyzer.workspace.coupling import CouplingSweep
-from analyzer.workspace.maps import FrequencyMap
-from analyzer.workspace.meridian import ELBOWS
-from analyzer.workspace.study import WorkspaceStudy
-from protocols.arm.records import Arm
+from armodal.analyzer.workspace.coupling import CouplingSweep
+from armodal.analyzer.workspace.maps import FrequencyMap
+from armodal.analyzer.workspace.meridian import ELBOWS
+from armodal.analyzer.workspace.study import WorkspaceStudy
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["coupling_figure", "map_figure", "mass_figure", "mode_figure"]
 

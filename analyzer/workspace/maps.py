@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.meridian import ELBOWS, meridian_plane
-from analyzer.workspace.spectrum import ElasticJoints, spectrum
-from protocols.arm.records import Arm
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.meridian import ELBOWS, meridian_plane
+from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["FrequencyMap", "map_frequencies"]
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = ["ELBOWS", "MeridianPlane", "meridian_plane"]
 

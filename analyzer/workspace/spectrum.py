@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.workspace.batch import ArmBatch
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = ["ElasticJoints", "Spectrum", "elastic_joints", "spectrum", "spectrum_of_mass"]
 

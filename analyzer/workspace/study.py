@@ -9,12 +9,12 @@ from itertools import islice
 
 import numpy as np
 
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.moments import Moments, moments_of
-from analyzer.workspace.postures import chunk_sizes, random_postures
-from analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.moments import Moments, moments_of
+from armodal.analyzer.workspace.postures import chunk_sizes, random_postures
+from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = ["WorkspaceStudy", "study_workspace"]
 

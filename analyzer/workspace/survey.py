@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from analyzer.workspace.coupling import CouplingSweep, sweep_coupling
-from analyzer.workspace.figures import coupling_figure, map_figure, mass_figure, mode_figure
-from analyzer.workspace.maps import FrequencyMap, map_frequencies
-from analyzer.workspace.spectrum import ElasticJoints
-from analyzer.workspace.study import WorkspaceStudy, study_workspace
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.analyzer.workspace.coupling import CouplingSweep, sweep_coupling
+from armodal.analyzer.workspace.figures import coupling_figure, map_figure, mass_figure, mode_figure
+from armodal.analyzer.workspace.maps import FrequencyMap, map_frequencies
+from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.analyzer.workspace.study import WorkspaceStudy, study_workspace
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = ["WorkspaceSurvey", "survey_arrays", "survey_figures", "survey_workspace"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from daq.check.board_bench import BoardBench, BoardCheckOptions
-from daq.check.board_blocks import check_pretrigger, check_resend, check_trigger
-from daq.check.board_description import check_dictionary, check_each_rate, check_rates
-from daq.check.board_manners import (
+from armodal.daq.check.board_bench import BoardBench, BoardCheckOptions
+from armodal.daq.check.board_blocks import check_pretrigger, check_resend, check_trigger
+from armodal.daq.check.board_description import check_dictionary, check_each_rate, check_rates
+from armodal.daq.check.board_manners import (
     check_commands,
     check_garbage,
     check_hello_again,
@@ -15,16 +15,16 @@ from daq.check.board_manners import (
     check_session,
     check_version,
 )
-from daq.check.board_overflow import check_block_overflow, check_stream_overflow
-from daq.check.board_run import check_clock, check_framing, check_rate, check_samples
-from daq.check.probe import BoardStepError
-from daq.check.run import choose, run_steps
-from daq.check.verdict import Report, Step, StepResult
-from daq.clock import Clock, SystemClock
-from daq.serial_port import BytePort
-from protocols.board.messages import decode_reply
-from protocols.board.records import FrameType, ReplyCode
-from protocols.errors import DeviceTimeoutError
+from armodal.daq.check.board_overflow import check_block_overflow, check_stream_overflow
+from armodal.daq.check.board_run import check_clock, check_framing, check_rate, check_samples
+from armodal.daq.check.probe import BoardStepError
+from armodal.daq.check.run import choose, run_steps
+from armodal.daq.check.verdict import Report, Step, StepResult
+from armodal.daq.clock import Clock, SystemClock
+from armodal.daq.serial_port import BytePort
+from armodal.protocols.board.messages import decode_reply
+from armodal.protocols.board.records import FrameType, ReplyCode
+from armodal.protocols.errors import DeviceTimeoutError
 
 __all__ = ["BOARD_STEPS", "check_board"]
 

@@ -7,26 +7,26 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
-from daq.check.stream import Recording, record
-from daq.check.tick_rate import tick_rate
-from daq.clock import Clock
-from daq.serial_port import BytePort
-from protocols.board.limits import refusal
-from protocols.board.messages import (
+from armodal.daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
+from armodal.daq.check.stream import Recording, record
+from armodal.daq.check.tick_rate import tick_rate
+from armodal.daq.clock import Clock
+from armodal.daq.serial_port import BytePort
+from armodal.protocols.board.limits import refusal
+from armodal.protocols.board.messages import (
     decode_dictionary,
     decode_reply,
     encode_configuration,
     join_hello,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BoardDictionary,
     Configuration,
     FrameType,
     ReplyCode,
     Slope,
 )
-from protocols.errors import DeviceTimeoutError, FrameError
+from armodal.protocols.errors import DeviceTimeoutError, FrameError
 
 __all__ = ["BoardBench", "BoardCheckOptions", "Hello", "hello"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from daq.check.board_bench import BoardBench
-from daq.check.captured import (
+from armodal.daq.check.board_bench import BoardBench
+from armodal.daq.check.captured import (
     BLOCK_LENGTH,
     PRETRIGGER,
     Capture,
@@ -16,11 +16,11 @@ from daq.check.captured import (
     noise_level,
     whole_blocks,
 )
-from daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
-from daq.check.trigger_truth import expected_blocks
-from daq.check.verdict import Finding, failed, passed, unchecked
-from protocols.board.messages import encode_release, encode_resend
-from protocols.board.records import FrameType, ReplyCode, Slope
+from armodal.daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
+from armodal.daq.check.trigger_truth import expected_blocks
+from armodal.daq.check.verdict import Finding, failed, passed, unchecked
+from armodal.protocols.board.messages import encode_release, encode_resend
+from armodal.protocols.board.records import FrameType, ReplyCode, Slope
 
 __all__ = ["TOO_QUIET", "check_pretrigger", "check_resend", "check_trigger", "hold_a_block"]
 

@@ -6,12 +6,12 @@ import struct
 from datetime import date
 from fractions import Fraction
 
-from daq.check.board_bench import RATES_HZ, BoardBench
-from daq.check.stream import record
-from daq.check.verdict import Finding, failed, passed, unchecked
-from protocols.board.limits import refusal
-from protocols.board.messages import decode_reply, dictionary_hash, encode_configuration
-from protocols.board.records import (
+from armodal.daq.check.board_bench import RATES_HZ, BoardBench
+from armodal.daq.check.stream import record
+from armodal.daq.check.verdict import Finding, failed, passed, unchecked
+from armodal.protocols.board.limits import refusal
+from armodal.protocols.board.messages import decode_reply, dictionary_hash, encode_configuration
+from armodal.protocols.board.records import (
     BoardDictionary,
     BoardState,
     Channel,
@@ -19,8 +19,8 @@ from protocols.board.records import (
     FrameType,
     ReplyCode,
 )
-from protocols.board.samples import BYTES_PER_COUNT, COUNT_MAX
-from protocols.errors import FrameError
+from armodal.protocols.board.samples import BYTES_PER_COUNT, COUNT_MAX
+from armodal.protocols.errors import FrameError
 
 __all__ = ["check_dictionary", "check_each_rate", "check_rates"]
 

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from daq.check.board_bench import BoardBench, hello
-from daq.check.board_blocks import compare_resent, hold_a_block
-from daq.check.captured import SentBlock, noise_level
-from daq.check.raw_frame import encode_raw
-from daq.check.stream import stream_of
-from daq.check.verdict import Finding, failed, passed
-from protocols.board.codec import PROTOCOL_VERSION
-from protocols.board.messages import (
+from armodal.daq.check.board_bench import BoardBench, hello
+from armodal.daq.check.board_blocks import compare_resent, hold_a_block
+from armodal.daq.check.captured import SentBlock, noise_level
+from armodal.daq.check.raw_frame import encode_raw
+from armodal.daq.check.stream import stream_of
+from armodal.daq.check.verdict import Finding, failed, passed
+from armodal.protocols.board.codec import PROTOCOL_VERSION
+from armodal.protocols.board.messages import (
     decode_reply,
     encode_configuration,
     encode_release,
     encode_resend,
 )
-from protocols.board.records import BoardState, FrameType, ReplyCode
-from protocols.errors import DeviceTimeoutError
+from armodal.protocols.board.records import BoardState, FrameType, ReplyCode
+from armodal.protocols.errors import DeviceTimeoutError
 
 __all__ = [
     "check_commands",

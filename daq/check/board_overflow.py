@@ -6,17 +6,17 @@ import itertools
 
 import numpy as np
 
-from daq.check.board_bench import BoardBench
-from daq.check.board_blocks import TOO_QUIET, released_all
-from daq.check.captured import PRETRIGGER, Level, blocks_of, noise_level
-from daq.check.raw_frame import RawFrame
-from daq.check.stream import Stream, stream_of
-from daq.check.trigger_truth import expected_blocks
-from daq.check.verdict import Finding, failed, passed, unchecked
-from protocols.board.limits import refusal
-from protocols.board.records import BoardStatus, Configuration, FrameType, Overflow
-from protocols.board.samples import BYTES_PER_COUNT
-from protocols.board.sequence import sequence_gap
+from armodal.daq.check.board_bench import BoardBench
+from armodal.daq.check.board_blocks import TOO_QUIET, released_all
+from armodal.daq.check.captured import PRETRIGGER, Level, blocks_of, noise_level
+from armodal.daq.check.raw_frame import RawFrame
+from armodal.daq.check.stream import Stream, stream_of
+from armodal.daq.check.trigger_truth import expected_blocks
+from armodal.daq.check.verdict import Finding, failed, passed, unchecked
+from armodal.protocols.board.limits import refusal
+from armodal.protocols.board.records import BoardStatus, Configuration, FrameType, Overflow
+from armodal.protocols.board.samples import BYTES_PER_COUNT
+from armodal.protocols.board.sequence import sequence_gap
 
 __all__ = ["check_block_overflow", "check_stream_overflow"]
 

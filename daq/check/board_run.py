@@ -7,15 +7,15 @@ from collections import Counter
 
 import numpy as np
 
-from daq.check.board_bench import BoardBench
-from daq.check.stream import Recording
-from daq.check.tick_rate import TickRate, tick_rate
-from daq.check.verdict import Finding, failed, passed, unchecked
-from protocols.board.codec import PROTOCOL_VERSION
-from protocols.board.messages import decode_samples
-from protocols.board.records import FrameType, Overflow
-from protocols.board.sequence import sequence_gap
-from protocols.errors import FrameError
+from armodal.daq.check.board_bench import BoardBench
+from armodal.daq.check.stream import Recording
+from armodal.daq.check.tick_rate import TickRate, tick_rate
+from armodal.daq.check.verdict import Finding, failed, passed, unchecked
+from armodal.protocols.board.codec import PROTOCOL_VERSION
+from armodal.protocols.board.messages import decode_samples
+from armodal.protocols.board.records import FrameType, Overflow
+from armodal.protocols.board.sequence import sequence_gap
+from armodal.protocols.errors import FrameError
 
 __all__ = ["check_clock", "check_framing", "check_rate", "check_samples"]
 

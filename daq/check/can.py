@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from daq.can_listener import open_can
-from daq.check.can_bench import CanRecording, listen, mapping_of
-from daq.check.can_values import (
+from armodal.daq.can_listener import open_can
+from armodal.daq.check.can_bench import CanRecording, listen, mapping_of
+from armodal.daq.check.can_values import (
     check_drive_state,
     check_resolution,
     check_scale,
     check_still,
 )
-from daq.check.run import choose, run_steps
-from daq.check.verdict import Finding, Report, Step, StepResult, failed, passed, unchecked
-from daq.clock import Clock, SystemClock
-from protocols.arm.records import Arm
+from armodal.daq.check.run import choose, run_steps
+from armodal.daq.check.verdict import Finding, Report, Step, StepResult, failed, passed, unchecked
+from armodal.daq.clock import Clock, SystemClock
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["CAN_STEPS", "check_can"]
 

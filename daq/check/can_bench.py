@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from daq.can_listener import CanSource
-from daq.clock import Clock
-from protocols.arm.records import Arm, CanMapping
-from protocols.arrays import frozen_array
-from protocols.can_database import CanDecoder, CanUpdate
-from protocols.can_records import CanFrame
-from protocols.errors import ArmError, CanError
+from armodal.daq.can_listener import CanSource
+from armodal.daq.clock import Clock
+from armodal.protocols.arm.records import Arm, CanMapping
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.can_database import CanDecoder, CanUpdate
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import ArmError, CanError
 
 __all__ = ["CanRecording", "Message", "listen", "mapping_of"]
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from daq.check.can_bench import CanRecording
-from daq.check.verdict import Finding, failed, passed, unchecked
-from protocols.can_database import load_database
+from armodal.daq.check.can_bench import CanRecording
+from armodal.daq.check.verdict import Finding, failed, passed, unchecked
+from armodal.protocols.can_database import load_database
 
 __all__ = ["check_drive_state", "check_resolution", "check_scale", "check_still"]
 

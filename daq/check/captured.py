@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from daq.check.board_bench import BoardBench
-from daq.check.probe import BoardProbe, BoardStepError
-from daq.check.raw_frame import RawFrame
-from daq.check.stream import Stream, record, stream_of
-from protocols.board.messages import (
+from armodal.daq.check.board_bench import BoardBench
+from armodal.daq.check.probe import BoardProbe, BoardStepError
+from armodal.daq.check.raw_frame import RawFrame
+from armodal.daq.check.stream import Stream, record, stream_of
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_samples,
     encode_release,
 )
-from protocols.board.records import BlockInfo, Configuration, FrameType, Slope
+from armodal.protocols.board.records import BlockInfo, Configuration, FrameType, Slope
 
 __all__ = ["Capture", "Level", "SentBlock", "blocks_of", "capture", "noise_level"]
 

@@ -6,14 +6,20 @@ import select
 import time
 from collections.abc import Callable
 
-from daq.check.raw_frame import RawDecoder, RawFrame, encode_raw
-from daq.clock import Clock, waits
-from daq.clock_fit import RoundTrip
-from daq.serial_port import BytePort
-from protocols.board.codec import PROTOCOL_VERSION
-from protocols.board.messages import decode_reply, decode_status, encode_configuration
-from protocols.board.records import BoardState, BoardStatus, Configuration, FrameType, ReplyCode
-from protocols.errors import DeviceTimeoutError, FrameError
+from armodal.daq.check.raw_frame import RawDecoder, RawFrame, encode_raw
+from armodal.daq.clock import Clock, waits
+from armodal.daq.clock_fit import RoundTrip
+from armodal.daq.serial_port import BytePort
+from armodal.protocols.board.codec import PROTOCOL_VERSION
+from armodal.protocols.board.messages import decode_reply, decode_status, encode_configuration
+from armodal.protocols.board.records import (
+    BoardState,
+    BoardStatus,
+    Configuration,
+    FrameType,
+    ReplyCode,
+)
+from armodal.protocols.errors import DeviceTimeoutError, FrameError
 
 __all__ = ["BoardProbe", "BoardStepError"]
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from cobs import cobs
 
-from protocols.board.codec import HEADER_SIZE, MAX_PAYLOAD, PROTOCOL_VERSION
-from protocols.board.records import Frame, FrameType, Header, Overflow
-from protocols.errors import FrameError
+from armodal.protocols.board.codec import HEADER_SIZE, MAX_PAYLOAD, PROTOCOL_VERSION
+from armodal.protocols.board.records import Frame, FrameType, Header, Overflow
+from armodal.protocols.errors import FrameError
 
 __all__ = ["RawDecoder", "RawFrame", "encode_raw"]
 

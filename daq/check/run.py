@@ -5,8 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from daq.check.verdict import Finding, Report, Step, StepResult, failed, result_of, unchecked
-from protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
+from armodal.daq.check.verdict import (
+    Finding,
+    Report,
+    Step,
+    StepResult,
+    failed,
+    result_of,
+    unchecked,
+)
+from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
 
 __all__ = ["CheckError", "choose", "run_steps"]
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from daq.check.probe import BoardProbe
-from daq.check.raw_frame import RawFrame
-from daq.clock_fit import RoundTrip
-from protocols.arrays import frozen_array
-from protocols.board.messages import decode_samples
-from protocols.board.records import BoardStatus, Configuration, FrameType
-from protocols.errors import FrameError
+from armodal.daq.check.probe import BoardProbe
+from armodal.daq.check.raw_frame import RawFrame
+from armodal.daq.clock_fit import RoundTrip
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.board.messages import decode_samples
+from armodal.protocols.board.records import BoardStatus, Configuration, FrameType
+from armodal.protocols.errors import FrameError
 
 __all__ = ["Recording", "Stream", "record", "stream_of"]
 

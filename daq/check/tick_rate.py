@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.clock_fit import RoundTrip
+from armodal.daq.clock_fit import RoundTrip
 
 __all__ = ["TickRate", "tick_rate"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.board.records import Slope
+from armodal.protocols.board.records import Slope
 
 __all__ = ["ExpectedBlocks", "crossings", "expected_blocks"]
 

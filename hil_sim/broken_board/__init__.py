@@ -5,8 +5,8 @@ They serve to show that `armodal check board` finds what it looks for.
 
 from collections.abc import Callable
 
-from hil_sim.broken_board.altered import BrokenBoard
-from hil_sim.broken_board.blocks import (
+from armodal.hil_sim.broken_board.altered import BrokenBoard
+from armodal.hil_sim.broken_board.blocks import (
     HalfCounted,
     LatePretrigger,
     LateTrigger,
@@ -15,7 +15,7 @@ from hil_sim.broken_board.blocks import (
     OtherResend,
     WrongSlope,
 )
-from hil_sim.broken_board.frames import (
+from armodal.hil_sim.broken_board.frames import (
     FastClock,
     HashLost,
     SilentSkip,
@@ -26,7 +26,7 @@ from hil_sim.broken_board.frames import (
     WrongCrc,
     WrongHash,
 )
-from hil_sim.broken_board.manners import (
+from armodal.hil_sim.broken_board.manners import (
     AnySession,
     DeafToOtherVersions,
     DeafToUnknown,
@@ -38,7 +38,7 @@ from hil_sim.broken_board.manners import (
     RefusesWithoutReason,
     ScaleInAnotherUnit,
 )
-from protocols.errors import PlantError
+from armodal.protocols.errors import PlantError
 
 __all__ = ["BROKEN_BOARDS", "BrokenBoard", "broken_board"]
 

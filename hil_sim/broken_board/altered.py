@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from protocols.board.codec import decode_frame, encode_frame
-from protocols.board.records import Frame
-from protocols.errors import FrameError
+from armodal.protocols.board.codec import decode_frame, encode_frame
+from armodal.protocols.board.records import Frame
+from armodal.protocols.errors import FrameError
 
 __all__ = ["BrokenBoard", "altered", "decoded", "stretch"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
-from protocols.board.messages import (
+from armodal.hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_samples,
     decode_status,
@@ -14,7 +14,7 @@ from protocols.board.messages import (
     encode_samples,
     encode_status,
 )
-from protocols.board.records import Frame, FrameType, Overflow
+from armodal.protocols.board.records import Frame, FrameType, Overflow
 
 __all__ = [
     "HalfCounted",

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
-from protocols.board.messages import (
+from armodal.hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_configuration,
     encode_block_info,
     encode_configuration,
 )
-from protocols.board.records import Frame, FrameType
-from protocols.errors import FrameError
+from armodal.protocols.board.records import Frame, FrameType
+from armodal.protocols.errors import FrameError
 
 __all__ = [
     "FastClock",

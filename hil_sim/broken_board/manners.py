@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from cobs import cobs
 
-from hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
-from protocols.board.codec import HEADER_SIZE, PROTOCOL_VERSION
-from protocols.board.messages import (
+from armodal.hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
+from armodal.protocols.board.codec import HEADER_SIZE, PROTOCOL_VERSION
+from armodal.protocols.board.messages import (
     decode_dictionary,
     decode_reply,
     dictionary_hash,
@@ -19,7 +19,7 @@ from protocols.board.messages import (
     hello_fragments,
     join_hello,
 )
-from protocols.board.records import Frame, FrameType, Header, ReplyCode
+from armodal.protocols.board.records import Frame, FrameType, Header, ReplyCode
 
 __all__ = [
     "AnySession",

@@ -4,35 +4,35 @@ from typing import Annotated
 
 from pydantic import Field
 
-from hil_sim.effects.backlash import Backlash
-from hil_sim.effects.base import Base, BaseSpring
-from hil_sim.effects.bearing import Bearing
-from hil_sim.effects.bending import Bending
-from hil_sim.effects.coupling import Coupling
-from hil_sim.effects.dashpot import Dashpot
-from hil_sim.effects.delay import Delay
-from hil_sim.effects.dress_pack import DressPack
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.effects.encoder_offset import EncoderOffset
-from hil_sim.effects.exponential_window import ExponentialWindow
-from hil_sim.effects.friction import Friction
-from hil_sim.effects.gains import ChannelGain, HammerGain
-from hil_sim.effects.gravity_compensator import GravityCompensator
-from hil_sim.effects.hit_direction import HitDirection
-from hil_sim.effects.hysteretic import Hysteretic
-from hil_sim.effects.link_axis import LinkAxis
-from hil_sim.effects.load_damping import LoadDamping
-from hil_sim.effects.one_sided import OneSidedCrack
-from hil_sim.effects.parallelogram import Parallelogram
-from hil_sim.effects.payload import Payload
-from hil_sim.effects.released_joint import ReleasedJoint
-from hil_sim.effects.rotor import Rotor
-from hil_sim.effects.sensor_axes import FlippedAxis, SwappedAxes
-from hil_sim.effects.sensor_mass import SensorMass
-from hil_sim.effects.softening import Softening
-from hil_sim.effects.torsion import Torsion
-from hil_sim.effects.wrist_coupling import WristCoupling
-from hil_sim.effects.wrong_point import ExchangedPoints, MovedPoint
+from armodal.hil_sim.effects.backlash import Backlash
+from armodal.hil_sim.effects.base import Base, BaseSpring
+from armodal.hil_sim.effects.bearing import Bearing
+from armodal.hil_sim.effects.bending import Bending
+from armodal.hil_sim.effects.coupling import Coupling
+from armodal.hil_sim.effects.dashpot import Dashpot
+from armodal.hil_sim.effects.delay import Delay
+from armodal.hil_sim.effects.dress_pack import DressPack
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.encoder_offset import EncoderOffset
+from armodal.hil_sim.effects.exponential_window import ExponentialWindow
+from armodal.hil_sim.effects.friction import Friction
+from armodal.hil_sim.effects.gains import ChannelGain, HammerGain
+from armodal.hil_sim.effects.gravity_compensator import GravityCompensator
+from armodal.hil_sim.effects.hit_direction import HitDirection
+from armodal.hil_sim.effects.hysteretic import Hysteretic
+from armodal.hil_sim.effects.link_axis import LinkAxis
+from armodal.hil_sim.effects.load_damping import LoadDamping
+from armodal.hil_sim.effects.one_sided import OneSidedCrack
+from armodal.hil_sim.effects.parallelogram import Parallelogram
+from armodal.hil_sim.effects.payload import Payload
+from armodal.hil_sim.effects.released_joint import ReleasedJoint
+from armodal.hil_sim.effects.rotor import Rotor
+from armodal.hil_sim.effects.sensor_axes import FlippedAxis, SwappedAxes
+from armodal.hil_sim.effects.sensor_mass import SensorMass
+from armodal.hil_sim.effects.softening import Softening
+from armodal.hil_sim.effects.torsion import Torsion
+from armodal.hil_sim.effects.wrist_coupling import WristCoupling
+from armodal.hil_sim.effects.wrong_point import ExchangedPoints, MovedPoint
 
 __all__ = [
     "Backlash",

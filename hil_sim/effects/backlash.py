@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.elements import Gap
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import Positive
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.elements import Gap
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["Backlash"]
 

@@ -8,10 +8,10 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from hil_sim.assembly import Assembly, Inertial, Segment, Spring
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.newton_euler import Body
-from hil_sim.truth import Positive, Truth, Vector
+from armodal.hil_sim.assembly import Assembly, Inertial, Segment, Spring
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.newton_euler import Body
+from armodal.hil_sim.truth import Positive, Truth, Vector
 
 __all__ = ["Base", "BaseSpring"]
 

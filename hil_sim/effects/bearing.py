@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from hil_sim.assembly import Assembly, Spring
-from hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.effect import BaseEffect
 
 __all__ = ["Bearing", "across"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from hil_sim.assembly import Assembly
-from hil_sim.effects.bearing import across
-from hil_sim.effects.sliced_link import SlicedLink
-from hil_sim.truth import Positive
+from armodal.hil_sim.assembly import Assembly
+from armodal.hil_sim.effects.bearing import across
+from armodal.hil_sim.effects.sliced_link import SlicedLink
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["Bending"]
 

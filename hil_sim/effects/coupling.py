@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms
-from protocols.errors import PlantError
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Coupling"]
 

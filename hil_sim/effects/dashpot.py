@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import Positive, Vector
-from protocols.errors import PlantError
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import Positive, Vector
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Dashpot"]
 

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.sensing import CHANNELS, Sensing
-from hil_sim.truth import Positive
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.sensing import CHANNELS, Sensing
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["Delay"]
 

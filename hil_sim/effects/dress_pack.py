@@ -6,9 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from hil_sim.effects.effect import BaseEffect, Weight
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import NotNegative, Positive, Vector
+from armodal.hil_sim.effects.effect import BaseEffect, Weight
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["DressPack"]
 

@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.assembly import Assembly
-from hil_sim.linear import LinearTerms
-from hil_sim.sensing import Sensing
-from hil_sim.truth import Truth
+from armodal.hil_sim.assembly import Assembly
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.sensing import Sensing
+from armodal.hil_sim.truth import Truth
 
 __all__ = ["BaseEffect", "Weight", "with_point_matrix"]
 

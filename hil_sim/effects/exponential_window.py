@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.sensing import Sensing
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.sensing import Sensing
 
 __all__ = ["ExponentialWindow"]
 

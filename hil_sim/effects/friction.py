@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.elements import Sliders
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import Positive
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.elements import Sliders
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["Friction"]
 

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from hil_sim.effects.effect import BaseEffect, with_point_matrix
-from hil_sim.sensing import Sensing
-from hil_sim.truth import Positive
+from armodal.hil_sim.effects.effect import BaseEffect, with_point_matrix
+from armodal.hil_sim.sensing import Sensing
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["ChannelGain", "HammerGain"]
 

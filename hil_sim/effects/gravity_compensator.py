@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import model_validator
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import NotNegative, Positive, Vector
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["GravityCompensator", "lever_arms"]
 

@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.newton_euler import rotation
-from hil_sim.sensing import Sensing
-from hil_sim.truth import Vector
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.newton_euler import rotation
+from armodal.hil_sim.sensing import Sensing
+from armodal.hil_sim.truth import Vector
 
 __all__ = ["HitDirection"]
 

@@ -9,9 +9,9 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 from scipy.optimize import nnls
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms, MaxwellElement
-from hil_sim.truth import Interval, Positive
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms, MaxwellElement
+from armodal.hil_sim.truth import Interval, Positive
 
 __all__ = ["Hysteretic", "relative_strengths"]
 

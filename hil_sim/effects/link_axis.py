@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from hil_sim.assembly import Assembly, Spring
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.truth import NotNegative, Positive, Vector
+from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["LinkAxis"]
 

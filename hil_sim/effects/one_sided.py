@@ -7,11 +7,11 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from hil_sim.assembly import Assembly, Spring
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.elements import OneSided
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import NotNegative, Positive, Vector
+from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.elements import OneSided
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["OneSidedCrack"]
 

@@ -7,11 +7,11 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms
-from hil_sim.newton_euler import point_jacobian
-from hil_sim.truth import NotNegative, Positive, Vector
-from protocols.errors import PlantError
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.newton_euler import point_jacobian
+from armodal.hil_sim.truth import NotNegative, Positive, Vector
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Parallelogram"]
 

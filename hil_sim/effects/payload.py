@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from hil_sim.assembly import Assembly, Inertial
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.truth import Positive, Vector
+from armodal.hil_sim.assembly import Assembly, Inertial
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.truth import Positive, Vector
 
 __all__ = ["Payload"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal
 
-from hil_sim.assembly import Assembly, Spring
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.truth import NotNegative, Positive
+from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.truth import NotNegative, Positive
 
 __all__ = ["ReleasedJoint"]
 

@@ -7,9 +7,9 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms
-from hil_sim.truth import NotNegative, Positive
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms
+from armodal.hil_sim.truth import NotNegative, Positive
 
 __all__ = ["Rotor"]
 

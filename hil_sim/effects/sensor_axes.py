@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from hil_sim.effects.effect import BaseEffect, with_point_matrix
-from hil_sim.sensing import Sensing
+from armodal.hil_sim.effects.effect import BaseEffect, with_point_matrix
+from armodal.hil_sim.sensing import Sensing
 
 __all__ = ["FlippedAxis", "SwappedAxes"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.sensing import Sensing
-from hil_sim.truth import Positive
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.sensing import Sensing
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["SensorMass"]
 

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from hil_sim.assembly import Assembly, Spring
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.pieces import sliced
-from hil_sim.truth import NotNegative, Vector
+from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.pieces import sliced
+from armodal.hil_sim.truth import NotNegative, Vector
 
 __all__ = ["SlicedLink"]
 

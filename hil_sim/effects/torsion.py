@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from hil_sim.assembly import Assembly
-from hil_sim.effects.sliced_link import SlicedLink
-from hil_sim.truth import Positive
+from armodal.hil_sim.assembly import Assembly
+from armodal.hil_sim.effects.sliced_link import SlicedLink
+from armodal.hil_sim.truth import Positive
 
 __all__ = ["Torsion"]
 

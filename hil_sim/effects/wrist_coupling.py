@@ -6,9 +6,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.linear import LinearTerms
-from protocols.errors import PlantError
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.linear import LinearTerms
+from armodal.protocols.errors import PlantError
 
 __all__ = ["WristCoupling"]
 

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from hil_sim.effects.effect import BaseEffect
-from hil_sim.sensing import Sensing
-from hil_sim.truth import Vector
+from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.sensing import Sensing
+from armodal.hil_sim.truth import Vector
 
 __all__ = ["ExchangedPoints", "MovedPoint"]
 

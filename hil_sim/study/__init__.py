@@ -3,8 +3,8 @@
 `docs/simulated-plant.md` says what can hide and what every case has wrong besides.
 """
 
-from hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
-from hil_sim.study.cases import (
+from armodal.hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
+from armodal.hil_sim.study.cases import (
     CaseFiles,
     CaseSpec,
     KnownMass,
@@ -13,8 +13,8 @@ from hil_sim.study.cases import (
     sealed,
     write_case,
 )
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
-from hil_sim.study.draw import draw_study
+from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from armodal.hil_sim.study.draw import draw_study
 
 __all__ = [
     "LIBRARY",

@@ -7,11 +7,11 @@ from functools import cache
 
 import numpy as np
 
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
-from protocols.errors import PlantError
-from protocols.plan import load_plan
-from protocols.plan_records import Plan
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlantError
+from armodal.protocols.plan import load_plan
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["STUDY_ARMS", "StudyArm", "study_arm"]
 

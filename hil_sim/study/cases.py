@@ -11,21 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from hil_sim.plant_file import PlantFile, plant_text
-from hil_sim.study.arms import StudyArm, study_arm
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
-from hil_sim.study.measure import measured
-from hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
-from hil_sim.study.places import ArmPlaces, Hidden
-from hil_sim.study.plant_of_arm import rotations
-from hil_sim.study.prominence import Bystander
-from hil_sim.study.sizing import Sized, clear_place, clear_size
-from protocols.arm.files import ARMS_DIRECTORY
-from protocols.arm.records import Arm
-from protocols.errors import PlantError
-from protocols.plan_records import Plan
-from protocols.session.hdf5 import write_session
-from protocols.session.records import Session
+from armodal.hil_sim.plant_file import PlantFile, plant_text
+from armodal.hil_sim.study.arms import StudyArm, study_arm
+from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
+from armodal.hil_sim.study.measure import measured
+from armodal.hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
+from armodal.hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.plant_of_arm import rotations
+from armodal.hil_sim.study.prominence import Bystander
+from armodal.hil_sim.study.sizing import Sized, clear_place, clear_size
+from armodal.protocols.arm.files import ARMS_DIRECTORY
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlantError
+from armodal.protocols.plan_records import Plan
+from armodal.protocols.session.hdf5 import write_session
+from armodal.protocols.session.records import Session
 
 __all__ = [
     "CaseFiles",

@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hil_sim.study import (
+from armodal.hil_sim.study import (
     hide_damping,
     hide_drive,
     hide_measurement,
     hide_outside,
     hide_structure,
 )
-from hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.places import ArmPlaces, Hidden
 
 __all__ = [
     "FIRST",

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hil_sim.study.cases import CaseSpec
-from hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from armodal.hil_sim.study.cases import CaseSpec
+from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
 
 __all__ = ["draw_study"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain
+from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain
 
 __all__ = [
     "backlash",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
+from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
 
 __all__ = [
     "coupling",

@@ -10,17 +10,17 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from hil_sim.board_dictionary import board_dictionary
-from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
-from hil_sim.hand import Blow, blow, hand_at
-from hil_sim.plant import Plant
-from hil_sim.ringing import Strike, ring
-from hil_sim.small_motion import Mounting, linearise
-from hil_sim.source import draw_mounting, strike_of
-from protocols.arm.records import Arm
-from protocols.board.messages import encode_dictionary
-from protocols.plan_records import Plan, PlannedPosture
-from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
+from armodal.hil_sim.board_dictionary import board_dictionary
+from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
+from armodal.hil_sim.hand import Blow, blow, hand_at
+from armodal.hil_sim.plant import Plant
+from armodal.hil_sim.ringing import Strike, ring
+from armodal.hil_sim.small_motion import Mounting, linearise
+from armodal.hil_sim.source import draw_mounting, strike_of
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.plan_records import Plan, PlannedPosture
+from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 __all__ = ["measured"]
 

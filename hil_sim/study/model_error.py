@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.plant import Plant, build_plant
-from hil_sim.plant_file import PlantFile
-from hil_sim.study.arms import StudyArm
-from hil_sim.study.plant_of_arm import plant_file_of_arm
-from protocols.arm.records import Arm
+from armodal.hil_sim.plant import Plant, build_plant
+from armodal.hil_sim.plant_file import PlantFile
+from armodal.hil_sim.study.arms import StudyArm
+from armodal.hil_sim.study.plant_of_arm import plant_file_of_arm
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["Tables", "erring_plant_tables", "plant_of_tables"]
 

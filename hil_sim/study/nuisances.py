@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hil_sim.study.model_error import Tables
+from armodal.hil_sim.study.model_error import Tables
 
 __all__ = ["WIDEST", "Nuisance", "nuisances"]
 

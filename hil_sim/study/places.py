@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.newton_euler import gravity_torque, mass_matrix
-from hil_sim.small_motion import force_torque, linearise
-from hil_sim.study.arms import StudyArm
-from hil_sim.study.model_error import Tables, plant_of_tables
-from hil_sim.study.plant_of_arm import rotations
+from armodal.hil_sim.newton_euler import gravity_torque, mass_matrix
+from armodal.hil_sim.small_motion import force_torque, linearise
+from armodal.hil_sim.study.arms import StudyArm
+from armodal.hil_sim.study.model_error import Tables, plant_of_tables
+from armodal.hil_sim.study.plant_of_arm import rotations
 
 __all__ = ["ArmPlaces", "Hidden", "about", "hidden", "plain", "unit"]
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.plant import Plant, build_plant, load_plant
-from hil_sim.plant_file import LinkTruth, PlantFile, PointTruth
-from protocols.arm.records import Arm
+from armodal.hil_sim.plant import Plant, build_plant, load_plant
+from armodal.hil_sim.plant_file import LinkTruth, PlantFile, PointTruth
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["plant_file_of_arm", "plant_of_arm", "rotations"]
 

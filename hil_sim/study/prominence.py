@@ -15,13 +15,13 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from hil_sim.plant import BASE, Plant
-from hil_sim.small_motion import Mounting, force_torque, linearise, sensor_rows
-from hil_sim.study.arms import StudyArm
-from hil_sim.study.model_error import Tables, plant_of_tables
-from hil_sim.study.nuisances import WIDEST, Nuisance, nuisances
-from protocols.plan_records import PlannedPosture
-from protocols.session.records import Session
+from armodal.hil_sim.plant import BASE, Plant
+from armodal.hil_sim.small_motion import Mounting, force_torque, linearise, sensor_rows
+from armodal.hil_sim.study.arms import StudyArm
+from armodal.hil_sim.study.model_error import Tables, plant_of_tables
+from armodal.hil_sim.study.nuisances import WIDEST, Nuisance, nuisances
+from armodal.protocols.plan_records import PlannedPosture
+from armodal.protocols.session.records import Session
 
 __all__ = ["Bystander", "frfs_of"]
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import ValidationError
 
-from hil_sim.study.catalogue import Maker
-from hil_sim.study.model_error import Tables
-from hil_sim.study.places import ArmPlaces, Hidden
-from hil_sim.study.prominence import Bystander
-from protocols.errors import PlantError
+from armodal.hil_sim.study.catalogue import Maker
+from armodal.hil_sim.study.model_error import Tables
+from armodal.hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.prominence import Bystander
+from armodal.protocols.errors import PlantError
 
 __all__ = ["Sized", "clear_place", "clear_size"]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from protocols.arm.file_model import CanSection
-from protocols.arm.records import CanMapping, DriveStateSignal, JointSignal
-from protocols.can_database import CanDecoder, load_database, mapped_message
-from protocols.errors import ArmError, CanError
-from protocols.toml_reader import refuse
+from armodal.protocols.arm.file_model import CanSection
+from armodal.protocols.arm.records import CanMapping, DriveStateSignal, JointSignal
+from armodal.protocols.can_database import CanDecoder, load_database, mapped_message
+from armodal.protocols.errors import ArmError, CanError
+from armodal.protocols.toml_reader import refuse
 
 __all__ = ["can_mapping"]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["dh_transform"]
 

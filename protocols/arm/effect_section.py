@@ -9,9 +9,9 @@ from typing import Annotated
 
 from pydantic import Field, field_validator, model_validator
 
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
-from protocols.errors import ArmError
-from protocols.toml_reader import FileModel, Name, not_wanted, refuse
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.protocols.errors import ArmError
+from armodal.protocols.toml_reader import FileModel, Name, not_wanted, refuse
 
 __all__ = ["EffectTable", "added_effect"]
 

@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from protocols.arm.effect_section import EffectTable
-from protocols.toml_reader import FileModel, Name, Vector3, not_wanted
+from armodal.protocols.arm.effect_section import EffectTable
+from armodal.protocols.toml_reader import FileModel, Name, Vector3, not_wanted
 
 __all__ = [
     "FORMAT",

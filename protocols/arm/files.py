@@ -13,17 +13,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.can_section import can_mapping
-from protocols.arm.dh import dh_transform
-from protocols.arm.effect_section import added_effect
-from protocols.arm.file_model import ArmFile, JointTable, MassesTable, PointTable
-from protocols.arm.masses import filled_masses, replaced_links, table_link
-from protocols.arm.records import Arm, Estimate, InertialLink, Joint, Point, Tolerances
-from protocols.arm.urdf import Chain, UrdfJoint, read_urdf
-from protocols.arrays import frozen_array
-from protocols.can_database import DBC_DIRECTORY
-from protocols.errors import ArmError
-from protocols.toml_reader import parse_toml, read_text, refuse, validate
+from armodal.protocols.arm.can_section import can_mapping
+from armodal.protocols.arm.dh import dh_transform
+from armodal.protocols.arm.effect_section import added_effect
+from armodal.protocols.arm.file_model import ArmFile, JointTable, MassesTable, PointTable
+from armodal.protocols.arm.masses import filled_masses, replaced_links, table_link
+from armodal.protocols.arm.records import Arm, Estimate, InertialLink, Joint, Point, Tolerances
+from armodal.protocols.arm.urdf import Chain, UrdfJoint, read_urdf
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.can_database import DBC_DIRECTORY
+from armodal.protocols.errors import ArmError
+from armodal.protocols.toml_reader import parse_toml, read_text, refuse, validate
 
 __all__ = ["ARMS_DIRECTORY", "BASE", "arm_from_texts", "load_arm", "shipped_arms"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import InertialLink
-from protocols.arrays import frozen_array
-from protocols.errors import ArmError
+from armodal.protocols.arm.records import InertialLink
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ArmError
 
 __all__ = ["merge_bodies", "physical_link"]
 

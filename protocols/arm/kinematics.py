@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import Arm
+from armodal.protocols.arm.records import Arm
 
 __all__ = ["link_pose"]
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.file_model import ArmFile, JointTable, LinkTable, MassesTable
-from protocols.arm.inertial import physical_link
-from protocols.arm.records import InertialLink
-from protocols.errors import ArmError
-from protocols.toml_reader import refuse
+from armodal.protocols.arm.file_model import ArmFile, JointTable, LinkTable, MassesTable
+from armodal.protocols.arm.inertial import physical_link
+from armodal.protocols.arm.records import InertialLink
+from armodal.protocols.errors import ArmError
+from armodal.protocols.toml_reader import refuse
 
 __all__ = ["filled_masses", "replaced_links", "table_link"]
 

@@ -8,9 +8,9 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import InlineTable, Table
 
-from protocols.arm.files import arm_from_texts
-from protocols.arm.records import AddedEffect, Arm, Estimate, InertialLink
-from protocols.errors import ArmError
+from armodal.protocols.arm.files import arm_from_texts
+from armodal.protocols.arm.records import AddedEffect, Arm, Estimate, InertialLink
+from armodal.protocols.errors import ArmError
 
 __all__ = ["text_with_effects", "text_with_inertials"]
 

@@ -7,9 +7,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from protocols.arm.files import arm_from_texts
-from protocols.arm.records import Arm
-from protocols.errors import ArmError
+from armodal.protocols.arm.files import arm_from_texts
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 
 __all__ = ["JointValues", "arm_text_with"]
 

@@ -16,10 +16,10 @@ from xml.parsers import expat
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.inertial import merge_bodies, physical_link
-from protocols.arm.records import InertialLink
-from protocols.arrays import frozen_array
-from protocols.errors import ArmError
+from armodal.protocols.arm.inertial import merge_bodies, physical_link
+from armodal.protocols.arm.records import InertialLink
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ArmError
 
 __all__ = ["Chain", "UrdfJoint", "read_urdf", "rotation_rpy"]
 

@@ -3,7 +3,7 @@
 Specified byte by byte in `docs/board-protocol.md`.
 """
 
-from protocols.board.codec import (
+from armodal.protocols.board.codec import (
     HEADER_SIZE,
     MAX_PAYLOAD,
     PROTOCOL_VERSION,
@@ -12,7 +12,7 @@ from protocols.board.codec import (
     encode_frame,
     wire_size,
 )
-from protocols.board.limits import (
+from armodal.protocols.board.limits import (
     BLOCK_TRANSFER_LIMIT_S,
     block_bytes,
     block_wire_bytes,
@@ -20,7 +20,7 @@ from protocols.board.limits import (
     samples_per_frame,
     stream_bytes_per_s,
 )
-from protocols.board.messages import (
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_configuration,
     decode_dictionary,
@@ -41,7 +41,7 @@ from protocols.board.messages import (
     hello_fragments,
     join_hello,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BlockInfo,
     BoardDictionary,
     BoardState,
@@ -57,14 +57,14 @@ from protocols.board.records import (
     Samples,
     Slope,
 )
-from protocols.board.samples import (
+from armodal.protocols.board.samples import (
     BYTES_PER_COUNT,
     COUNT_MAX,
     COUNT_MIN,
     pack_counts,
     unpack_counts,
 )
-from protocols.board.sequence import SequenceTracker, sequence_gap
+from armodal.protocols.board.sequence import SequenceTracker, sequence_gap
 
 __all__ = [
     "BLOCK_TRANSFER_LIMIT_S",

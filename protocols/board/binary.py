@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 __all__ = ["Reader", "pack", "text_field"]
 

@@ -10,8 +10,8 @@ import zlib
 
 from cobs import cobs
 
-from protocols.board.records import Frame, FrameType, Header, Overflow
-from protocols.errors import FrameError
+from armodal.protocols.board.records import Frame, FrameType, Header, Overflow
+from armodal.protocols.errors import FrameError
 
 __all__ = [
     "HEADER_SIZE",

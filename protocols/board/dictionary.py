@@ -12,9 +12,9 @@ import unicodedata
 import zlib
 from collections.abc import Sequence
 
-from protocols.board.binary import Reader, pack, text_field
-from protocols.board.records import BoardDictionary, Channel, IepeState
-from protocols.errors import FrameError
+from armodal.protocols.board.binary import Reader, pack, text_field
+from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.protocols.errors import FrameError
 
 __all__ = [
     "FRAGMENT_SIZE",

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from protocols.board.codec import MAX_PAYLOAD, wire_size
-from protocols.board.messages import BLOCK_PREFIX_SIZE, STREAM_PREFIX_SIZE
-from protocols.board.records import BoardDictionary, Configuration, ReplyCode
-from protocols.board.samples import BYTES_PER_COUNT, COUNT_MAX, COUNT_MIN
+from armodal.protocols.board.codec import MAX_PAYLOAD, wire_size
+from armodal.protocols.board.messages import BLOCK_PREFIX_SIZE, STREAM_PREFIX_SIZE
+from armodal.protocols.board.records import BoardDictionary, Configuration, ReplyCode
+from armodal.protocols.board.samples import BYTES_PER_COUNT, COUNT_MAX, COUNT_MIN
 
 __all__ = [
     "BLOCK_TRANSFER_LIMIT_S",

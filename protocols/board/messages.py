@@ -8,15 +8,15 @@ from __future__ import annotations
 import struct
 from fractions import Fraction
 
-from protocols.board.binary import Reader, pack
-from protocols.board.dictionary import (
+from armodal.protocols.board.binary import Reader, pack
+from armodal.protocols.board.dictionary import (
     decode_dictionary,
     dictionary_hash,
     encode_dictionary,
     hello_fragments,
     join_hello,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BlockInfo,
     BoardState,
     BoardStatus,
@@ -27,8 +27,8 @@ from protocols.board.records import (
     Samples,
     Slope,
 )
-from protocols.board.samples import BYTES_PER_COUNT, pack_counts, unpack_counts
-from protocols.errors import FrameError
+from armodal.protocols.board.samples import BYTES_PER_COUNT, pack_counts, unpack_counts
+from armodal.protocols.errors import FrameError
 
 __all__ = [
     "BLOCK_PREFIX_SIZE",

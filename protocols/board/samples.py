@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 __all__ = ["BYTES_PER_COUNT", "COUNT_MAX", "COUNT_MIN", "pack_counts", "unpack_counts"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocols.board.records import Header
+from armodal.protocols.board.records import Header
 
 __all__ = ["SequenceTracker", "sequence_gap"]
 

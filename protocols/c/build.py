@@ -1,4 +1,4 @@
-"""Compile the device library for this machine: `python -m protocols.c.build`.
+"""Compile the device library for this machine: `python -m armodal.protocols.c.build`.
 
 The system's C compiler is taken (`CC`, then cc, gcc, clang), else the one of the package
 `ziglang`. The result lies beside the sources in `build/` and is made again when they change.
@@ -16,7 +16,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from protocols.errors import ArmodalError
+from armodal.protocols.errors import ArmodalError
 
 __all__ = [
     "HEADER",
@@ -142,5 +142,5 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except (CompilerError, subprocess.CalledProcessError) as error:
-        sys.stderr.write(f"protocols.c.build: {error}\n")
+        sys.stderr.write(f"armodal.protocols.c.build: {error}\n")
         sys.exit(2)

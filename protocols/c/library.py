@@ -9,7 +9,7 @@ from typing import Any
 
 from cffi import FFI
 
-from protocols.c.build import HEADER, HERE, ensure_library
+from armodal.protocols.c.build import HEADER, HERE, ensure_library
 
 __all__ = ["declarations", "device_library"]
 

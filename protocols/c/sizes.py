@@ -1,4 +1,4 @@
-"""Code and RAM of the device library on a microcontroller: `python -m protocols.c.sizes`.
+"""Code and RAM of the device library on a microcontroller: `python -m armodal.protocols.c.sizes`.
 
 Compiled with -Os and the small CRC table, by `arm-none-eabi-gcc` for a Cortex-M4 where it is
 there, and held against the limits. Else by gcc for 32-bit x86, whose code takes half as much room
@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from protocols.c.build import INCLUDE, SOURCES, STRICT, CompilerError, compile_with
+from armodal.protocols.c.build import INCLUDE, SOURCES, STRICT, CompilerError, compile_with
 
 __all__ = ["CODE_LIMIT_BYTES", "RAM_LIMIT_BYTES", "Sizes", "main", "measure"]
 

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.errors import ForeignFileError
-from protocols.foreign.measured import (
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.measured import (
     Content,
     ForeignFrf,
     ForeignHit,
@@ -30,10 +30,10 @@ from protocols.foreign.measured import (
     check_frf_values,
     exact_rate,
 )
-from protocols.foreign.uff_blocks import read_foreign_bytes
-from protocols.foreign.uff_records import DataKind
-from protocols.foreign.units import seconds, signal_scale
-from protocols.frf_records import FrfForm
+from armodal.protocols.foreign.uff_blocks import read_foreign_bytes
+from armodal.protocols.foreign.uff_records import DataKind
+from armodal.protocols.foreign.units import seconds, signal_scale
+from armodal.protocols.frf_records import FrfForm
 
 __all__ = ["array_content", "npy_array", "signals_content"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.arrays_measured import array_content
-from protocols.foreign.mat import mat_content
-from protocols.foreign.measured import Content, Hints
-from protocols.foreign.uff_measured import uff_content
-from protocols.foreign.uff_read import read_uff
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.arrays_measured import array_content
+from armodal.protocols.foreign.mat import mat_content
+from armodal.protocols.foreign.measured import Content, Hints
+from armodal.protocols.foreign.uff_measured import uff_content
+from armodal.protocols.foreign.uff_read import read_uff
 
 __all__ = ["read_content"]
 

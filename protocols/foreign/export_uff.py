@@ -14,12 +14,12 @@ from typing import TypedDict
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.kinematics import link_pose
-from protocols.arm.records import Arm
-from protocols.arrays import frozen_array
-from protocols.foreign.session_texts import UNKNOWN_PLACES
-from protocols.foreign.uff_measured import direction_words, estimate_words
-from protocols.foreign.uff_records import (
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.foreign.session_texts import UNKNOWN_PLACES
+from armodal.protocols.foreign.uff_measured import direction_words, estimate_words
+from armodal.protocols.foreign.uff_records import (
     DataKind,
     FunctionKind,
     UffFile,
@@ -29,8 +29,8 @@ from protocols.foreign.uff_records import (
     UffShape,
     UffTraceLine,
 )
-from protocols.foreign.uff_write import SI_UNITS
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.protocols.foreign.uff_write import SI_UNITS
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 __all__ = ["ExportedMode", "node_numbers", "posture_uff"]
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.errors import ForeignFileError
-from protocols.foreign.manifest import MOST_AVERAGES, PostureTable
-from protocols.foreign.measured import Content, ForeignFrf
-from protocols.foreign.placement import HIT, RESPONSE, SCALAR, Placement
-from protocols.frf_records import Dof, FrequencyResponse
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.manifest import MOST_AVERAGES, PostureTable
+from armodal.protocols.foreign.measured import Content, ForeignFrf
+from armodal.protocols.foreign.placement import HIT, RESPONSE, SCALAR, Placement
+from armodal.protocols.frf_records import Dof, FrequencyResponse
 
 __all__ = ["frf_matrix"]
 

@@ -9,13 +9,13 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.board.records import BoardDictionary, Channel, IepeState
-from protocols.errors import ForeignFileError
-from protocols.foreign.manifest import PostureTable
-from protocols.foreign.measured import AXES, ForeignHit
-from protocols.foreign.placement import HIT, RESPONSE, Placement
-from protocols.session.records import Hit, JointReading, Verdict
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.manifest import PostureTable
+from armodal.protocols.foreign.measured import AXES, ForeignHit
+from armodal.protocols.foreign.placement import HIT, RESPONSE, Placement
+from armodal.protocols.session.records import Hit, JointReading, Verdict
 
 __all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger"]
 

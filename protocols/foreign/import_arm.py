@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.files import BASE, arm_from_texts, load_arm
-from protocols.arm.kinematics import link_pose
-from protocols.arm.records import Arm
-from protocols.arm.urdf import read_urdf
-from protocols.arrays import frozen_array
-from protocols.errors import ArmError, ForeignFileError
-from protocols.foreign.manifest import NO_ARM, Manifest, PostureTable
-from protocols.foreign.measured import Content, ToldDof
-from protocols.foreign.placement import HIT, RESPONSE, Placement, point_name
-from protocols.foreign.session_texts import NewPoint, bare_arm_text, points_text
-from protocols.toml_reader import read_text
+from armodal.protocols.arm.files import BASE, arm_from_texts, load_arm
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arm.urdf import read_urdf
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ArmError, ForeignFileError
+from armodal.protocols.foreign.manifest import NO_ARM, Manifest, PostureTable
+from armodal.protocols.foreign.measured import Content, ToldDof
+from armodal.protocols.foreign.placement import HIT, RESPONSE, Placement, point_name
+from armodal.protocols.foreign.session_texts import NewPoint, bare_arm_text, points_text
+from armodal.protocols.toml_reader import read_text
 
 __all__ = ["MeasuredPosture", "imported_arm", "placement_of"]
 

@@ -7,27 +7,27 @@ from fractions import Fraction
 
 import numpy as np
 
-from protocols.arm.records import Arm
-from protocols.board.messages import encode_dictionary
-from protocols.errors import ForeignFileError
-from protocols.foreign.content import read_content
-from protocols.foreign.frf_matrix import frf_matrix
-from protocols.foreign.hit_records import (
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.content import read_content
+from armodal.protocols.foreign.frf_matrix import frf_matrix
+from armodal.protocols.foreign.hit_records import (
     PlacedHit,
     foreign_dictionary,
     hit_records,
     place_hits,
     pretrigger,
 )
-from protocols.foreign.import_arm import MeasuredPosture, imported_arm, placement_of
-from protocols.foreign.manifest import Manifest, PostureTable
-from protocols.foreign.session_texts import (
+from armodal.protocols.foreign.import_arm import MeasuredPosture, imported_arm, placement_of
+from armodal.protocols.foreign.manifest import Manifest, PostureTable
+from armodal.protocols.foreign.session_texts import (
     PlanFacts,
     plan_text,
 )
-from protocols.frf_records import FrequencyResponse
-from protocols.plan import plan_from_text
-from protocols.session.records import Session, SessionHeader
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.records import Session, SessionHeader
 
 __all__ = ["import_session"]
 

@@ -12,12 +12,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.measured import Hints, parse_dof
-from protocols.foreign.units import SI
-from protocols.frf_records import FrfForm
-from protocols.plan_model import AveragingTable, WindowsTable
-from protocols.toml_reader import (
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.measured import Hints, parse_dof
+from armodal.protocols.foreign.units import SI
+from armodal.protocols.frf_records import FrfForm
+from armodal.protocols.plan_model import AveragingTable, WindowsTable
+from armodal.protocols.toml_reader import (
     FileModel,
     Name,
     Vector3,

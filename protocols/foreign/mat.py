@@ -24,11 +24,11 @@ import numpy as np
 import numpy.typing as npt
 import scipy.io
 
-from protocols.arrays import frozen_array
-from protocols.errors import ForeignFileError
-from protocols.foreign.arrays_measured import MOST_NUMBERS, signals_content
-from protocols.foreign.mat_elements import plain_variables
-from protocols.foreign.measured import (
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.arrays_measured import MOST_NUMBERS, signals_content
+from armodal.protocols.foreign.mat_elements import plain_variables
+from armodal.protocols.foreign.measured import (
     Content,
     ForeignFrf,
     Hints,
@@ -37,10 +37,10 @@ from protocols.foreign.measured import (
     check_frf_values,
     parse_dof,
 )
-from protocols.foreign.uff_blocks import read_foreign_bytes
-from protocols.foreign.uff_records import DataKind
-from protocols.foreign.units import SI, signal_scale
-from protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.protocols.foreign.uff_blocks import read_foreign_bytes
+from armodal.protocols.foreign.uff_records import DataKind
+from armodal.protocols.foreign.units import SI, signal_scale
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["mat_content", "write_mat"]
 

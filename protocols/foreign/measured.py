@@ -12,9 +12,9 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.uff_records import UffNodes, UffTraceLine
-from protocols.frf_records import FrfForm
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.uff_records import UffNodes, UffTraceLine
+from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
     "AXES",

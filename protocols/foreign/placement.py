@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.kinematics import link_pose
-from protocols.arm.records import Arm
-from protocols.arrays import frozen_array
-from protocols.errors import ForeignFileError
-from protocols.foreign.measured import ToldDof
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.measured import ToldDof
 
 __all__ = ["HIT", "RESPONSE", "SCALAR", "Placement", "point_name"]
 

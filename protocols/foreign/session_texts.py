@@ -15,8 +15,8 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.urdf import Chain
-from protocols.foreign.manifest import ManifestFile, PostureTable
+from armodal.protocols.arm.urdf import Chain
+from armodal.protocols.foreign.manifest import ManifestFile, PostureTable
 
 __all__ = ["UNKNOWN_PLACES", "NewPoint", "PlanFacts", "bare_arm_text", "plan_text", "points_text"]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from protocols.errors import ForeignFileError
+from armodal.protocols.errors import ForeignFileError
 
 __all__ = ["Block", "read_foreign_bytes", "split_blocks"]
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.errors import ForeignFileError
-from protocols.foreign.measured import (
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.measured import (
     Content,
     ForeignFrf,
     ForeignHit,
@@ -25,7 +25,7 @@ from protocols.foreign.measured import (
     check_frf_values,
     exact_rate,
 )
-from protocols.foreign.uff_records import (
+from armodal.protocols.foreign.uff_records import (
     DataKind,
     FunctionKind,
     UffFile,
@@ -33,8 +33,15 @@ from protocols.foreign.uff_records import (
     UffNodes,
     UffUnits,
 )
-from protocols.foreign.units import Scale, frf_form, frf_scale, length_scale, signal_scale, unit
-from protocols.frf_records import FrfForm
+from armodal.protocols.foreign.units import (
+    Scale,
+    frf_form,
+    frf_scale,
+    length_scale,
+    signal_scale,
+    unit,
+)
+from armodal.protocols.frf_records import FrfForm
 
 __all__ = ["direction_words", "estimate_words", "uff_content"]
 

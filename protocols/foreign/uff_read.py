@@ -23,16 +23,16 @@ from pyuff.datasets.dataset_82 import _extract82 as extract_82
 from pyuff.datasets.dataset_151 import _extract151 as extract_151
 from pyuff.datasets.dataset_164 import _extract164 as extract_164
 
-from protocols.arrays import frozen_array
-from protocols.errors import ForeignFileError
-from protocols.foreign.uff_blocks import (
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.uff_blocks import (
     HEADER_LINES_58,
     MOST_VALUES,
     Block,
     read_foreign_bytes,
     split_blocks,
 )
-from protocols.foreign.uff_records import (
+from armodal.protocols.foreign.uff_records import (
     UffFile,
     UffFunction,
     UffHeader,

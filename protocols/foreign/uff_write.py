@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 import pyuff
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.uff_blocks import HEADER_LINES_58
-from protocols.foreign.uff_records import (
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.uff_blocks import HEADER_LINES_58
+from armodal.protocols.foreign.uff_records import (
     UffFile,
     UffFunction,
     UffHeader,

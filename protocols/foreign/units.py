@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
-from protocols.frf_records import FrfForm
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
+from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
     "SI",

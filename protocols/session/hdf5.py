@@ -15,23 +15,35 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from protocols.errors import ArmodalError, JournalError, SessionError
-from protocols.file_layer import DISK, FileLayer, write_all
-from protocols.frf_records import FrequencyResponse
-from protocols.session.compare import first_difference
-from protocols.session.hdf5_frf import check_frf, frf_name, read_frf_groups, write_frf_groups
-from protocols.session.hdf5_header import (
+from armodal.protocols.errors import ArmodalError, JournalError, SessionError
+from armodal.protocols.file_layer import DISK, FileLayer, write_all
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.compare import first_difference
+from armodal.protocols.session.hdf5_frf import (
+    check_frf,
+    frf_name,
+    read_frf_groups,
+    write_frf_groups,
+)
+from armodal.protocols.session.hdf5_header import (
     Provenance,
     read_header,
     read_provenance_group,
     write_header,
     write_provenance,
 )
-from protocols.session.hdf5_hits import read_hits, read_losses, write_hits, write_losses
-from protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts, open_tree
-from protocols.session.journal_payloads import hit_model, loss_model
-from protocols.session.membership import check_frf_membership, check_membership
-from protocols.session.records import Session
+from armodal.protocols.session.hdf5_hits import read_hits, read_losses, write_hits, write_losses
+from armodal.protocols.session.hdf5_tree import (
+    Tree,
+    add_array,
+    add_group,
+    add_text,
+    add_texts,
+    open_tree,
+)
+from armodal.protocols.session.journal_payloads import hit_model, loss_model
+from armodal.protocols.session.membership import check_frf_membership, check_membership
+from armodal.protocols.session.records import Session
 
 __all__ = [
     "FORMAT_VERSION",

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import h5py
 import numpy as np
 
-from protocols.arrays import frozen_array
-from protocols.errors import SessionError
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
-from protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import SessionError
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts
 
 __all__ = ["GIVEN", "check_frf", "frf_name", "read_frf_groups", "write_frf_groups"]
 

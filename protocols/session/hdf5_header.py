@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-from protocols.board.dictionary import MAX_DICTIONARY
-from protocols.board.records import BoardDictionary
-from protocols.errors import JournalError
-from protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts
-from protocols.session.header import header_model, header_of
-from protocols.session.journal_models import HeaderModel, check
-from protocols.session.records import SessionHeader
+from armodal.protocols.board.dictionary import MAX_DICTIONARY
+from armodal.protocols.board.records import BoardDictionary
+from armodal.protocols.errors import JournalError
+from armodal.protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts
+from armodal.protocols.session.header import header_model, header_of
+from armodal.protocols.session.journal_models import HeaderModel, check
+from armodal.protocols.session.records import SessionHeader
 
 __all__ = [
     "Provenance",

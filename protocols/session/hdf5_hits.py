@@ -11,12 +11,12 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
-from protocols.errors import JournalError
-from protocols.session.hdf5_tree import Tree, add_array, add_group, add_texts
-from protocols.session.journal_payloads import hit_model, loss_model
-from protocols.session.membership import check_membership
-from protocols.session.records import Hit, JointReading, Loss, SessionHeader, Verdict
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import JournalError
+from armodal.protocols.session.hdf5_tree import Tree, add_array, add_group, add_texts
+from armodal.protocols.session.journal_payloads import hit_model, loss_model
+from armodal.protocols.session.membership import check_membership
+from armodal.protocols.session.records import Hit, JointReading, Loss, SessionHeader, Verdict
 
 __all__ = ["hit_name", "read_hits", "read_losses", "write_hits", "write_losses"]
 

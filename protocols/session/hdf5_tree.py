@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from protocols.errors import SessionError
+from armodal.protocols.errors import SessionError
 
 __all__ = [
     "Tree",

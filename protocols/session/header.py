@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from protocols.arm.files import arm_from_texts
-from protocols.board.messages import decode_dictionary
-from protocols.errors import ArmodalError, JournalError
-from protocols.plan import plan_from_text
-from protocols.session.journal_models import HeaderModel, check
-from protocols.session.records import SessionHeader
+from armodal.protocols.arm.files import arm_from_texts
+from armodal.protocols.board.messages import decode_dictionary
+from armodal.protocols.errors import ArmodalError, JournalError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.journal_models import HeaderModel, check
+from armodal.protocols.session.records import SessionHeader
 
 __all__ = ["header_model", "header_of"]
 

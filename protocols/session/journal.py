@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from protocols.errors import JournalError
-from protocols.session.journal_framing import (
+from armodal.protocols.errors import JournalError
+from armodal.protocols.session.journal_framing import (
     JOURNAL_VERSION,
     MAGIC,
     MAX_JOURNAL,
@@ -22,8 +22,8 @@ from protocols.session.journal_framing import (
     encode_record,
     scan,
 )
-from protocols.session.journal_header import begin_journal, decode_header
-from protocols.session.journal_payloads import (
+from armodal.protocols.session.journal_header import begin_journal, decode_header
+from armodal.protocols.session.journal_payloads import (
     CALIBRATION,
     End,
     Mark,
@@ -37,9 +37,9 @@ from protocols.session.journal_payloads import (
     encode_loss,
     encode_mark,
 )
-from protocols.session.membership import check_membership
-from protocols.session.progress import is_complete
-from protocols.session.records import Hit, Loss, Session, SessionHeader
+from armodal.protocols.session.membership import check_membership
+from armodal.protocols.session.progress import is_complete
+from armodal.protocols.session.records import Hit, Loss, Session, SessionHeader
 
 __all__ = [
     "JOURNAL_VERSION",

@@ -10,7 +10,7 @@ import zlib
 from dataclasses import dataclass
 from enum import IntEnum
 
-from protocols.errors import JournalError
+from armodal.protocols.errors import JournalError
 
 __all__ = [
     "JOURNAL_VERSION",

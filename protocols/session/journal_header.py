@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from protocols.session.header import header_model, header_of
-from protocols.session.journal_framing import MAGIC, RecordKind, encode_record
-from protocols.session.journal_models import HeaderModel, from_json, to_json
-from protocols.session.journal_payloads import join_payload, split_payload
-from protocols.session.records import SessionHeader
+from armodal.protocols.session.header import header_model, header_of
+from armodal.protocols.session.journal_framing import MAGIC, RecordKind, encode_record
+from armodal.protocols.session.journal_models import HeaderModel, from_json, to_json
+from armodal.protocols.session.journal_payloads import join_payload, split_payload
+from armodal.protocols.session.records import SessionHeader
 
 __all__ = ["begin_journal", "decode_header"]
 

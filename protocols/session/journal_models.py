@@ -11,7 +11,7 @@ from typing import Annotated, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from protocols.errors import JournalError
+from armodal.protocols.errors import JournalError
 
 __all__ = [
     "EndModel",

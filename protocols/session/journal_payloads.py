@@ -12,10 +12,10 @@ from enum import StrEnum
 
 import numpy as np
 
-from protocols.arrays import frozen_array
-from protocols.errors import JournalError
-from protocols.session.journal_framing import RecordKind, encode_record
-from protocols.session.journal_models import (
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import JournalError
+from armodal.protocols.session.journal_framing import RecordKind, encode_record
+from armodal.protocols.session.journal_models import (
     EndModel,
     HitModel,
     LossModel,
@@ -25,7 +25,7 @@ from protocols.session.journal_models import (
     from_json,
     to_json,
 )
-from protocols.session.records import Hit, JointReading, Loss, Verdict
+from armodal.protocols.session.records import Hit, JointReading, Loss, Verdict
 
 __all__ = [
     "CALIBRATION",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from protocols.errors import JournalError, SessionError
-from protocols.frf_records import FrequencyResponse
-from protocols.session.records import Hit, Session, SessionHeader
+from armodal.protocols.errors import JournalError, SessionError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.records import Hit, Session, SessionHeader
 
 __all__ = ["check_frf_membership", "check_membership"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from protocols.plan_records import Mode, Plan
-from protocols.session.records import Hit
+from armodal.protocols.plan_records import Mode, Plan
+from armodal.protocols.session.records import Hit
 
 __all__ = ["accepted_counts", "is_complete", "missing_points", "roving_point"]
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.records import Arm
-from protocols.board.records import BoardDictionary
-from protocols.frf_records import FrequencyResponse
-from protocols.plan_records import Plan
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.board.records import BoardDictionary
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.plan_records import Plan
 
 __all__ = ["Hit", "JointReading", "Loss", "Session", "SessionHeader", "Verdict"]
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from protocols.errors import EstimateError, SessionError
-from protocols.file_layer import DISK, FileLayer
-from protocols.frf_records import FrequencyResponse
-from protocols.session.hdf5 import Provenance, write_session
-from protocols.session.journal import decode_journal, read_journal_bytes, session_of
-from protocols.session.records import Session
+from armodal.protocols.errors import EstimateError, SessionError
+from armodal.protocols.file_layer import DISK, FileLayer
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.hdf5 import Provenance, write_session
+from armodal.protocols.session.journal import decode_journal, read_journal_bytes, session_of
+from armodal.protocols.session.records import Session
 
 __all__ = ["Recovery", "rebuild"]
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from protocols.plan_records import Plan
-from protocols.session.journal_payloads import Mark, MarkKind
-from protocols.session.progress import missing_points
-from protocols.session.records import Hit
+from armodal.protocols.plan_records import Plan
+from armodal.protocols.session.journal_payloads import Mark, MarkKind
+from armodal.protocols.session.progress import missing_points
+from armodal.protocols.session.records import Hit
 
 __all__ = ["place_in_hand", "skipped_points"]
 

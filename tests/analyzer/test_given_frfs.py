@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from analyzer.given_frfs import with_variance
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.analyzer.given_frfs import with_variance
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 FREQ = np.arange(1.0, 101.0)
 

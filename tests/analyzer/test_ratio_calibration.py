@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analyzer.modal.spectra import HitSpectra
-from analyzer.ratio_calibration import ratio_calibration
-from protocols.errors import EstimateError
+from armodal.analyzer.modal.spectra import HitSpectra
+from armodal.analyzer.ratio_calibration import ratio_calibration
+from armodal.protocols.errors import EstimateError
 
 FREQ_HZ = np.arange(1, 301, dtype=np.float64)
 

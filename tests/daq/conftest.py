@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from support.channels import channel
 from support.fake_devices import RATE_HZ, FakeBoard, FakeController, dictionary
 
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
-from protocols.plan import plan_from_text
-from protocols.plan_records import Plan
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.plan_records import Plan
 
 PLAN = """
 format = "armodal-plan-1"

@@ -3,11 +3,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from daq.arm_around import AFTER_WALL_S, SILENCE_S, ArmAround
-from daq.clock import SystemClock
-from daq.joint_state import JointState
-from daq.settings import AcquisitionSettings
-from protocols.can_database import CanEncoder
+from armodal.daq.arm_around import AFTER_WALL_S, SILENCE_S, ArmAround
+from armodal.daq.clock import SystemClock
+from armodal.daq.joint_state import JointState
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.can_database import CanEncoder
 
 TURN_S = 0.02
 

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daq.blocks import BlockAssembler, BlockCollector
-from protocols.board.records import BlockInfo, Samples
+from armodal.daq.blocks import BlockAssembler, BlockCollector
+from armodal.protocols.board.records import BlockInfo, Samples
 
 LENGTH = 100
 FIRST = 5000

@@ -2,12 +2,12 @@ from __future__ import annotations
 
 import pytest
 
-from daq.board_link import BoardLink
-from daq.clock import SystemClock
-from daq.serial_port import SerialPort
-from protocols.board.messages import encode_reply
-from protocols.board.records import FrameType, ReplyCode
-from protocols.errors import BoardRefusedError, DeviceLostError, DeviceTimeoutError
+from armodal.daq.board_link import BoardLink
+from armodal.daq.clock import SystemClock
+from armodal.daq.serial_port import SerialPort
+from armodal.protocols.board.messages import encode_reply
+from armodal.protocols.board.records import FrameType, ReplyCode
+from armodal.protocols.errors import BoardRefusedError, DeviceLostError, DeviceTimeoutError
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from daq.board_session import configuration_for, measured_mask
-from protocols.board.records import Slope
-from protocols.plan_records import Trigger
+from armodal.daq.board_session import configuration_for, measured_mask
+from armodal.protocols.board.records import Slope
+from armodal.protocols.plan_records import Trigger
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@ from __future__ import annotations
 import can
 import pytest
 
-from daq.can_listener import PythonCanListener, SlcanListener, open_can
-from daq.serial_port import SerialPort
-from protocols.errors import CanError, DeviceTimeoutError, PortError
+from armodal.daq.can_listener import PythonCanListener, SlcanListener, open_can
+from armodal.daq.serial_port import SerialPort
+from armodal.protocols.errors import CanError, DeviceTimeoutError, PortError
 
 BITRATE = 500_000
 

@@ -5,19 +5,19 @@ from fractions import Fraction
 
 import pytest
 
-from daq.check import (
+from armodal.daq.check import (
     BOARD_STEPS,
     BoardCheckOptions,
     CheckError,
     Verdict,
     check_board,
 )
-from daq.clock import SystemClock
-from daq.serial_port import SerialPort
-from hil_sim.broken_board import BROKEN_BOARDS, broken_board
-from hil_sim.lab import start_laboratory
-from hil_sim.relay import relayed
-from protocols.errors import DeviceTimeoutError, FrameError, PlantError, PortError
+from armodal.daq.clock import SystemClock
+from armodal.daq.serial_port import SerialPort
+from armodal.hil_sim.broken_board import BROKEN_BOARDS, broken_board
+from armodal.hil_sim.lab import start_laboratory
+from armodal.hil_sim.relay import relayed
+from armodal.protocols.errors import DeviceTimeoutError, FrameError, PlantError, PortError
 
 # Fast enough to be short, slow enough for a busy machine to keep up: at 6400 Hz and this scale the
 # preview takes 0.65 MB/s, which the line and the board hold back for a tenth of a second.

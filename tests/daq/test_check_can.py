@@ -5,12 +5,16 @@ from dataclasses import replace
 
 import pytest
 
-from daq.check import CAN_STEPS, CheckError, Verdict, check_can
-from daq.check import can as can_check
-from hil_sim.broken_controller import BROKEN_CONTROLLERS, BrokenController, broken_controller
-from protocols.can_database import CanEncoder
-from protocols.errors import ArmError, CanError, PlantError
-from protocols.slcan import CanFrame, SlcanParser, SlcanReply, encode_slcan
+from armodal.daq.check import CAN_STEPS, CheckError, Verdict, check_can
+from armodal.daq.check import can as can_check
+from armodal.hil_sim.broken_controller import (
+    BROKEN_CONTROLLERS,
+    BrokenController,
+    broken_controller,
+)
+from armodal.protocols.can_database import CanEncoder
+from armodal.protocols.errors import ArmError, CanError, PlantError
+from armodal.protocols.slcan import CanFrame, SlcanParser, SlcanReply, encode_slcan
 
 HELD, MOVING = 2, 3
 DURATION_S = 4.0

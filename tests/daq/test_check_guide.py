@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from daq.check import BOARD_STEPS, CAN_STEPS
-from protocols.board.codec import wire_size
-from protocols.board.limits import (
+from armodal.daq.check import BOARD_STEPS, CAN_STEPS
+from armodal.protocols.board.codec import wire_size
+from armodal.protocols.board.limits import (
     block_bytes,
     block_wire_bytes,
     samples_per_frame,
     stream_bytes_per_s,
 )
-from protocols.board.records import Configuration, Slope
+from armodal.protocols.board.records import Configuration, Slope
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "porting.md").read_text(encoding="utf-8")

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daq.check.board_run import check_clock
-from daq.check.raw_frame import RawDecoder, encode_raw
-from daq.check.run import run_steps
-from daq.check.stream import record
-from daq.check.tick_rate import tick_rate
-from daq.check.trigger_truth import expected_blocks
-from daq.check.verdict import Report, Step, Verdict, failed, passed, unchecked
-from daq.clock_fit import RoundTrip
-from protocols.board.records import Slope
-from protocols.errors import DeviceLostError, FrameError
+from armodal.daq.check.board_run import check_clock
+from armodal.daq.check.raw_frame import RawDecoder, encode_raw
+from armodal.daq.check.run import run_steps
+from armodal.daq.check.stream import record
+from armodal.daq.check.tick_rate import tick_rate
+from armodal.daq.check.trigger_truth import expected_blocks
+from armodal.daq.check.verdict import Report, Step, Verdict, failed, passed, unchecked
+from armodal.daq.clock_fit import RoundTrip
+from armodal.protocols.board.records import Slope
+from armodal.protocols.errors import DeviceLostError, FrameError
 
 
 @given(

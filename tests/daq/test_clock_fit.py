@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from daq.clock_fit import ClockTracker, RoundTrip, fit_clock
+from armodal.daq.clock_fit import ClockTracker, RoundTrip, fit_clock
 
 TICK_HZ = 1_000_000
 FAR = 2**63  # ticks where a float's step is 2048 ticks, 2 ms

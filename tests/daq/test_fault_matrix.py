@@ -1,16 +1,10 @@
 """A few of the seeded runs of `bench/torture_faults.py`, and those that once showed a fault."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from support.fault_runs import MATRIX, run_seed, script_of
 
-from daq.events import Failed, Finished
-from protocols.session.journal import decode_journal
+from armodal.daq.events import Failed, Finished
+from armodal.protocols.session.journal import decode_journal
 
 
 def words_of(outcome):

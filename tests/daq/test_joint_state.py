@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from daq.joint_state import JointState
-from protocols.can_database import CanEncoder
-from protocols.can_records import CanFrame
+from armodal.daq.joint_state import JointState
+from armodal.protocols.can_database import CanEncoder
+from armodal.protocols.can_records import CanFrame
 
 # The shipped database resolves better than this.
 RESOLUTION_RAD = math.radians(0.001)

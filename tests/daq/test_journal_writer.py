@@ -4,10 +4,10 @@ import os
 
 import pytest
 
-from daq.journal_writer import LAST_BYTES, LAST_RECORDS, JournalWriter
-from protocols.board.messages import encode_dictionary
-from protocols.errors import JournalError
-from protocols.session.journal import (
+from armodal.daq.journal_writer import LAST_BYTES, LAST_RECORDS, JournalWriter
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.errors import JournalError
+from armodal.protocols.session.journal import (
     End,
     Mark,
     MarkKind,
@@ -17,8 +17,8 @@ from protocols.session.journal import (
     read_journal,
     scan,
 )
-from protocols.session.journal_framing import MAX_RECORDS
-from protocols.session.records import SessionHeader
+from armodal.protocols.session.journal_framing import MAX_RECORDS
+from armodal.protocols.session.records import SessionHeader
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_append_returns_only_after_the_record_is_durable(header, path, monkeypat
     synced: list[int] = []
     sync = os.fdatasync
     monkeypatch.setattr(
-        "protocols.file_layer.os.fdatasync",
+        "armodal.protocols.file_layer.os.fdatasync",
         lambda fd: (synced.append(os.fstat(fd).st_size), sync(fd))[1],
     )
     writer.append(mark("one"))
@@ -126,7 +126,7 @@ def test_a_full_disk_is_said_and_the_record_does_not_count(header, path, monkeyp
     def full(fd: int, data: memoryview) -> int:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("protocols.file_layer.os.write", full)
+    monkeypatch.setattr("armodal.protocols.file_layer.os.write", full)
     with pytest.raises(JournalError, match="No space left"):
         writer.append(mark("one"))
     monkeypatch.undo()
@@ -146,7 +146,7 @@ def test_a_record_torn_by_a_full_disk_is_cut_off_and_nothing_follows_it(header, 
             raise OSError(28, "No space left on device")
         return write(fd, data[:5])
 
-    monkeypatch.setattr("protocols.file_layer.os.write", fills_up)
+    monkeypatch.setattr("armodal.protocols.file_layer.os.write", fills_up)
     with pytest.raises(JournalError, match="No space left"):
         writer.append(mark("two"))
     monkeypatch.undo()
@@ -193,7 +193,7 @@ def test_a_journal_with_as_many_records_as_a_reader_takes_can_still_be_ended_and
 def test_a_journal_as_long_as_a_reader_takes_can_still_be_ended_and_read(header, path, monkeypatch):
     writer = JournalWriter.create(path, header)
     most = path.stat().st_size + LAST_BYTES + 5 * len(mark("one")) + 7
-    for module in ("daq.journal_writer", "protocols.session.journal"):
+    for module in ("armodal.daq.journal_writer", "armodal.protocols.session.journal"):
         monkeypatch.setattr(f"{module}.MAX_JOURNAL", most)
     assert filled(writer, mark("one")) == 5
     writer.begin_ending()
@@ -209,7 +209,7 @@ def test_a_full_journal_is_not_gone_on_with_and_stays_as_it_is(header, path, mon
     writer.append(mark("one"))
     writer.close()
     before = path.read_bytes()
-    monkeypatch.setattr("daq.journal_writer.MAX_RECORDS", LAST_RECORDS + 2)
+    monkeypatch.setattr("armodal.daq.journal_writer.MAX_RECORDS", LAST_RECORDS + 2)
     writer, _ = JournalWriter.resume(path)
     assert filled(writer, mark("two")) == 0
     writer.close()

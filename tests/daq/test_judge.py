@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from daq.blocks import CapturedBlock
-from daq.judge import judge_record
-from protocols.board.records import BlockInfo
-from protocols.plan_records import Sampling, Trigger
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.judge import judge_record
+from armodal.protocols.board.records import BlockInfo
+from armodal.protocols.plan_records import Sampling, Trigger
 
 RATE_HZ = 1652.0
 OVERSAMPLING = 64

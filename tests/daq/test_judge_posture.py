@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from daq.judge_posture import judge_posture
-from protocols.session.records import JointReading
+from armodal.daq.judge_posture import judge_posture
+from armodal.protocols.session.records import JointReading
 
 PLANNED = np.radians([10.0, 20.0, 30.0])
 TOLERANCE = math.radians(0.5)

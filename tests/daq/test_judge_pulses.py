@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from daq.judge_anti_alias import without_narrow_pulse
-from daq.judge_disturbance import without_disturbance, without_undershoot
-from daq.judge_pulses import find_pulses
+from armodal.daq.judge_anti_alias import without_narrow_pulse
+from armodal.daq.judge_disturbance import without_disturbance, without_undershoot
+from armodal.daq.judge_pulses import find_pulses
 
 RATE_HZ = 5000.0
 N = 2000

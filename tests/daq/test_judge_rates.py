@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -11,15 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy import stats
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from judged import LEVEL_N, block_of_counts, judge_force, sees_two
-from strikes import draw_strike, force_record, gap_of, second_strike
 from support.channels import channel
+from support.judged import LEVEL_N, block_of_counts, judge_force, sees_two
+from support.strikes import draw_strike, force_record, gap_of, second_strike
 
-from daq.judge import judge_record
-from protocols.plan_records import Sampling, Trigger
+from armodal.daq.judge import judge_record
+from armodal.protocols.plan_records import Sampling, Trigger
 
 PRETRIGGER = 100
 RATES_HZ = (1000.0, 1652.0, 2048.0, 5120.0, 10240.0, 25600.0, 51200.0)

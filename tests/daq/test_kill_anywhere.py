@@ -15,21 +15,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.accepted_hits import missing, quick_folder, wrong_after_stop
+from support.fake_session import SCALE, Hammer, settings_of, whole_session
+from support.faulty_disk import FaultyDisk, wrong_with_faulty_disk
+from support.recorded_disk import RecordingDisk, kill_points, power_cuts
+from support.simulated_session import operate
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from accepted_hits import missing, quick_folder, wrong_after_stop
-from fake_session import SCALE, Hammer, settings_of, whole_session
-from faulty_disk import FaultyDisk, wrong_with_faulty_disk
-from recorded_disk import RecordingDisk, kill_points, power_cuts
-from simulated_session import operate
-
-from daq.acquisition import run_acquisition
-from daq.events import Failed, Finished, HitJudged
-from daq.journal_writer import JournalWriter
-from protocols.session.journal import encode_hit, load_journal, read_journal
-from protocols.session.records import Hit
-from protocols.session.recovery import rebuild
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.events import Failed, Finished, HitJudged
+from armodal.daq.journal_writer import JournalWriter
+from armodal.protocols.session.journal import encode_hit, load_journal, read_journal
+from armodal.protocols.session.records import Hit
+from armodal.protocols.session.recovery import rebuild
 
 HITS = 4  # of the plan
 NAME = "session.journal"

@@ -6,10 +6,10 @@ import time
 
 import pytest
 
-from daq.commands import Stop, TriggerLevel
-from daq.events import BoardFound, DeviceTrouble, Finished, Health, JointsSeen, TrialHit
-from daq.lab_watch import run_lab_watch
-from daq.settings import AcquisitionSettings
+from armodal.daq.commands import Stop, TriggerLevel
+from armodal.daq.events import BoardFound, DeviceTrouble, Finished, Health, JointsSeen, TrialHit
+from armodal.daq.lab_watch import run_lab_watch
+from armodal.daq.settings import AcquisitionSettings
 
 
 class Watch:

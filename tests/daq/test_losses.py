@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from daq.losses import LossTally
+from armodal.daq.losses import LossTally
 
 
 def test_losses_of_one_kind_become_one_record_with_their_sum():

@@ -4,9 +4,9 @@ import multiprocessing
 import threading
 import time
 
-from daq.events import Failed, JointsSeen, Noted
-from daq.outbox import Outbox
-from protocols.session.records import JointReading
+from armodal.daq.events import Failed, JointsSeen, Noted
+from armodal.daq.outbox import Outbox
+from armodal.protocols.session.records import JointReading
 
 
 def note(k: int) -> Noted:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from daq.ports import FoundPort, find_ports
+from armodal.daq.ports import FoundPort, find_ports
 
 
 def port(device: str, description: str, manufacturer: str | None = None) -> SimpleNamespace:

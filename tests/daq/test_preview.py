@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daq.preview import MOST_BYTES, StreamWatch
-from protocols.board.messages import encode_samples
-from protocols.board.records import Frame, FrameType, Header, Samples
+from armodal.daq.preview import MOST_BYTES, StreamWatch
+from armodal.protocols.board.messages import encode_samples
+from armodal.protocols.board.records import Frame, FrameType, Header, Samples
 
 
 def frame(first: int, counts: np.ndarray) -> Frame:

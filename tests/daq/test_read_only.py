@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import socket
 import struct
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import can
 import pytest
+from support.fake_session import SCALE, whole_session
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from fake_session import SCALE, whole_session
-
-from daq.can_listener import open_can
-from daq.events import Finished
-from protocols.can_database import CanEncoder
-from protocols.errors import CanError
+from armodal.daq.can_listener import open_can
+from armodal.daq.events import Finished
+from armodal.protocols.can_database import CanEncoder
+from armodal.protocols.errors import CanError
 
 FRAME = struct.Struct("=IB3x8s")  # struct can_frame of Linux
 # All that python-can knows, without those that are tried by themselves below.

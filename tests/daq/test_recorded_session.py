@@ -1,16 +1,11 @@
 """The session that the tortures of `bench/` stop everywhere holds what they need."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from accepted_hits import quick_folder, wrong_after_stop
-from recorded_disk import kill_points
 from recorded_session import HITS, POINTS, recorded
+from support.accepted_hits import quick_folder, wrong_after_stop
+from support.recorded_disk import kill_points
 
 PLANNED = HITS * len(POINTS)
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from daq.serial_port import SerialPort
-from protocols.errors import DeviceLostError, PortError
+from armodal.daq.serial_port import SerialPort
+from armodal.protocols.errors import DeviceLostError, PortError
 
 
 class Pair:

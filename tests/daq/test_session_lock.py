@@ -14,24 +14,20 @@ import tty
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from fake_session import whole_session
 from hypothesis import given
 from hypothesis import strategies as st
+from support.fake_session import whole_session
 
-from daq.holder import Holder, Life, read_holder, this_process
-from daq.journal_writer import JournalWriter
-from daq.serial_port import SerialPort
-from daq.session_lock import SessionLock, lock_folder, lock_journal, lock_port
-from protocols.errors import JournalError, PortError
+from armodal.daq.holder import Holder, Life, read_holder, this_process
+from armodal.daq.journal_writer import JournalWriter
+from armodal.daq.serial_port import SerialPort
+from armodal.daq.session_lock import SessionLock, lock_folder, lock_journal, lock_port
+from armodal.protocols.errors import JournalError, PortError
 
 ROOT = Path(__file__).parents[2]
 HOLDS = """
 import sys, pathlib
-sys.path.insert(0, {root!r})
-from daq.session_lock import lock_journal
+from armodal.daq.session_lock import lock_journal
 lock = lock_journal(pathlib.Path(sys.argv[1]))
 print("held", flush=True)
 sys.stdin.read()

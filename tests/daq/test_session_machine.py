@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daq import session_machine as machine
-from daq.session_machine import PromptKind, SessionState
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
-from protocols.session.records import Hit, JointReading, Verdict
+from armodal.daq import session_machine as machine
+from armodal.daq.session_machine import PromptKind, SessionState
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.records import Hit, JointReading, Verdict
 
 ARM = load_arm("rv4frl")
 PLAN = load_plan("rv4frl-three-postures", ARM)

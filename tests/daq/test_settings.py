@@ -5,9 +5,9 @@ import math
 
 import pytest
 
-from daq.clock import SystemClock
-from daq.settings import AcquisitionSettings
-from protocols.errors import SessionError
+from armodal.daq.clock import SystemClock
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.errors import SessionError
 
 IMPOSSIBLE = [0.0, -1.0, math.inf, math.nan]
 

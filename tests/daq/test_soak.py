@@ -1,10 +1,5 @@
 """Three seconds of `bench/torture_soak.py`."""
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-
 from torture_soak import soak
 
 

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from daq.commands import Stop
-from daq.stopping import begin_stopping
+from armodal.daq.commands import Stop
+from armodal.daq.stopping import begin_stopping
 
 
 def begin(command: Stop, earlier=None, now_s: float = 10.0):

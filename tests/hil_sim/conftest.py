@@ -3,24 +3,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import synthetic_laboratory
+from support.host_side import BoardLine, Line, OperatorLine
+from support.synthetic_laboratory import KnownSource, truth
 
-# The helpers beside this file serve tests and a process that is started by its path.
-sys.path.insert(0, str(Path(__file__).parent))
-
-from host_side import BoardLine, Line, OperatorLine
-from synthetic_laboratory import KnownSource, truth
-
-from hil_sim.board import Board
-from hil_sim.board_dictionary import board_dictionary
-from hil_sim.board_state import BoardFirmware, Converter
-from hil_sim.cell import Cell
-from hil_sim.clock import DeviceClock, LabClock
-from hil_sim.controller import Controller
-from hil_sim.faults import FaultSet
-from hil_sim.lab import launch
-from hil_sim.pty_port import PtyPort
-
-collect_ignore = ["synthetic_laboratory.py", "host_side.py", "plain_plants.py"]
+from armodal.hil_sim.board import Board
+from armodal.hil_sim.board_dictionary import board_dictionary
+from armodal.hil_sim.board_state import BoardFirmware, Converter
+from armodal.hil_sim.cell import Cell
+from armodal.hil_sim.clock import DeviceClock, LabClock
+from armodal.hil_sim.controller import Controller
+from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.lab import launch
+from armodal.hil_sim.pty_port import PtyPort
 
 
 class Time:
@@ -101,7 +96,7 @@ def start_known_laboratory(tmp_path, real_time):
             return self.open(OperatorLine, self.laboratory.operator)
 
     def start(*, time_scale=16.0, faults=()):
-        script = Path(__file__).parent / "synthetic_laboratory.py"
+        script = Path(synthetic_laboratory.__file__)
         command = [sys.executable, str(script), "--time-scale", str(time_scale), "--seed", "3"]
         command += ["--directory", str(tmp_path / "lab"), "--watch-stdin"]
         for fault in faults:

@@ -11,10 +11,10 @@ import pytest
 from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
-from synthetic_laboratory import PEAK_COUNTS, ramp
+from support.synthetic_laboratory import PEAK_COUNTS, ramp
 
-from hil_sim.board import LOST_SAMPLES
-from protocols.board.messages import (
+from armodal.hil_sim.board import LOST_SAMPLES
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_dictionary,
     decode_reply,
@@ -26,7 +26,7 @@ from protocols.board.messages import (
     encode_resend,
     join_hello,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BoardState,
     Configuration,
     FrameType,
@@ -35,7 +35,7 @@ from protocols.board.records import (
     ReplyCode,
     Slope,
 )
-from protocols.board.sequence import SequenceTracker
+from armodal.protocols.board.sequence import SequenceTracker
 
 WANTED = Configuration(
     rate_hz=Fraction(51_200, 31),

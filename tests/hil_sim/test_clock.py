@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil_sim.clock import DeviceClock, LabClock, SampleClock
+from armodal.hil_sim.clock import DeviceClock, LabClock, SampleClock
 
 
 @pytest.mark.parametrize("scale", [0.0, -1.0, float("inf"), float("nan")])

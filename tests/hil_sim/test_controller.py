@@ -6,13 +6,13 @@ from cantools.database import load_string
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil_sim.controller import HELD, MOVING
-from hil_sim.slcan_adapter import SlcanAdapter
-from protocols.slcan import CanFrame, SlcanParser, listen_only_commands
+from armodal.hil_sim.controller import HELD, MOVING
+from armodal.hil_sim.slcan_adapter import SlcanAdapter
+from armodal.protocols.slcan import CanFrame, SlcanParser, listen_only_commands
 
 RATE = 500_000
 DATABASE = load_string(
-    (resources.files("protocols") / "dbc" / "armodal_controller.dbc").read_text(), "dbc"
+    (resources.files("armodal.protocols") / "dbc" / "armodal_controller.dbc").read_text(), "dbc"
 )
 
 

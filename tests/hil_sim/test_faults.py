@@ -2,14 +2,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from synthetic_laboratory import ramp
+from support.synthetic_laboratory import ramp
 
-from hil_sim.faults import Fault, FaultSet
-from hil_sim.link_faults import ChannelFaults, LinkFaults
-from protocols.board.codec import FrameDecoder, encode_frame
-from protocols.board.messages import encode_configuration
-from protocols.board.records import Configuration, FrameType, Header, Slope
-from protocols.errors import PlantError
+from armodal.hil_sim.faults import Fault, FaultSet
+from armodal.hil_sim.link_faults import ChannelFaults, LinkFaults
+from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.messages import encode_configuration
+from armodal.protocols.board.records import Configuration, FrameType, Header, Slope
+from armodal.protocols.errors import PlantError
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from hil_sim.hand import blow
-from hil_sim.plant import load_plant
+from armodal.hil_sim.hand import blow
+from armodal.hil_sim.plant import load_plant
 
 N = 20_000
 WANTED = np.array([0.6, 0.0, -0.8])

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host_side import DEADLINE_S
-from synthetic_laboratory import PEAK_COUNTS, ramp
+from support import synthetic_laboratory
+from support.host_side import DEADLINE_S
+from support.synthetic_laboratory import PEAK_COUNTS, ramp
 
-from hil_sim.lab import launch, start_laboratory
-from hil_sim.ledger import read_ledger
-from protocols.board.messages import (
+from armodal.hil_sim.lab import launch, start_laboratory
+from armodal.hil_sim.ledger import read_ledger
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_reply,
     decode_samples,
@@ -22,9 +23,9 @@ from protocols.board.messages import (
     encode_configuration,
     encode_release,
 )
-from protocols.board.records import Configuration, FrameType, ReplyCode, Slope
-from protocols.errors import DeviceLostError, PlantError
-from protocols.slcan import CanFrame, SlcanParser, listen_only_commands
+from armodal.protocols.board.records import Configuration, FrameType, ReplyCode, Slope
+from armodal.protocols.errors import DeviceLostError, PlantError
+from armodal.protocols.slcan import CanFrame, SlcanParser, listen_only_commands
 
 CONFIGURATION = Configuration(
     rate_hz=Fraction(51_200, 31),
@@ -114,9 +115,9 @@ def test_directory_and_socket_are_private_and_the_socket_goes(start_known_labora
 
 
 def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
-    script = Path(__file__).parent / "synthetic_laboratory.py"
+    script = Path(synthetic_laboratory.__file__)
     parent = (
-        "import os, sys; from hil_sim.lab import launch\n"
+        "import os, sys; from armodal.hil_sim.lab import launch\n"
         "lab = launch([sys.executable, *sys.argv[1:]])\n"
         "print(lab.pid, flush=True); os._exit(1)"
     )

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from synthetic_laboratory import known_arm
+from support.synthetic_laboratory import known_arm
 
-from hil_sim.ledger import LedgerWriter, read_ledger
-from protocols.errors import PlantError
+from armodal.hil_sim.ledger import LedgerWriter, read_ledger
+from armodal.protocols.errors import PlantError
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from hil_sim.plant import load_plant
-from hil_sim.study import plant_of_arm, study_arm
-from hil_sim.study.model_error import erring_plant_tables
-from hil_sim.study.plant_of_arm import plant_file_of_arm
+from armodal.hil_sim.plant import load_plant
+from armodal.hil_sim.study import plant_of_arm, study_arm
+from armodal.hil_sim.study.model_error import erring_plant_tables
+from armodal.hil_sim.study.plant_of_arm import plant_file_of_arm
 
 SEEDS = 200
 VISCOUS = 0.8  # of the arm file's damping; the rest is hysteretic

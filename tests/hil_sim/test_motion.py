@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from hil_sim.motion import Motion
+from armodal.hil_sim.motion import Motion
 
 
 def test_a_motion_keeps_the_speed_limit_and_reaches_it():

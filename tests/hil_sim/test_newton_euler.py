@@ -6,7 +6,7 @@ import pinocchio
 import pytest
 from scipy.integrate import solve_ivp
 
-from hil_sim.newton_euler import (
+from armodal.hil_sim.newton_euler import (
     Body,
     Chain,
     gravity_stiffness,
@@ -17,8 +17,8 @@ from hil_sim.newton_euler import (
     point_jacobian,
     with_point_mass,
 )
-from hil_sim.plant import build_plant, load_plant
-from protocols.arm.files import ARMS_DIRECTORY
+from armodal.hil_sim.plant import build_plant, load_plant
+from armodal.protocols.arm.files import ARMS_DIRECTORY
 
 # Two independent ways to the same sums of about a hundred products: rounding alone, some hundred
 # machine epsilons of the largest entry.

@@ -5,15 +5,15 @@ import stat
 
 import numpy as np
 import pytest
-from host_side import OperatorLine
 from hypothesis import given
 from hypothesis import strategies as st
-from synthetic_laboratory import PEAK_COUNTS, known_arm
+from support.host_side import OperatorLine
+from support.synthetic_laboratory import PEAK_COUNTS, known_arm
 
-from hil_sim.ledger import LedgerWriter, read_ledger
-from hil_sim.operator import Operator, Workplace
-from hil_sim.operator_socket import MAX_LINE, OperatorSocket
-from protocols.errors import PlantError
+from armodal.hil_sim.ledger import LedgerWriter, read_ledger
+from armodal.hil_sim.operator import Operator, Workplace
+from armodal.hil_sim.operator_socket import MAX_LINE, OperatorSocket
+from armodal.protocols.errors import PlantError
 
 
 class Place:

@@ -3,13 +3,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import hil_sim.plant
-from hil_sim.plant import load_plant
-from hil_sim.small_motion import linearise
-from protocols.arm.files import load_arm
-from protocols.errors import PlantError
+import armodal.hil_sim.plant
+from armodal.hil_sim.plant import load_plant
+from armodal.hil_sim.small_motion import linearise
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlantError
 
-SHIPPED = Path(hil_sim.plant.__file__).parent / "plants" / "rv4frl.toml"
+SHIPPED = Path(armodal.hil_sim.plant.__file__).parent / "plants" / "rv4frl.toml"
 
 
 @pytest.fixture(scope="module")

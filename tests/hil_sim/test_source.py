@@ -5,19 +5,19 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
-from hil_sim.hand import Blow, Pulse
-from hil_sim.newton_euler import (
+from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
+from armodal.hil_sim.hand import Blow, Pulse
+from armodal.hil_sim.newton_euler import (
     inverse_dynamics,
     mass_matrix,
     place,
     point_jacobian,
     with_point_mass,
 )
-from hil_sim.plant import build_plant, load_plant
-from hil_sim.ringing import force_history, modal_response
-from hil_sim.small_motion import Mounting, force_torque, linearise
-from hil_sim.source import SensorSource
+from armodal.hil_sim.plant import build_plant, load_plant
+from armodal.hil_sim.ringing import force_history, modal_response
+from armodal.hil_sim.small_motion import Mounting, force_torque, linearise
+from armodal.hil_sim.source import SensorSource
 
 RATE = Fraction(51_200, 31)
 POSTURE = np.deg2rad([-25.0, 90.0, 0.0, 0.0, 90.0, 0.0])

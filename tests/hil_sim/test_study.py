@@ -5,10 +5,10 @@ from hashlib import sha256
 import numpy as np
 import pytest
 
-import hil_sim.study.cases
-from hil_sim.plant_file import PlantFile, load_plant_file
-from hil_sim.small_motion import Mounting, linearise
-from hil_sim.study import (
+import armodal.hil_sim.study.cases
+from armodal.hil_sim.plant_file import PlantFile, load_plant_file
+from armodal.hil_sim.small_motion import Mounting, linearise
+from armodal.hil_sim.study import (
     LIBRARY,
     OUTSIDE,
     STUDY_ARMS,
@@ -19,14 +19,14 @@ from hil_sim.study import (
     study_arm,
     write_case,
 )
-from hil_sim.study.cases import braked
-from hil_sim.study.catalogue import FIRST
-from hil_sim.study.measure import measured
-from hil_sim.study.model_error import erring_plant_tables, plant_of_tables
-from hil_sim.study.places import ArmPlaces
-from hil_sim.study.prominence import Bystander, frfs_of
-from protocols.errors import PlantError
-from protocols.session.hdf5 import read_session
+from armodal.hil_sim.study.cases import braked
+from armodal.hil_sim.study.catalogue import FIRST
+from armodal.hil_sim.study.measure import measured
+from armodal.hil_sim.study.model_error import erring_plant_tables, plant_of_tables
+from armodal.hil_sim.study.places import ArmPlaces
+from armodal.hil_sim.study.prominence import Bystander, frfs_of
+from armodal.protocols.errors import PlantError
+from armodal.protocols.session.hdf5 import read_session
 
 
 def short(case, points=2):
@@ -71,7 +71,7 @@ def test_the_seed_decides_everything():
     hashes = []
     for case in cases:
         hashes.append(case.truth_sha256)
-        hil_sim.study.cases._hide.cache_clear()  # made anew, not kept
+        armodal.hil_sim.study.cases._hide.cache_clear()  # made anew, not kept
     assert hashes[0] == hashes[1] != hashes[2]
     first, again, other = (short(case).hits for case in cases)
     assert np.array_equal(first[-1].counts, again[-1].counts)

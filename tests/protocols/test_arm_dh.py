@@ -7,8 +7,8 @@ import numpy.typing as npt
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.arm.dh import dh_transform
-from protocols.arm.urdf import rotation_rpy
+from armodal.protocols.arm.dh import dh_transform
+from armodal.protocols.arm.urdf import rotation_rpy
 
 # Adept Viper s650, modified rows alpha, a, theta offset, d, as the project's reference has them.
 VIPER = [

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocols.arm.files import arm_from_texts, load_arm
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
-from protocols.arm.rewrite import text_with_effects
-from protocols.errors import ArmError
+from armodal.protocols.arm.files import arm_from_texts, load_arm
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
+from armodal.protocols.arm.rewrite import text_with_effects
+from armodal.protocols.errors import ArmError
 
 ARM = load_arm("rv4frl")
 EVIDENCE = EffectEvidence(

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocols.arm.files import ARMS_DIRECTORY, arm_from_texts, load_arm, shipped_arms
-from protocols.errors import ArmError
+from armodal.protocols.arm.files import ARMS_DIRECTORY, arm_from_texts, load_arm, shipped_arms
+from armodal.protocols.errors import ArmError
 
 TEXT = (ARMS_DIRECTORY / "rv4frl.toml").read_text(encoding="utf-8")
 EXAMPLE = ARMS_DIRECTORY / "examples" / "rv4frl-cia402.toml"

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.arm.inertial import merge_bodies, physical_link
-from protocols.errors import ArmError
+from armodal.protocols.arm.inertial import merge_bodies, physical_link
+from armodal.protocols.errors import ArmError
 
 coordinate = st.floats(-1.0, 1.0)
 particles = st.lists(

@@ -8,9 +8,9 @@ import shutil
 import numpy as np
 import pytest
 
-from protocols.arm.files import ARMS_DIRECTORY, arm_from_texts, load_arm
-from protocols.arm.rewrite import text_with_inertials
-from protocols.errors import ArmError
+from armodal.protocols.arm.files import ARMS_DIRECTORY, arm_from_texts, load_arm
+from armodal.protocols.arm.rewrite import text_with_inertials
+from armodal.protocols.errors import ArmError
 
 HEAD = """format = "armodal-arm-1"
 name = "by-volume"

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocols.arm.files import ARMS_DIRECTORY
-from protocols.arm.urdf import read_urdf, rotation_rpy
-from protocols.errors import ArmError
+from armodal.protocols.arm.files import ARMS_DIRECTORY
+from armodal.protocols.arm.urdf import read_urdf, rotation_rpy
+from armodal.protocols.errors import ArmError
 
 INERTIAL = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="2"/>'

@@ -7,7 +7,7 @@ from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.board import (
+from armodal.protocols.board import (
     HEADER_SIZE,
     MAX_PAYLOAD,
     Frame,
@@ -21,7 +21,7 @@ from protocols.board import (
     sequence_gap,
     wire_size,
 )
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 U16, U32, U64 = (st.integers(0, 2**bits - 1) for bits in (16, 32, 64))
 HEADERS = st.builds(

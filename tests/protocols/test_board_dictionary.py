@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.board import (
+from armodal.protocols.board import (
     BoardDictionary,
     Channel,
     IepeState,
@@ -18,7 +18,7 @@ from protocols.board import (
     hello_fragments,
     join_hello,
 )
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 PLAIN = st.characters(exclude_categories=["Cc", "Cs"])
 TEXT = st.text(PLAIN, max_size=20)

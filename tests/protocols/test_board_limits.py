@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.board import (
+from armodal.protocols.board import (
     BLOCK_TRANSFER_LIMIT_S,
     MAX_PAYLOAD,
     BoardDictionary,

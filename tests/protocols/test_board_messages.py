@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.board import (
+from armodal.protocols.board import (
     BlockInfo,
     BoardState,
     BoardStatus,
@@ -29,7 +29,7 @@ from protocols.board import (
     encode_status,
     wire_size,
 )
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 U8, U32, U64 = (st.integers(0, 2**bits - 1) for bits in (8, 32, 64))
 POSITIVE_U32 = st.integers(1, 2**32 - 1)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from protocols.board import (
+from armodal.protocols.board import (
     COUNT_MAX,
     COUNT_MIN,
     Frame,
@@ -18,7 +18,7 @@ from protocols.board import (
     pack_counts,
     unpack_counts,
 )
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 COUNTS = arrays(
     np.int32,

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from protocols.board import (
+from armodal.protocols.board import (
     Configuration,
     Frame,
     FrameDecoder,
@@ -37,7 +37,7 @@ from protocols.board import (
     sequence_gap,
     unpack_counts,
 )
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKER = ROOT / "tests" / "vectors" / "make_board_vectors.py"

@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.arm.files import ARMS_DIRECTORY, load_arm
-from protocols.arm.records import CanMapping
-from protocols.can_database import (
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.arm.records import CanMapping
+from armodal.protocols.can_database import (
     DBC_DIRECTORY,
     CanDecoder,
     CanEncoder,
     CanFrame,
     load_database,
 )
-from protocols.errors import CanError
-from protocols.slcan import SlcanParser
+from armodal.protocols.errors import CanError
+from armodal.protocols.slcan import SlcanParser
 
 JOINTS = [f"joint_{number}" for number in range(1, 7)]
 # Half a count of 0.0001 degree, with room for rounding in float64.

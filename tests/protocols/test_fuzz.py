@@ -2,28 +2,23 @@
 
 import io
 import struct
-import sys
 import tracemalloc
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from support.decoders import check
 from support.fuzz_c import c_inputs, compile_fuzz, fuzz_c
 from support.fuzz_lines import decode_board
 from support.fuzz_material import decoders_in
 
-from protocols.errors import ForeignFileError
-from protocols.foreign import mat_elements
-from protocols.foreign.arrays_measured import npy_array
-from protocols.foreign.mat_elements import plain_variables
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign import mat_elements
+from armodal.protocols.foreign.arrays_measured import npy_array
+from armodal.protocols.foreign.mat_elements import plain_variables
 
 NAMES = (
     "board frames", "slcan", "journal", "arm", "arm without files", "urdf", "dbc", "plan",

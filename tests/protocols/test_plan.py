@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocols.arm.files import load_arm
-from protocols.errors import PlanError
-from protocols.plan import PLANS_DIRECTORY, load_plan, plan_from_text, shipped_plans
-from protocols.plan_model import exact_rate
-from protocols.plan_records import Mode
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import PLANS_DIRECTORY, load_plan, plan_from_text, shipped_plans
+from armodal.protocols.plan_model import exact_rate
+from armodal.protocols.plan_records import Mode
 
 ARM = load_arm("rv4frl")
 TEXT = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")

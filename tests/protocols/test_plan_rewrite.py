@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from daq.judge import JudgeLimits
-from protocols.arm.files import load_arm
-from protocols.errors import PlanError
-from protocols.plan import load_plan, plan_from_text
-from protocols.plan_records import KnownMass
-from protocols.plan_rewrite import text_with_peaks, text_with_posture
+from armodal.daq.judge import JudgeLimits
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import load_plan, plan_from_text
+from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.plan_rewrite import text_with_peaks, text_with_posture
 
 
 @pytest.fixture(scope="module")

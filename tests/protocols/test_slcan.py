@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.errors import CanError
-from protocols.slcan import (
+from armodal.protocols.errors import CanError
+from armodal.protocols.slcan import (
     MAX_LINE,
     CanFrame,
     SlcanFault,

@@ -9,8 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from protocols.errors import ArmError, PlanError
-from protocols.toml_reader import FileModel, Vector3, parse_toml, read_text, refuse, validate
+from armodal.protocols.errors import ArmError, PlanError
+from armodal.protocols.toml_reader import (
+    FileModel,
+    Vector3,
+    parse_toml,
+    read_text,
+    refuse,
+    validate,
+)
 
 
 class Inner(FileModel):

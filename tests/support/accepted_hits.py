@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
-from daq.journal_writer import JournalWriter
-from protocols.errors import JournalError, SessionError
-from protocols.session import header
-from protocols.session.compare import first_difference
-from protocols.session.hdf5 import read_session
-from protocols.session.journal import (
+from armodal.daq.journal_writer import JournalWriter
+from armodal.protocols.errors import JournalError, SessionError
+from armodal.protocols.session import header
+from armodal.protocols.session.compare import first_difference
+from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.session.journal import (
     Mark,
     MarkKind,
     decode_journal,
@@ -21,8 +21,8 @@ from protocols.session.journal import (
     read_journal,
     session_of,
 )
-from protocols.session.records import Hit, Session
-from protocols.session.recovery import rebuild
+from armodal.protocols.session.records import Hit, Session
+from armodal.protocols.session.recovery import rebuild
 
 AGAIN = encode_mark(Mark(kind=MarkKind.NOTE, posture=None, point=None, host_s=0.0, note="again"))
 

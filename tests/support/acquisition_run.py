@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from daq.acquisition import run_acquisition
-from daq.commands import Ready, Stop
-from daq.events import Failed, HitJudged, Noted, Prompted
-from daq.session_machine import PromptKind
-from daq.settings import AcquisitionSettings
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.commands import Ready, Stop
+from armodal.daq.events import Failed, HitJudged, Noted, Prompted
+from armodal.daq.session_machine import PromptKind
+from armodal.daq.settings import AcquisitionSettings
 
 
 class Run:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cobs import cobs
 
-from protocols.board import (
+from armodal.protocols.board import (
     BoardDictionary,
     Channel,
     FrameDecoder,
@@ -21,7 +21,7 @@ from protocols.board import (
     encode_configuration,
     encode_dictionary,
 )
-from protocols.c.library import device_library
+from armodal.protocols.c.library import device_library
 
 VECTOR_FILE = Path(__file__).resolve().parents[1] / "vectors" / "board-v1.json"
 VECTORS = json.loads(VECTOR_FILE.read_text(encoding="utf-8"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocols.board.records import Channel, IepeState
+from armodal.protocols.board.records import Channel, IepeState
 
 __all__ = ["channel"]
 

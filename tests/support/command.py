@@ -8,7 +8,7 @@ from io import StringIO
 from typing import NamedTuple
 from unittest.mock import patch
 
-from tui.cli import main
+from armodal.tui.cli import main
 
 
 class Said(NamedTuple):

@@ -26,15 +26,15 @@ from support.fuzz_files import (
 from support.fuzz_lines import board_stream, bus_decoder, decode_board, mutate_frames, slcan_lines
 from support.mutate import mutated, mutated_text
 
-from protocols.arm.files import arm_from_texts, load_arm
-from protocols.errors import ArmodalError
-from protocols.foreign.arrays_measured import array_content
-from protocols.foreign.mat import mat_content
-from protocols.foreign.measured import Hints
-from protocols.inertia_targets import load_inertia_targets
-from protocols.plan import plan_from_text
-from protocols.session.hdf5 import write_session
-from protocols.session.records import Session
+from armodal.protocols.arm.files import arm_from_texts, load_arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.foreign.arrays_measured import array_content
+from armodal.protocols.foreign.mat import mat_content
+from armodal.protocols.foreign.measured import Hints
+from armodal.protocols.inertia_targets import load_inertia_targets
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.hdf5 import write_session
+from armodal.protocols.session.records import Session
 
 Mutate = Callable[[bytes, np.random.Generator, tuple[bytes, ...]], bytes]
 
@@ -74,15 +74,15 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
     folder = Path(folder)
     rng = np.random.default_rng(1)
     arm = load_arm("rv4frl")
-    uncalibrated = Path(str(resources.files("protocols"))) / "arm/targets"
+    uncalibrated = Path(str(resources.files("armodal.protocols"))) / "arm/targets"
     viper = load_arm(uncalibrated / "viper_s650-uncalibrated.toml")
     urdf = (arm.urdf_text or "").encode()
-    dbc = shipped("protocols", "dbc", ("armodal_controller.dbc", "cia402.dbc"))
-    arms = shipped("protocols", "arm/arms", ("rv4frl.toml", "viper_s650.toml"))
+    dbc = shipped("armodal.protocols", "dbc", ("armodal_controller.dbc", "cia402.dbc"))
+    arms = shipped("armodal.protocols", "arm/arms", ("rv4frl.toml", "viper_s650.toml"))
     plans = shipped(
-        "protocols", "plans", ("rv4frl-three-postures.toml", "rv4frl-roving-hammer.toml")
+        "armodal.protocols", "plans", ("rv4frl-three-postures.toml", "rv4frl-roving-hammer.toml")
     )
-    targets = shipped("protocols", "arm/targets", ("viper_s650-with-table4.toml",))
+    targets = shipped("armodal.protocols", "arm/targets", ("viper_s650-with-table4.toml",))
     session_path = folder / "valid.h5"
     write_session(session, session_path, frfs=frfs)
     npy, npz, csv = array_seeds(rng)

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from support.channels import channel
 
-from protocols.arm.records import Arm
-from protocols.board.codec import FrameDecoder, encode_frame
-from protocols.board.messages import (
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.messages import (
     decode_configuration,
     decode_release,
     decode_resend,
@@ -29,7 +29,7 @@ from protocols.board.messages import (
     encode_status,
     hello_fragments,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BlockInfo,
     BoardDictionary,
     BoardState,
@@ -41,8 +41,8 @@ from protocols.board.records import (
     ReplyCode,
     Samples,
 )
-from protocols.can_database import CanEncoder
-from protocols.slcan import encode_slcan
+from armodal.protocols.can_database import CanEncoder
+from armodal.protocols.slcan import encode_slcan
 
 TICK_HZ = 1_000_000
 RATE_HZ = 1652.0

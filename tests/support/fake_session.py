@@ -9,14 +9,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from simulated_session import Announcing, operate
+from support.simulated_session import Announcing, operate
 
-from daq.acquisition import run_acquisition
-from daq.commands import Command, Ready
-from daq.events import Event
-from daq.session_machine import Prompt, PromptKind
-from daq.settings import AcquisitionSettings
-from protocols.file_layer import DISK, FileLayer
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.commands import Command, Ready
+from armodal.daq.events import Event
+from armodal.daq.session_machine import Prompt, PromptKind
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.file_layer import DISK, FileLayer
 
 SCALE = 16.0  # lab seconds a second
 

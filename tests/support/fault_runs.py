@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 from support.virtual_lab import HangError, VirtualLab, heard_stream
 
-from daq.acquisition import run_acquisition
-from daq.events import Failed, Finished, HitJudged
-from daq.settings import AcquisitionSettings
-from hil_sim.faults import Fault
-from protocols.arm.files import load_arm
-from protocols.plan import plan_from_text
-from protocols.session.journal import read_journal
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.events import Failed, Finished, HitJudged
+from armodal.daq.settings import AcquisitionSettings
+from armodal.hil_sim.faults import Fault
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.journal import read_journal
 
 PLAN = """
 format = "armodal-plan-1"

@@ -15,15 +15,15 @@ from support.fault_runs import PLAN
 from support.known_laboratory import HEAD
 from support.virtual_lab import Epoch
 
-from daq.acquisition import run_acquisition
-from daq.commands import Ready, Stop
-from daq.events import Failed, Finished, HitJudged, Prompted
-from daq.session_machine import PromptKind
-from daq.settings import AcquisitionSettings
-from hil_sim.lab import launch
-from protocols.arm.files import load_arm
-from protocols.plan import plan_from_text
-from protocols.session.journal import read_journal
+from armodal.daq.acquisition import run_acquisition
+from armodal.daq.commands import Ready, Stop
+from armodal.daq.events import Failed, Finished, HitJudged, Prompted
+from armodal.daq.session_machine import PromptKind
+from armodal.daq.settings import AcquisitionSettings
+from armodal.hil_sim.lab import launch
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.journal import read_journal
 
 TIME_SCALE = 16.0
 LONGEST_WALL_S = 25.0  # of one acquisition; undisturbed it takes two

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from accepted_hits import laid_out, missing
-from recorded_disk import Point, RecordingDisk, power_cuts
+from support.accepted_hits import laid_out, missing
+from support.recorded_disk import Point, RecordingDisk, power_cuts
 
-from daq.journal_writer import JournalWriter
-from protocols.errors import JournalError, SessionError
-from protocols.session.hdf5 import read_session
-from protocols.session.journal import decode_journal, encode_hit, read_journal
-from protocols.session.records import Session
-from protocols.session.recovery import rebuild
+from armodal.daq.journal_writer import JournalWriter
+from armodal.protocols.errors import JournalError, SessionError
+from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.session.journal import decode_journal, encode_hit, read_journal
+from armodal.protocols.session.records import Session
+from armodal.protocols.session.recovery import rebuild
 
 T = TypeVar("T")
 

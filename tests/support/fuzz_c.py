@@ -8,8 +8,8 @@ from pathlib import Path
 from support.fuzz_lines import board_payloads, board_stream, example_dictionary, mutate_frames
 from support.mutate import mutated
 
-from protocols.board.messages import encode_dictionary
-from protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
 
 __all__ = ["C_DECODER", "c_inputs", "compile_fuzz", "fuzz_c"]
 

@@ -10,12 +10,12 @@ import numpy as np
 import scipy.io
 from support.mutate import mutated, mutated_text
 
-from protocols.foreign.manifest import load_manifest
-from protocols.foreign.measured import Hints
-from protocols.foreign.uff_measured import uff_content
-from protocols.foreign.uff_read import uff_from_bytes
-from protocols.session.hdf5 import read_frfs, read_provenance, read_session
-from protocols.session.journal import decode_journal, encode_record, scan, session_of
+from armodal.protocols.foreign.manifest import load_manifest
+from armodal.protocols.foreign.measured import Hints
+from armodal.protocols.foreign.uff_measured import uff_content
+from armodal.protocols.foreign.uff_read import uff_from_bytes
+from armodal.protocols.session.hdf5 import read_frfs, read_provenance, read_session
+from armodal.protocols.session.journal import decode_journal, encode_record, scan, session_of
 
 
 def mutate_journal(data, rng, others):

@@ -9,9 +9,9 @@ import numpy as np
 from cobs import cobs
 from support.mutate import mutated
 
-from protocols.arm.files import load_arm
-from protocols.board.codec import FrameDecoder, encode_frame
-from protocols.board.messages import (
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.messages import (
     decode_block_info,
     decode_configuration,
     decode_dictionary,
@@ -31,7 +31,7 @@ from protocols.board.messages import (
     hello_fragments,
     join_hello,
 )
-from protocols.board.records import (
+from armodal.protocols.board.records import (
     BlockInfo,
     BoardDictionary,
     BoardState,
@@ -45,10 +45,10 @@ from protocols.board.records import (
     Samples,
     Slope,
 )
-from protocols.can_database import CanDecoder, CanEncoder
-from protocols.can_records import CanFrame
-from protocols.errors import ArmodalError
-from protocols.slcan import SlcanParser, encode_slcan
+from armodal.protocols.can_database import CanDecoder, CanEncoder
+from armodal.protocols.can_records import CanFrame
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.slcan import SlcanParser, encode_slcan
 
 
 def example_dictionary():

@@ -1,18 +1,15 @@
 """Valid files of every kind, to begin fuzzing from."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 from support.decoders import make_decoders
 from support.fault_runs import run_seed
+from support.foreign_samples import chain_file, whole_file
 
-from protocols.foreign.uff_write import write_uff
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
-from protocols.session.journal import decode_journal, session_of
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "protocols" / "foreign"))
-from samples import chain_file, whole_file
+from armodal.protocols.foreign.uff_write import write_uff
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.protocols.session.journal import decode_journal, session_of
 
 
 def decoders_in(folder):

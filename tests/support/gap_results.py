@@ -1,6 +1,6 @@
 """Results of the gap workflow made up for tests of what reads them."""
 
-from analyzer.gap.records import EffectFound, GapResult, Interval, RivalRow, Verdict
+from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, RivalRow, Verdict
 
 
 def _effect(name):

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from support.channels import channel
 
-from daq.blocks import CapturedBlock
-from daq.judge import judge_record
-from protocols.board.records import BlockInfo
-from protocols.plan_records import Sampling, Trigger
-from protocols.session.records import Verdict
+from armodal.daq.blocks import CapturedBlock
+from armodal.daq.judge import judge_record
+from armodal.protocols.board.records import BlockInfo
+from armodal.protocols.plan_records import Sampling, Trigger
+from armodal.protocols.session.records import Verdict
 
 __all__ = ["LEVEL_N", "block_of_counts", "judge_force", "sees_two"]
 

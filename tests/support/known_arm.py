@@ -1,15 +1,11 @@
 """An arm whose every sample is a closed form of its index and the hits: no dynamics, no luck."""
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
+from support.synthetic_laboratory import truth
 
-from hil_sim.plant_file import PlantFile
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "hil_sim"))
-from synthetic_laboratory import truth
+from armodal.hil_sim.plant_file import PlantFile
 
 PULSE_SAMPLES = 8
 RING_COUNTS = 300_000

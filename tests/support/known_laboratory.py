@@ -9,14 +9,13 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-sys.path.insert(0, str(Path(__file__).parents[2]))  # else tests/protocols is found for protocols
 
 from support.known_arm import KnownArm, KnownBlow, known_truth
 
-from hil_sim.__main__ import options_of, parse, run
-from hil_sim.lab_process import ArmInCell, LabProcess
-from hil_sim.plant import build_plant
-from protocols.errors import ArmodalError
+from armodal.hil_sim.__main__ import options_of, parse, run
+from armodal.hil_sim.lab_process import ArmInCell, LabProcess
+from armodal.hil_sim.plant import build_plant
+from armodal.protocols.errors import ArmodalError
 
 PEAK_COUNTS = 100_000
 HEAD = struct.Struct("<qq")

@@ -1,11 +1,11 @@
 """Fits made by hand: a structure, and a covariance of its parameters as one wants it."""
 
 import numpy as np
-from small_fit import state_of
+from support.small_fit import state_of
 
-from analyzer.identification.frf_fit import FrfFit
-from analyzer.identification.parameters import ParameterNames
-from analyzer.identification.scatter import ParameterScatter
+from armodal.analyzer.identification.frf_fit import FrfFit
+from armodal.analyzer.identification.parameters import ParameterNames
+from armodal.analyzer.identification.scatter import ParameterScatter
 
 N_CLUSTERS = 11  # equal ones: ten degrees of freedom
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from analyzer.gap.fit import Fit
-from analyzer.gap.space import Space
+from armodal.analyzer.gap.fit import Fit
+from armodal.analyzer.gap.space import Space
 
 
 def made_fit(hypothesis, *, cost, space=None, u=()):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from analyzer.arm import reduce_model
-from analyzer.arm.reduced import model_modes
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.modal import Mode
-from protocols.frf_records import Dof
+from armodal.analyzer.arm import reduce_model
+from armodal.analyzer.arm.reduced import model_modes
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.modal import Mode
+from armodal.protocols.frf_records import Dof
 
 ALL_POINTS = tuple(str(i) for i in range(1, 19))
 

@@ -4,16 +4,16 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from analyzer.arm.superset import Superset
-from hil_sim.board_dictionary import board_dictionary
-from hil_sim.hand import blow
-from hil_sim.plant import load_plant
-from hil_sim.source import SensorSource
-from protocols.arm.files import load_arm
-from protocols.board.messages import encode_dictionary
-from protocols.plan import load_plan
-from protocols.plan_records import Mode, Plan
-from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
+from armodal.analyzer.arm.superset import Superset
+from armodal.hil_sim.board_dictionary import board_dictionary
+from armodal.hil_sim.hand import blow
+from armodal.hil_sim.plant import load_plant
+from armodal.hil_sim.source import SensorSource
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.plan import load_plan
+from armodal.protocols.plan_records import Mode, Plan
+from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 SETTLE = 200  # samples before the block, so that filters and noise are running
 

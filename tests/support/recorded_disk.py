@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from protocols.file_layer import Disk
-from protocols.session.records import Hit
+from armodal.protocols.file_layer import Disk
+from armodal.protocols.session.records import Hit
 
 # Which point it is, the files there, and the hits announced by then.
 Point = tuple[str, dict[str, bytes], dict[int, Hit]]

@@ -8,11 +8,11 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from daq.commands import Stop
-from daq.events import Event, Failed, Finished, HitJudged, Prompted, SessionOpened
-from daq.session_machine import Prompt, PromptKind
-from protocols.session.journal import read_journal
-from tui.acquire import Operator
+from armodal.daq.commands import Stop
+from armodal.daq.events import Event, Failed, Finished, HitJudged, Prompted, SessionOpened
+from armodal.daq.session_machine import Prompt, PromptKind
+from armodal.protocols.session.journal import read_journal
+from armodal.tui.acquire import Operator
 
 PLAN = """
 format = "armodal-plan-1"

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from plain_arm import TESTS_DEG
 from scipy.spatial.transform import Rotation
+from support.plain_arm import TESTS_DEG
 
-from analyzer.arm import Axis, Structure
-from analyzer.identification.frf_model import PostureData, predict
-from analyzer.identification.parameters import FitState
+from armodal.analyzer.arm import Axis, Structure
+from armodal.analyzer.identification.frf_model import PostureData, predict
+from armodal.analyzer.identification.parameters import FitState
 
 # The direction of the force that each test posture of file 000 is hit in, base frame.
 HITS = ((0.42, 0.91, 0.0), (0.9, -0.42, 0.1), (0.1, 0.2, -0.97))

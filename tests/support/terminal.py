@@ -103,4 +103,4 @@ class Terminal:
 
 def armodal(*words: str) -> list[str]:
     """Return the command line of an armodal command of this checkout."""
-    return [sys.executable, "-m", "tui.cli", *words]
+    return [sys.executable, "-m", "armodal.tui.cli", *words]

@@ -3,11 +3,11 @@
 from functools import cache
 
 import numpy as np
-from offline_lab import simulate_session
+from support.offline_lab import simulate_session
 
-from analyzer.identification.identify import identify
-from hil_sim.study.plant_of_arm import plant_of_arm
-from protocols.arm.files import load_arm
+from armodal.analyzer.identification.identify import identify
+from armodal.hil_sim.study.plant_of_arm import plant_of_arm
+from armodal.protocols.arm.files import load_arm
 
 STIFFER, MORE_DAMPED = 1.1, 1.3  # truth over the arm file's belief
 HELD_OUT_DEG = (0.0, -163.1, 82.0, -119.5, 0.3, 0.5)

@@ -12,21 +12,21 @@ import numpy as np
 from support.known_arm import KnownArm, known_truth
 from support.virtual_operator import CHANNEL_FD, Channel, VirtualOperator
 
-from daq.can_listener import SlcanListener
-from daq.surroundings import Surroundings
-from hil_sim.board import Board
-from hil_sim.board_dictionary import board_dictionary
-from hil_sim.board_state import BoardFirmware, Converter
-from hil_sim.cell import Cell
-from hil_sim.clock import DeviceClock, LabClock
-from hil_sim.controller import Controller
-from hil_sim.faults import FaultSet
-from hil_sim.ledger import LedgerWriter
-from hil_sim.plant import build_plant
-from protocols.board.codec import FrameDecoder
-from protocols.board.messages import decode_samples
-from protocols.board.records import FrameType
-from protocols.errors import DeviceLostError, PortError
+from armodal.daq.can_listener import SlcanListener
+from armodal.daq.surroundings import Surroundings
+from armodal.hil_sim.board import Board
+from armodal.hil_sim.board_dictionary import board_dictionary
+from armodal.hil_sim.board_state import BoardFirmware, Converter
+from armodal.hil_sim.cell import Cell
+from armodal.hil_sim.clock import DeviceClock, LabClock
+from armodal.hil_sim.controller import Controller
+from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.ledger import LedgerWriter
+from armodal.hil_sim.plant import build_plant
+from armodal.protocols.board.codec import FrameDecoder
+from armodal.protocols.board.messages import decode_samples
+from armodal.protocols.board.records import FrameType
+from armodal.protocols.errors import DeviceLostError, PortError
 
 STEP_S = 0.004  # of the laboratory, between two looks at what is due
 WAIT_S = 0.001

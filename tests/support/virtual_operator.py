@@ -4,9 +4,9 @@ from collections import deque
 
 from support.known_arm import KnownBlow
 
-from daq.commands import Ready, Stop
-from daq.events import Failed, Finished, HitJudged, Noted, Prompted
-from daq.session_machine import PromptKind
+from armodal.daq.commands import Ready, Stop
+from armodal.daq.events import Failed, Finished, HitJudged, Noted, Prompted
+from armodal.daq.session_machine import PromptKind
 
 CHANNEL_FD = 1003  # of the operator's channel among the descriptors that are waited for
 PATIENCE_S = 4.0  # until a hit nobody speaks of is repeated

@@ -7,10 +7,10 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from protocols.arm.files import ARMS_DIRECTORY, load_arm
-from protocols.errors import ArmodalError
-from protocols.plan import load_plan
-from tui.cli import app
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.plan import load_plan
+from armodal.tui.cli import app
 
 TARGETS = ARMS_DIRECTORY.parent / "targets"
 

@@ -8,16 +8,16 @@ from dataclasses import replace
 import pytest
 from support.command import armodal
 
-from daq.events import HitJudged
-from daq.settings import AcquisitionSettings
-from hil_sim.lab import start_laboratory
-from protocols.arm.files import ARMS_DIRECTORY, load_arm
-from protocols.errors import ArmodalError
-from protocols.plan import PLANS_DIRECTORY, load_plan
-from protocols.session.hdf5 import read_session, write_session
-from protocols.session.journal import read_journal
-from protocols.session.recovery import rebuild
-from tui.acquire import ScriptedOperator, acquire
+from armodal.daq.events import HitJudged
+from armodal.daq.settings import AcquisitionSettings
+from armodal.hil_sim.lab import start_laboratory
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.plan import PLANS_DIRECTORY, load_plan
+from armodal.protocols.session.hdf5 import read_session, write_session
+from armodal.protocols.session.journal import read_journal
+from armodal.protocols.session.recovery import rebuild
+from armodal.tui.acquire import ScriptedOperator, acquire
 
 pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = 8.0

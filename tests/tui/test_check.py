@@ -6,10 +6,10 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
-from hil_sim.lab import start_laboratory
-from protocols.errors import PlantError, PortError
-from tui.check import app
-from tui.sim_command import broken_lines
+from armodal.hil_sim.lab import start_laboratory
+from armodal.protocols.errors import PlantError, PortError
+from armodal.tui.check import app
+from armodal.tui.sim_command import broken_lines
 
 SCALE = "4"
 
@@ -83,7 +83,7 @@ def test_bad_rates_and_unknown_devices_are_refused(laboratory):
 def test_a_port_that_is_not_there_is_exit_code_2():
     assert isinstance(check("board", "/dev/armodal-none").exception, PortError)
     done = subprocess.run(
-        [sys.executable, "-m", "tui.cli", "check", "board", "/dev/armodal-none"],
+        [sys.executable, "-m", "armodal.tui.cli", "check", "board", "/dev/armodal-none"],
         capture_output=True,
         text=True,
         check=False,

@@ -1,12 +1,8 @@
 import json
-import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+from support.offline_lab import simulate_session
 
-from offline_lab import simulate_session
-
-from tui.check_session import session_checks
+from armodal.tui.check_session import session_checks
 
 
 def test_checks_are_plain_values_and_a_table():

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from support.command import armodal
 
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
-from protocols.session.hdf5 import read_session
-from tui.cli import MODULES
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.cli import MODULES
 
 SMALL_PLAN = """
 format = "armodal-plan-1"
@@ -43,7 +43,7 @@ hit_direction = [-0.383, -0.821, 0.423]
 
 def process(*arguments, timeout=120):
     return subprocess.run(
-        [sys.executable, "-m", "tui.cli", *map(str, arguments)],
+        [sys.executable, "-m", "armodal.tui.cli", *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=timeout,
@@ -111,7 +111,7 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
         [
             sys.executable,
             "-m",
-            "tui.cli",
+            "armodal.tui.cli",
             "sim",
             "--json",
             "--time-scale",

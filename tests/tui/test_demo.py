@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from protocols.arm.files import load_arm
-from protocols.plan import PLANS_DIRECTORY
-from protocols.session.journal import load_journal
-from tui.demo import run_demo
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import PLANS_DIRECTORY
+from armodal.protocols.session.journal import load_journal
+from armodal.tui.demo import run_demo
 
 FEW_POINTS = 'points = ["1", "4", "6", "9", "12", "14"]'
 

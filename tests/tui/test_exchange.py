@@ -11,12 +11,12 @@ from support.command import armodal
 from support.offline_lab import simulate_session
 from typer.testing import CliRunner
 
-from analyzer.identification.identify import identify
-from protocols.arm.files import load_arm
-from protocols.foreign.uff_read import read_uff
-from protocols.session.hdf5 import read_session, write_session
-from tui.cli import app
-from tui.exchange import export_model
+from armodal.analyzer.identification.identify import identify
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.foreign.uff_read import read_uff
+from armodal.protocols.session.hdf5 import read_session, write_session
+from armodal.tui.cli import app
+from armodal.tui.exchange import export_model
 
 FREQ = 0.25 * np.arange(1, 500)
 POLES_HZ, DAMPING = (30.0, 75.0), (0.02, 0.01)

@@ -2,18 +2,13 @@
 
 import json
 import re
-import sys
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from support import hammer
 from support.command import armodal
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "analyzer" / "modal"))
-
-import hammer
-from simulated import poles_of
+from support.simulated_frfs import poles_of
 
 RATE, SAMPLES = 1024, 2048
 POLES = poles_of([20.0, 45.0], [0.02, 0.015])

@@ -9,18 +9,18 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs
-from analyzer.report import read_gap
-from hil_sim.study import draw_study, make_case
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError, ArmodalError, EstimateError
-from protocols.session.hdf5 import write_session
-from tui.cli import app
-from tui.gap import with_arm
-from tui.gap_study import run_study, seal_hashes
-from tui.gap_study_summary import study_summary, study_tables
-from tui.json_text import json_text
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.report import read_gap
+from armodal.hil_sim.study import draw_study, make_case
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError, ArmodalError, EstimateError
+from armodal.protocols.session.hdf5 import write_session
+from armodal.tui.cli import app
+from armodal.tui.gap import with_arm
+from armodal.tui.gap_study import run_study, seal_hashes
+from armodal.tui.gap_study_summary import study_summary, study_tables
+from armodal.tui.json_text import json_text
 
 
 @pytest.fixture(scope="module")

@@ -9,17 +9,17 @@ from types import SimpleNamespace
 import pytest
 from typer.testing import CliRunner
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.records import EffectFound, GapResult, Interval, Verdict
-from hil_sim.study import make_case
-from protocols.arm.files import load_arm
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
-from protocols.arm.rewrite import text_with_effects
-from protocols.errors import ArmError
-from tui.cli import app
-from tui.gap import check_arm_out, keep_gap
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, Verdict
+from armodal.hil_sim.study import make_case
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.protocols.arm.rewrite import text_with_effects
+from armodal.protocols.errors import ArmError
+from armodal.tui.cli import app
+from armodal.tui.gap import check_arm_out, keep_gap
 
 
 @pytest.fixture(scope="module")

@@ -9,15 +9,15 @@ from types import SimpleNamespace
 import pytest
 from typer.testing import CliRunner
 
-import tui.gap_commands
-import tui.gap_lab
-from analyzer.gap.hit_levels import has_levels
-from analyzer.gap.records import NextTest, Verdict
-from hil_sim.study import make_case
-from protocols.errors import SessionError
-from protocols.session.hdf5 import read_session
-from tui.cli import app
-from tui.gap_lab import SimulatedLaboratory, run_loop
+import armodal.tui.gap_commands
+import armodal.tui.gap_lab
+from armodal.analyzer.gap.hit_levels import has_levels
+from armodal.analyzer.gap.records import NextTest, Verdict
+from armodal.hil_sim.study import make_case
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.cli import app
+from armodal.tui.gap_lab import SimulatedLaboratory, run_loop
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_a_loop_that_was_stopped_measures_nothing_twice(loop, tmp_path, monkeypa
     folder, _ = loop
     text = read_session(folder / "test-2.h5").header.plan.text
     advice = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text)
-    monkeypatch.setattr(tui.gap_lab, "find_gap", lambda *_, **__: canned(advice))
+    monkeypatch.setattr(armodal.tui.gap_lab, "find_gap", lambda *_, **__: canned(advice))
     lab = Counting(folder)
     run_loop(lab, tmp_path / "new", budget=0)
     assert lab.numbers == [1]
@@ -94,10 +94,10 @@ def test_a_folder_of_another_test_is_refused(loop, tmp_path, monkeypatch):
     text = read_session(folder / "test-2.h5").header.plan.text
     lab = Counting(folder)
     first = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text)
-    monkeypatch.setattr(tui.gap_lab, "find_gap", lambda *_, **__: canned(first))
+    monkeypatch.setattr(armodal.tui.gap_lab, "find_gap", lambda *_, **__: canned(first))
     run_loop(lab, tmp_path, budget=1)
     other = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text + "\n# changed\n")
-    monkeypatch.setattr(tui.gap_lab, "find_gap", lambda *_, **__: canned(other))
+    monkeypatch.setattr(armodal.tui.gap_lab, "find_gap", lambda *_, **__: canned(other))
     with pytest.raises(SessionError, match="measured by another plan"):
         run_loop(lab, tmp_path, budget=1)
 
@@ -106,7 +106,7 @@ def test_a_folder_of_another_laboratory_is_refused_before_anything_is_measured(
     loop, tmp_path, monkeypatch
 ):
     folder, _ = loop
-    monkeypatch.setattr(tui.gap_lab, "find_gap", lambda *_, **__: canned(None))
+    monkeypatch.setattr(armodal.tui.gap_lab, "find_gap", lambda *_, **__: canned(None))
     one, other = Counting(folder), Counting(folder)
     run_loop(one, tmp_path, budget=0)
     other.identity = "another"
@@ -163,7 +163,7 @@ def test_a_magnitude_is_a_name_or_a_part_of_clear(monkeypatch, given, meant):
         asked.append((kind, magnitude))
         raise SessionError("far enough")
 
-    monkeypatch.setattr(tui.gap_commands, "make_case", begun)
+    monkeypatch.setattr(armodal.tui.gap_commands, "make_case", begun)
     CliRunner().invoke(app, ["gap", "--lab", "--hide", "softening", "--magnitude", given])
     assert asked == [("softening", meant)]
 

@@ -5,12 +5,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-import tui.gap_curves
-import tui.gap_study
-from hil_sim.study import CaseSpec, sealed
-from protocols.errors import SessionError
-from tui.gap_curves import run_curves
-from tui.gap_study import run_study
+import armodal.tui.gap_curves
+import armodal.tui.gap_study
+from armodal.hil_sim.study import CaseSpec, sealed
+from armodal.protocols.errors import SessionError
+from armodal.tui.gap_curves import run_curves
+from armodal.tui.gap_study import run_study
 
 ONE, TWO = ({"number": n, "truth_sha256": str(n)} for n in (1, 2))
 SPECS = [CaseSpec(number=n, arm="ur5", seed=n, kinds=(), magnitude="none") for n in (1, 2)]
@@ -28,7 +28,7 @@ def judged(spec, tests):
     "torn", ['{"number": 2, "tru', "[1]", "[1]\n", "\x00\x00", '{"number": 2}']
 )
 def test_a_study_goes_on_from_a_torn_file(tmp_path, monkeypatch, capsys, torn):
-    monkeypatch.setattr(tui.gap_study, "run_case", judged)
+    monkeypatch.setattr(armodal.tui.gap_study, "run_case", judged)
     path = tmp_path / "study.jsonl"
     path.write_text(text_of(ONE) + torn)
     told = []
@@ -51,7 +51,7 @@ def test_another_line_that_cannot_be_read_is_refused_by_its_number(tmp_path, odd
 
 
 def test_curves_go_on_from_a_torn_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(tui.gap_curves, "VARIED", {"points": (3,)})
+    monkeypatch.setattr(armodal.tui.gap_curves, "VARIED", {"points": (3,)})
     path = tmp_path / "curves.jsonl"
     hashes = {1: sealed(SPECS[0]).truth_sha256}
     with ThreadPoolExecutor(1) as executor:
@@ -83,7 +83,7 @@ HIDING = CaseSpec(number=3, arm="ur5", seed=3, kinds=("delay",), magnitude="clea
 def test_a_line_judged_with_another_number_of_tests_does_not_count(
     tmp_path, monkeypatch, kept, tests, again
 ):
-    monkeypatch.setattr(tui.gap_study, "run_case", judged)
+    monkeypatch.setattr(armodal.tui.gap_study, "run_case", judged)
     path = tmp_path / "study.jsonl"
     path.write_text(text_of({"number": 3, "truth_sha256": "3"} | kept))
     told = []
@@ -93,7 +93,7 @@ def test_a_line_judged_with_another_number_of_tests_does_not_count(
 
 
 def test_a_null_that_may_not_ask_counts_whatever_the_number_of_tests(tmp_path, monkeypatch):
-    monkeypatch.setattr(tui.gap_study, "run_case", judged)
+    monkeypatch.setattr(armodal.tui.gap_study, "run_case", judged)
     path = tmp_path / "study.jsonl"
     path.write_text(text_of(ONE, TWO | {"tests": 0}))
     told = []

@@ -5,7 +5,7 @@ from math import inf, nan
 
 import numpy as np
 
-from tui.json_text import json_text
+from armodal.tui.json_text import json_text
 
 FOUND = {
     "n": np.int64(3),

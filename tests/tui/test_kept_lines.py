@@ -5,11 +5,11 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import pytest
 
-import tui.gap_curves
-from hil_sim.study import CaseSpec
-from tui.gap_curves import run_curves
-from tui.gap_study import run_study
-from tui.kept_lines import kept_lines, run_and_keep
+import armodal.tui.gap_curves
+from armodal.hil_sim.study import CaseSpec
+from armodal.tui.gap_curves import run_curves
+from armodal.tui.gap_study import run_study
+from armodal.tui.kept_lines import kept_lines, run_and_keep
 
 KEYS = ("number", "truth_sha256")
 ONE, TWO = ({"number": n, "truth_sha256": str(n)} for n in (1, 2))
@@ -58,7 +58,7 @@ class Failing(Executor):
 def test_where_a_worker_fails_what_waits_is_cancelled_and_what_is_done_is_kept(
     tmp_path, monkeypatch, kind
 ):
-    monkeypatch.setattr(tui.gap_curves, "VARIED", {"hits": (1,)})
+    monkeypatch.setattr(armodal.tui.gap_curves, "VARIED", {"hits": (1,)})
     run = run_study if kind == "study" else run_curves
     executor, path = Failing(), tmp_path / "lines.jsonl"
     with pytest.raises(MemoryError, match="no room"):

@@ -8,9 +8,9 @@ import pytest
 from rich.table import Table
 from support.command import armodal
 
-from protocols.errors import SessionError
-from tui.console import out
-from tui.output_file import check_output
+from armodal.protocols.errors import SessionError
+from armodal.tui.console import out
+from armodal.tui.output_file import check_output
 
 
 @pytest.mark.parametrize("link", [None, os.symlink, os.link])

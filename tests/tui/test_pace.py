@@ -2,10 +2,10 @@
 
 import pytest
 
-import tui.pace
-from tui.gap_study_page import study_page
-from tui.gap_study_summary import study_summary, study_tables
-from tui.pace import REFERENCE_S, pace
+import armodal.tui.pace
+from armodal.tui.gap_study_page import study_page
+from armodal.tui.gap_study_summary import study_summary, study_tables
+from armodal.tui.pace import REFERENCE_S, pace
 
 LINE = {
     "number": 1,
@@ -27,7 +27,7 @@ LINE = {
 
 def test_a_core_that_takes_twice_as_long_has_a_pace_of_two(monkeypatch):
     readings = iter((0.0, 3 * 2.0 * REFERENCE_S))
-    monkeypatch.setattr(tui.pace, "process_time", lambda: next(readings))
+    monkeypatch.setattr(armodal.tui.pace, "process_time", lambda: next(readings))
     assert pace() == pytest.approx(2.0)
 
 

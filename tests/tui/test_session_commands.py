@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
+from support.viper_session import true_values, viper_result, viper_session
 from typer.testing import CliRunner
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from viper_session import true_values, viper_result, viper_session
-
-from protocols.arm.files import load_arm
-from protocols.errors import ArmodalError
-from protocols.session.hdf5 import write_session
-from tui.cli import app
-from tui.predict import predict_posture, prediction_tables
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.session.hdf5 import write_session
+from armodal.tui.cli import app
+from armodal.tui.predict import predict_posture, prediction_tables
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ from dataclasses import asdict
 
 from rich.style import Style
 
-from tui.themes import inks_of
+from armodal.tui.themes import inks_of
 
 
 def test_what_is_looked_at_differs_from_what_lies_beneath_without_colour():

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import board_examples as examples
-from board_examples import header_of
-from board_troubles import invalid_frames, invalid_payloads, streams
-from board_worked_example import worked_example
+from support.board_examples import header_of
+from support.board_troubles import invalid_frames, invalid_payloads, streams
+from support.board_worked_example import worked_example
 
-from protocols.board import (
+from armodal.protocols.board import (
     FrameType,
     ReplyCode,
     decode_block_info,
@@ -38,7 +38,7 @@ from protocols.board import (
     refusal,
     sequence_gap,
 )
-from protocols.board.records import Frame
+from armodal.protocols.board.records import Frame
 
 HERE = Path(__file__).resolve().parent
 VECTORS = HERE / "board-v1.json"

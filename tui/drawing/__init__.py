@@ -1,10 +1,10 @@
 """Pictures made of characters: braille canvas, camera, the arm as a wireframe, plots."""
 
-from tui.drawing.camera import Camera
-from tui.drawing.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
-from tui.drawing.plot import Cursor, Frame, Series, envelope, plot, plot_frame
-from tui.drawing.scale import Scale, linear_scale, log_scale, tick_text
-from tui.drawing.wireframe import (
+from armodal.tui.drawing.camera import Camera
+from armodal.tui.drawing.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
+from armodal.tui.drawing.plot import Cursor, Frame, Series, envelope, plot, plot_frame
+from armodal.tui.drawing.scale import Scale, linear_scale, log_scale, tick_text
+from armodal.tui.drawing.wireframe import (
     Wireframe,
     arm_wireframe,
     draw_axis,

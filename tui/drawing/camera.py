@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arrays import frozen_array
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["Camera"]
 

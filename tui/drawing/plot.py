@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tui.drawing.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
-from tui.drawing.scale import Scale, tick_text
+from armodal.tui.drawing.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
+from armodal.tui.drawing.scale import Scale, tick_text
 
 __all__ = ["Cursor", "Frame", "Series", "envelope", "plot", "plot_frame"]
 

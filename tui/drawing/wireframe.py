@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from protocols.arm.kinematics import link_pose
-from protocols.arm.records import Arm
-from protocols.arrays import frozen_array
-from tui.drawing.camera import Camera
-from tui.drawing.canvas import Canvas
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.arrays import frozen_array
+from armodal.tui.drawing.camera import Camera
+from armodal.tui.drawing.canvas import Canvas
 
 __all__ = ["Wireframe", "arm_wireframe", "draw_axis", "draw_hit", "draw_points", "draw_triad"]
 

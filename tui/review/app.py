@@ -18,19 +18,19 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static, TabbedContent, TabPane
 
-from protocols.errors import ArmodalError
-from tui.key_line import KeyLine
-from tui.review.cmif_picture import CmifPicture
-from tui.review.frf_picture import FrfPicture
-from tui.review.gap_pane import GapPane, read_gap
-from tui.review.identify_pane import IdentifyPane
-from tui.review.leaving import Leaving
-from tui.review.mac_picture import MacPicture
-from tui.review.measuring import Measuring
-from tui.review.modes_table import ModesTable
-from tui.review.next_test import NextRun
-from tui.review.picked_file import picked_path, read_picked, write_picked
-from tui.review.posture_view import (
+from armodal.protocols.errors import ArmodalError
+from armodal.tui.key_line import KeyLine
+from armodal.tui.review.cmif_picture import CmifPicture
+from armodal.tui.review.frf_picture import FrfPicture
+from armodal.tui.review.gap_pane import GapPane, read_gap
+from armodal.tui.review.identify_pane import IdentifyPane
+from armodal.tui.review.leaving import Leaving
+from armodal.tui.review.mac_picture import MacPicture
+from armodal.tui.review.measuring import Measuring
+from armodal.tui.review.modes_table import ModesTable
+from armodal.tui.review.next_test import NextRun
+from armodal.tui.review.picked_file import picked_path, read_picked, write_picked
+from armodal.tui.review.posture_view import (
     OpenSession,
     PostureView,
     automatic_again,
@@ -38,11 +38,11 @@ from tui.review.posture_view import (
     fit_picked,
     open_session,
 )
-from tui.review.run_pane import RunPane
-from tui.review.shape_picture import ShapePicture
-from tui.review.stabilisation_picture import StabilisationPicture
-from tui.review.state import ReviewState
-from tui.themes import register_themes
+from armodal.tui.review.run_pane import RunPane
+from armodal.tui.review.shape_picture import ShapePicture
+from armodal.tui.review.stabilisation_picture import StabilisationPicture
+from armodal.tui.review.state import ReviewState
+from armodal.tui.themes import register_themes
 
 __all__ = ["ReviewApp"]
 

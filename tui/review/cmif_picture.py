@@ -7,12 +7,12 @@ from typing import ClassVar
 import numpy as np
 from textual.binding import Binding, BindingType
 
-from analyzer.modal import cmif, group_sums
-from protocols.errors import EstimateError
-from tui.drawing import Canvas, Series, log_scale, plot, plot_frame
-from tui.review.frf_picture import UNITS
-from tui.review.spectrum import SpectrumPicture
-from tui.review.state import ReviewState
+from armodal.analyzer.modal import cmif, group_sums
+from armodal.protocols.errors import EstimateError
+from armodal.tui.drawing import Canvas, Series, log_scale, plot, plot_frame
+from armodal.tui.review.frf_picture import UNITS
+from armodal.tui.review.spectrum import SpectrumPicture
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["CmifPicture"]
 

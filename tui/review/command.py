@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
-from protocols.errors import SessionError
-from tui.review.app import ReviewApp
-from tui.run.command import run_app
-from tui.software import SOFTWARE
+from armodal.protocols.errors import SessionError
+from armodal.tui.review.app import ReviewApp
+from armodal.tui.run.command import run_app
+from armodal.tui.software import SOFTWARE
 
 __all__ = ["app", "review_then_measure"]
 

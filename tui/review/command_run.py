@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from protocols.errors import EstimateError
+from armodal.protocols.errors import EstimateError
 
 __all__ = ["CommandRun"]
 
-_COMMAND = (sys.executable, "-m", "tui.cli")
+_COMMAND = (sys.executable, "-m", "armodal.tui.cli")
 _LINE_LIMIT = 64 * 1024 * 1024  # one JSON object may be one line
 
 

@@ -7,11 +7,11 @@ from typing import ClassVar
 import numpy as np
 from textual.binding import Binding, BindingType
 
-from analyzer.modal import synthesise
-from protocols.frf_records import Dof, FrfForm
-from tui.drawing import Canvas, Scale, Series, log_scale, plot, plot_frame
-from tui.review.spectrum import SpectrumPicture
-from tui.review.state import ReviewState
+from armodal.analyzer.modal import synthesise
+from armodal.protocols.frf_records import Dof, FrfForm
+from armodal.tui.drawing import Canvas, Scale, Series, log_scale, plot, plot_frame
+from armodal.tui.review.spectrum import SpectrumPicture
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["UNITS", "FrfPicture"]
 

@@ -10,11 +10,11 @@ from rich.console import RenderableType
 from textual.binding import Binding, BindingType
 from textual.message import Message
 
-from analyzer.report import gap_path
-from protocols.errors import ArmodalError, SessionError
-from tui.review.gap_text import gap_view
-from tui.review.next_test import NextRun, keep_plan, next_run, next_test_plan
-from tui.review.run_pane import RunPane
+from armodal.analyzer.report import gap_path
+from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.tui.review.gap_text import gap_view
+from armodal.tui.review.next_test import NextRun, keep_plan, next_run, next_test_plan
+from armodal.tui.review.run_pane import RunPane
 
 __all__ = ["GapPane", "read_gap"]
 

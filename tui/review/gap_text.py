@@ -11,7 +11,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from tui.review.next_test import next_test_of
+from armodal.tui.review.next_test import next_test_of
 
 __all__ = ["gap_map", "gap_view"]
 

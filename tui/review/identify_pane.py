@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from rich.console import RenderableType
 
-from tui.review.identify_text import identification_view
-from tui.review.picked_file import picked_path
-from tui.review.run_pane import RunPane
+from armodal.tui.review.identify_text import identification_view
+from armodal.tui.review.picked_file import picked_path
+from armodal.tui.review.run_pane import RunPane
 
 __all__ = ["IdentifyPane"]
 

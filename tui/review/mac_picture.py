@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from textual.binding import Binding, BindingType
 
-from analyzer.modal import ModalModel, mac_matrix
-from tui.drawing import Canvas
-from tui.review.picture import Picture
-from tui.review.state import ReviewState
+from armodal.analyzer.modal import ModalModel, mac_matrix
+from armodal.tui.drawing import Canvas
+from armodal.tui.review.picture import Picture
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["MacPicture"]
 

@@ -9,7 +9,7 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
-from tui.review.next_test import NextRun
+from armodal.tui.review.next_test import NextRun
 
 __all__ = ["Measuring"]
 

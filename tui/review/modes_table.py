@@ -7,7 +7,7 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 from textual.widgets import DataTable
 
-from tui.review.state import ReviewState
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["ModesTable", "mode_rows"]
 

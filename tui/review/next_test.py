@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hil_sim.board_dictionary import BOARD_ID
-from protocols.arm.records import Arm
-from protocols.errors import PlanError
-from protocols.plan import plan_from_text
-from protocols.session.records import Session
-from tui.plan import write_plan
+from armodal.hil_sim.board_dictionary import BOARD_ID
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.records import Session
+from armodal.tui.plan import write_plan
 
 __all__ = ["NextRun", "keep_plan", "next_run", "next_test_of", "next_test_plan"]
 

@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from protocols.errors import SessionError
-from protocols.session.records import Session
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.records import Session
 
 __all__ = ["picked_path", "read_picked", "write_picked"]
 

@@ -7,9 +7,9 @@ from abc import abstractmethod
 from textual.strip import Strip
 from textual.widget import Widget
 
-from tui.drawing import Canvas
-from tui.review.state import ReviewState
-from tui.themes import Inks, inks_of
+from armodal.tui.drawing import Canvas
+from armodal.tui.review.state import ReviewState
+from armodal.tui.themes import Inks, inks_of
 
 __all__ = ["Picture"]
 

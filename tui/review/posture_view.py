@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from analyzer.modal import ModalModel, fit_modes, fit_modes_at
-from protocols.errors import EstimateError, SessionError
-from protocols.frf_records import FrequencyResponse
-from protocols.session.hdf5 import read_session
-from protocols.session.records import Session
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at
+from armodal.protocols.errors import EstimateError, SessionError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.session.records import Session
 
 __all__ = [
     "OpenSession",

@@ -14,9 +14,9 @@ from textual.containers import VerticalScroll
 from textual.message import Message
 from textual.widgets import Static
 
-from protocols.errors import ArmodalError
-from tui.review.command_run import CommandRun
-from tui.review.state import ReviewState
+from armodal.protocols.errors import ArmodalError
+from armodal.tui.review.command_run import CommandRun
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["RunPane"]
 

@@ -12,12 +12,12 @@ import numpy.typing as npt
 from textual import events
 from textual.binding import Binding, BindingType
 
-from analyzer.identification.shape_motion import ShapeMotion, measured_motion
-from analyzer.identification.structural import mozzi_of_shape
-from tui.drawing import Camera, Canvas, Wireframe, arm_wireframe, draw_axis, draw_points
-from tui.review.picture import Picture
-from tui.review.posture_view import PostureView
-from tui.review.state import ReviewState
+from armodal.analyzer.identification.shape_motion import ShapeMotion, measured_motion
+from armodal.analyzer.identification.structural import mozzi_of_shape
+from armodal.tui.drawing import Camera, Canvas, Wireframe, arm_wireframe, draw_axis, draw_points
+from armodal.tui.review.picture import Picture
+from armodal.tui.review.posture_view import PostureView
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["ShapePicture"]
 

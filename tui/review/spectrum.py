@@ -9,9 +9,9 @@ import numpy.typing as npt
 from textual import events
 from textual.binding import Binding, BindingType
 
-from tui.drawing import Cursor, Frame, Scale
-from tui.review.picture import Picture
-from tui.review.state import ReviewState
+from armodal.tui.drawing import Cursor, Frame, Scale
+from armodal.tui.review.picture import Picture
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["SpectrumPicture"]
 

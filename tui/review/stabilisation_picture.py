@@ -10,11 +10,11 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.message import Message
 
-from analyzer.modal import Stabilisation, cmif
-from tui.drawing import Canvas, Cursor, Frame, Scale, Series, plot, plot_frame
-from tui.fit import stable_poles
-from tui.review.spectrum import SpectrumPicture
-from tui.review.state import ReviewState
+from armodal.analyzer.modal import Stabilisation, cmif
+from armodal.tui.drawing import Canvas, Cursor, Frame, Scale, Series, plot, plot_frame
+from armodal.tui.fit import stable_poles
+from armodal.tui.review.spectrum import SpectrumPicture
+from armodal.tui.review.state import ReviewState
 
 __all__ = ["StabilisationPicture", "same_pole"]
 

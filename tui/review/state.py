@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from analyzer.modal import ModalModel
-from tui.review.posture_view import OpenSession, PostureView
+from armodal.analyzer.modal import ModalModel
+from armodal.tui.review.posture_view import OpenSession, PostureView
 
 __all__ = ["ReviewState"]
 

@@ -11,7 +11,7 @@ from textual.app import App
 from textual.binding import Binding, BindingType
 from textual.worker import Worker
 
-from daq.events import (
+from armodal.daq.events import (
     Failed,
     Finished,
     HitJudged,
@@ -20,20 +20,20 @@ from daq.events import (
     Prompted,
     SessionOpened,
 )
-from daq.session_machine import PromptKind
-from tui.run.ask_mass import MassScreen
-from tui.run.collector import CalmCollector
-from tui.run.conductor import CONFIRMED, Conductor, RunOptions
-from tui.run.happenings import HandIdle, Happening, SensorsConfirmed
-from tui.run.help import HelpScreen
-from tui.run.keys import ACTIONS, works
-from tui.run.screens.hit import HitScreen
-from tui.run.screens.lab import LabScreen
-from tui.run.screens.point import PointScreen
-from tui.run.screens.posture import PostureScreen
-from tui.run.screens.progress import ProgressScreen
-from tui.run.screens.step import StepScreen
-from tui.run.state import Phase, RunState, Step
+from armodal.daq.session_machine import PromptKind
+from armodal.tui.run.ask_mass import MassScreen
+from armodal.tui.run.collector import CalmCollector
+from armodal.tui.run.conductor import CONFIRMED, Conductor, RunOptions
+from armodal.tui.run.happenings import HandIdle, Happening, SensorsConfirmed
+from armodal.tui.run.help import HelpScreen
+from armodal.tui.run.keys import ACTIONS, works
+from armodal.tui.run.screens.hit import HitScreen
+from armodal.tui.run.screens.lab import LabScreen
+from armodal.tui.run.screens.point import PointScreen
+from armodal.tui.run.screens.posture import PostureScreen
+from armodal.tui.run.screens.progress import ProgressScreen
+from armodal.tui.run.screens.step import StepScreen
+from armodal.tui.run.state import Phase, RunState, Step
 
 __all__ = ["RunApp"]
 

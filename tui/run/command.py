@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from protocols.arm.files import load_arm
-from protocols.arm.records import Arm
-from protocols.errors import SessionError
-from protocols.plan import load_plan
-from tui.run.app import RunApp
-from tui.run.conductor import RunOptions
-from tui.run.place import find_place
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import SessionError
+from armodal.protocols.plan import load_plan
+from armodal.tui.run.app import RunApp
+from armodal.tui.run.conductor import RunOptions
+from armodal.tui.run.place import find_place
 
 __all__ = ["run_app"]
 

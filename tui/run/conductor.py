@@ -9,17 +9,17 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from daq.commands import Note, Ready, Retake, Skip, Stop, TriggerLevel, Withdraw
-from daq.events import JointsSeen, SessionOpened, TrialHit
-from daq.ports import find_ports
-from daq.session_machine import PromptKind
-from daq.settings import AcquisitionSettings
-from protocols.errors import ArmodalError
-from protocols.session.journal_payloads import CALIBRATION
-from tui.run.derive import derive_session_file
-from tui.run.engine import Engine
-from tui.run.hand import request_for, trial_request
-from tui.run.happenings import (
+from armodal.daq.commands import Note, Ready, Retake, Skip, Stop, TriggerLevel, Withdraw
+from armodal.daq.events import JointsSeen, SessionOpened, TrialHit
+from armodal.daq.ports import find_ports
+from armodal.daq.session_machine import PromptKind
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.session.journal_payloads import CALIBRATION
+from armodal.tui.run.derive import derive_session_file
+from armodal.tui.run.engine import Engine
+from armodal.tui.run.hand import request_for, trial_request
+from armodal.tui.run.happenings import (
     HandIdle,
     Happening,
     LabStarting,
@@ -35,14 +35,14 @@ from tui.run.happenings import (
     Tick,
     TriggerChosen,
 )
-from tui.run.laboratory import SimulatedLab
-from tui.run.measured import active_channels, mass_ratio
-from tui.run.place import SessionPlace, find_place, with_trigger_level
-from tui.run.reducer import reduce
-from tui.run.sensitivity import sensitivity_words
-from tui.run.state import Phase, RunState, begin_state
-from tui.run.trials import suggested_level_n
-from tui.run.words import off_words, ratio_words
+from armodal.tui.run.laboratory import SimulatedLab
+from armodal.tui.run.measured import active_channels, mass_ratio
+from armodal.tui.run.place import SessionPlace, find_place, with_trigger_level
+from armodal.tui.run.reducer import reduce
+from armodal.tui.run.sensitivity import sensitivity_words
+from armodal.tui.run.state import Phase, RunState, begin_state
+from armodal.tui.run.trials import suggested_level_n
+from armodal.tui.run.words import off_words, ratio_words
 
 __all__ = ["CONFIRMED", "Conductor", "RunOptions"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.identify import estimate_frfs
-from protocols.session.recovery import rebuild
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.protocols.session.recovery import rebuild
 
 __all__ = ["derive_session_file"]
 

@@ -6,10 +6,10 @@ import asyncio
 from collections.abc import Callable
 from contextlib import suppress
 
-from daq.commands import Command, Stop
-from daq.process import DaqProcess, start_process
-from daq.settings import AcquisitionSettings
-from tui.run.happenings import Happening, ProcessGone
+from armodal.daq.commands import Command, Stop
+from armodal.daq.process import DaqProcess, start_process
+from armodal.daq.settings import AcquisitionSettings
+from armodal.tui.run.happenings import Happening, ProcessGone
 
 __all__ = ["Engine"]
 

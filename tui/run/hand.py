@@ -6,13 +6,13 @@ import queue
 import threading
 from collections.abc import Callable
 
-from daq.geometry import hit_direction
-from daq.session_machine import Prompt, PromptKind
-from protocols.arm.records import Arm
-from protocols.errors import ArmodalError
-from protocols.plan_records import Mode, Plan
-from tui.acquire import ScriptedOperator
-from tui.run.happenings import HandAtWork, HandIdle
+from armodal.daq.geometry import hit_direction
+from armodal.daq.session_machine import Prompt, PromptKind
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.plan_records import Mode, Plan
+from armodal.tui.acquire import ScriptedOperator
+from armodal.tui.run.happenings import HandAtWork, HandIdle
 
 __all__ = ["SimulatedHand", "request_for", "trial_request"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analyzer.ratio_calibration import RatioCalibration
-from daq.events import Event
-from protocols.plan_records import Plan
+from armodal.analyzer.ratio_calibration import RatioCalibration
+from armodal.daq.events import Event
+from armodal.protocols.plan_records import Plan
 
 __all__ = [
     "HandAtWork",

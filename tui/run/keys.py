@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from daq.session_machine import PromptKind
-from tui.run.state import Phase, RunState
-from tui.run.trials import suggested_level_n
+from armodal.daq.session_machine import PromptKind
+from armodal.tui.run.state import Phase, RunState
+from armodal.tui.run.trials import suggested_level_n
 
 __all__ = ["ACTIONS", "works"]
 

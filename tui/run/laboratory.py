@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from hil_sim.lab import Laboratory, start_laboratory
-from protocols.arm.records import Arm
-from protocols.plan_records import Plan
-from tui.acquire import ScriptedOperator
-from tui.run.hand import SimulatedHand
-from tui.run.happenings import HandAtWork, HandIdle
+from armodal.hil_sim.lab import Laboratory, start_laboratory
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.plan_records import Plan
+from armodal.tui.acquire import ScriptedOperator
+from armodal.tui.run.hand import SimulatedHand
+from armodal.tui.run.happenings import HandAtWork, HandIdle
 
 __all__ = ["SimulatedLab"]
 

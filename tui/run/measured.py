@@ -7,17 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.modal.frf import posture_frf
-from analyzer.modal.spectra import hit_spectra
-from analyzer.ratio_calibration import RatioCalibration, ratio_calibration
-from daq.judge import channels_of, force_column
-from protocols.arm.kinematics import link_pose
-from protocols.board.records import Channel
-from protocols.errors import ArmodalError
-from protocols.session.progress import roving_point
-from protocols.session.records import Hit, JointReading, Session, SessionHeader
-from tui.run.overview import all_hits, counts_accepted
-from tui.run.state import RunState
+from armodal.analyzer.modal.frf import posture_frf
+from armodal.analyzer.modal.spectra import hit_spectra
+from armodal.analyzer.ratio_calibration import RatioCalibration, ratio_calibration
+from armodal.daq.judge import channels_of, force_column
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.board.records import Channel
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.session.progress import roving_point
+from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader
+from armodal.tui.run.overview import all_hits, counts_accepted
+from armodal.tui.run.state import RunState
 
 __all__ = ["LastPulse", "PointFrf", "last_pulse", "mass_ratio", "point_frf", "session_of_hits"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from protocols.session.progress import roving_point
-from protocols.session.records import Hit
-from tui.run.state import RunState
+from armodal.protocols.session.progress import roving_point
+from armodal.protocols.session.records import Hit
+from armodal.tui.run.state import RunState
 
 __all__ = [
     "PointQuality",

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from rich.text import Text
 
-from daq.geometry import hit_direction
-from protocols.plan_records import Mode
-from tui.drawing import (
+from armodal.daq.geometry import hit_direction
+from armodal.protocols.plan_records import Mode
+from armodal.tui.drawing import (
     Camera,
     Canvas,
     Scale,
@@ -21,8 +21,8 @@ from tui.drawing import (
     log_scale,
     plot,
 )
-from tui.run.measured import PointFrf, active_channels, last_pulse, point_frf
-from tui.run.state import RunState
+from armodal.tui.run.measured import PointFrf, active_channels, last_pulse, point_frf
+from armodal.tui.run.state import RunState
 
 __all__ = ["HitPictures", "live_picture", "point_picture"]
 

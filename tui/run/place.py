@@ -6,12 +6,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from protocols.arm.records import Arm
-from protocols.errors import PlanError, SessionError
-from protocols.plan import plan_from_text
-from protocols.plan_records import Plan
-from protocols.session.journal import Journal, Mark, read_journal
-from protocols.session.records import Hit
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import PlanError, SessionError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.plan_records import Plan
+from armodal.protocols.session.journal import Journal, Mark, read_journal
+from armodal.protocols.session.records import Hit
 
 __all__ = ["SessionPlace", "find_place", "with_trigger_level"]
 

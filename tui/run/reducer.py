@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from daq.events import (
+from armodal.daq.events import (
     BoardFound,
     DeviceTrouble,
     Failed,
@@ -22,9 +22,9 @@ from daq.events import (
     SessionOpened,
     TrialHit,
 )
-from daq.preview import PREVIEW_EVERY_WALL_S
-from daq.session_machine import PromptKind
-from tui.run.happenings import (
+from armodal.daq.preview import PREVIEW_EVERY_WALL_S
+from armodal.daq.session_machine import PromptKind
+from armodal.tui.run.happenings import (
     HandAtWork,
     HandIdle,
     Happening,
@@ -42,7 +42,7 @@ from tui.run.happenings import (
     Tick,
     TriggerChosen,
 )
-from tui.run.state import SILENT_AFTER_S, Phase, RunState
+from armodal.tui.run.state import SILENT_AFTER_S, Phase, RunState
 
 __all__ = ["reduce"]
 

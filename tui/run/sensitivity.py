@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from protocols.board.records import Channel
+from armodal.protocols.board.records import Channel
 
 __all__ = ["sensitivity_words"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from analyzer.ratio_calibration import RatioCalibration
-from daq.events import (
+from armodal.analyzer.ratio_calibration import RatioCalibration
+from armodal.daq.events import (
     BoardFound,
     Failed,
     Finished,
@@ -16,11 +16,11 @@ from daq.events import (
     SessionOpened,
     TrialHit,
 )
-from daq.session_machine import Progress, Prompt, begin
-from protocols.arm.records import Arm
-from protocols.plan_records import Mode, Plan
-from protocols.session.journal import Mark
-from protocols.session.records import Hit, JointReading
+from armodal.daq.session_machine import Progress, Prompt, begin
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.plan_records import Mode, Plan
+from armodal.protocols.session.journal import Mark
+from armodal.protocols.session.records import Hit, JointReading
 
 __all__ = ["FEWEST_MASS_HITS", "RATIO_OFF", "Phase", "RunState", "Step", "begin_state"]
 

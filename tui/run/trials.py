@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from statistics import median
 
-from tui.run.state import RunState
+from armodal.tui.run.state import RunState
 
 __all__ = ["FEWEST_TRIALS", "suggested_level_n"]
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from analyzer.ratio_calibration import RatioCalibration
-from daq.session_machine import Prompt, PromptKind
-from protocols.plan_records import Mode, PlannedPosture
-from tui.run.state import FEWEST_MASS_HITS, RunState
+from armodal.analyzer.ratio_calibration import RatioCalibration
+from armodal.daq.session_machine import Prompt, PromptKind
+from armodal.protocols.plan_records import Mode, PlannedPosture
+from armodal.tui.run.state import FEWEST_MASS_HITS, RunState
 
 __all__ = [
     "advice_for",

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST_BY_K, Slope, level_instances
-from analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.effects.level import (
+    COVERED,
+    COVERED_HERE,
+    LEAST_BY_K,
+    Slope,
+    level_instances,
+)
+from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

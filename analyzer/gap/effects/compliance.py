@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["compliance_parameter", "loss_parameter"]
 

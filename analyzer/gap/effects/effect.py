@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.space import Parameter, Space
 
 if TYPE_CHECKING:
-    from analyzer.gap.assembly import Assembly
+    from armodal.analyzer.gap.assembly import Assembly
 
 __all__ = ["Describer", "EffectWords", "Instance"]
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
 

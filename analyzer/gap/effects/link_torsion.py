@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.long_link import given_way, long_links
-from analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.effects.long_link import given_way, long_links
+from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.geometry import PostureGeometry
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
-from protocols.arm.records import InertialLink
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.geometry import PostureGeometry
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
+from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["WORDS", "gravity_load", "instances"]
 

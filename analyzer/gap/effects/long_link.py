@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.geometry import skew
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.geometry import skew
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["LongLink", "given_way", "long_links"]
 

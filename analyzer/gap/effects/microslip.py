@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.level import (
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.effects.level import (
     COVERED,
     COVERED_HERE,
     LEAST_BY_C,
@@ -11,7 +11,7 @@ from analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
-from analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

@@ -14,11 +14,11 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.geometry import PostureGeometry, skew
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.geometry import PostureGeometry, skew
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["FLOOR", "WORDS", "between", "ends_of", "instances", "size_std", "velocity"]
 

@@ -8,12 +8,12 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from analyzer.gap.assembly import Assembly, spatial_inertia
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.geometry import skew
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
-from protocols.arrays import frozen_array
+from armodal.analyzer.gap.assembly import Assembly, spatial_inertia
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.geometry import skew
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["WORDS", "instances"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

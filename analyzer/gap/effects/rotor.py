@@ -7,13 +7,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from analyzer.arm.reduced import reduce_model
-from analyzer.arm.structure import believed_structure
-from analyzer.arm.superset import Superset
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.arm.reduced import reduce_model
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "carried_moment", "instances"]
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import EffectWords, Instance
-from analyzer.gap.effects.rotor import carried_moment
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.effects.rotor import carried_moment
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analyzer.gap.assembly import Assembly
-from analyzer.gap.effects.effect import Describer, EffectWords, Instance
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.space import Parameter
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.effects.effect import Describer, EffectWords, Instance
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "beside", "exchanged", "instances", "of_file", "stood_at"]
 

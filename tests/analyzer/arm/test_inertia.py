@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plain_arm import TESTS_DEG, link_poses
+from support.plain_arm import TESTS_DEG, link_poses
 
-from analyzer.arm.inertia import moments_about_joints
+from armodal.analyzer.arm.inertia import moments_about_joints
 
 angles = st.lists(st.floats(-np.pi, np.pi), min_size=6, max_size=6).map(np.array)
 

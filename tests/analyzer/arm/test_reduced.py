@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from plain_arm import TESTS_DEG, mass_matrix
+from support.plain_arm import TESTS_DEG, mass_matrix
 
-from analyzer.arm import Axis, ReducedModel, Structure, Superset, reduce_model
-from analyzer.arm.reduced import model_modes, selection
-from analyzer.arm.structure import believed_structure
+from armodal.analyzer.arm import Axis, ReducedModel, Structure, Superset, reduce_model
+from armodal.analyzer.arm.reduced import model_modes, selection
+from armodal.analyzer.arm.structure import believed_structure
 
 Q = np.deg2rad(TESTS_DEG[0])
 

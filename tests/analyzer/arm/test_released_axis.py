@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from plain_arm import (
+from support.plain_arm import (
     TESTS_DEG,
     mass_matrix,
     point_pose,
@@ -10,10 +10,10 @@ from plain_arm import (
     second_difference,
 )
 
-from analyzer.arm import Axis, Structure, reduce_model
-from hil_sim.newton_euler import gravity_stiffness as plant_gravity_stiffness
-from hil_sim.newton_euler import mass_matrix as plant_mass_matrix
-from hil_sim.plant import load_plant
+from armodal.analyzer.arm import Axis, Structure, reduce_model
+from armodal.hil_sim.newton_euler import gravity_stiffness as plant_gravity_stiffness
+from armodal.hil_sim.newton_euler import mass_matrix as plant_mass_matrix
+from armodal.hil_sim.plant import load_plant
 
 POSTURES = [np.deg2rad(q) for q in (*TESTS_DEG, (20, -10, 60, 40, 60, -30))]
 STEP = 1e-6  # rad; central differences err by h² = 1e-12 and by rounding, 1e-16 / h = 1e-10

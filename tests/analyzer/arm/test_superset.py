@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analyzer.arm.inertia import moments_about_joints
-from analyzer.arm.reduced import model_modes, reduce_model
-from analyzer.arm.structure import Axis, Structure, believed_structure
-from analyzer.arm.superset import Superset
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError, EstimateError
+from armodal.analyzer.arm.inertia import moments_about_joints
+from armodal.analyzer.arm.reduced import model_modes, reduce_model
+from armodal.analyzer.arm.structure import Axis, Structure, believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError, EstimateError
 
 # File 000, Table 2, degrees: the posture chosen for each of joints 1 to 3.
 TESTS_DEG = [[-25, 90, 0, 0, 90, 0], [-25, 0, 98, 0, -9, 0], [-25, -80, 155, 2, -75, 0]]

@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analyzer.calibration.bodies import N_NUMBERS, BelievedBody, moved_body
-from analyzer.calibration.calibrate import calibrate_inertia
-from analyzer.calibration.from_file import calibrate_from_file, modes_target
-from analyzer.calibration.targets import MomentTarget, TotalMassTarget
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.coupling import sweep_coupling
-from protocols.arm.files import ARMS_DIRECTORY, load_arm
-from protocols.arm.inertial import physical_link
-from protocols.errors import ArmError, EstimateError
-from protocols.inertia_targets import load_inertia_targets
+from armodal.analyzer.calibration.bodies import N_NUMBERS, BelievedBody, moved_body
+from armodal.analyzer.calibration.calibrate import calibrate_inertia
+from armodal.analyzer.calibration.from_file import calibrate_from_file, modes_target
+from armodal.analyzer.calibration.targets import MomentTarget, TotalMassTarget
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.coupling import sweep_coupling
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.arm.inertial import physical_link
+from armodal.protocols.errors import ArmError, EstimateError
+from armodal.protocols.inertia_targets import load_inertia_targets
 
 TARGETS = ARMS_DIRECTORY.parent / "targets"
 UNCALIBRATED = TARGETS / "viper_s650-uncalibrated.toml"

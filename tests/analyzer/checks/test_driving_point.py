@@ -1,16 +1,11 @@
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support.closed_form import frequency_response
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from closed_form import frequency_response
-
-from analyzer.checks import Fault, Outcome, driving_point
-from protocols.frf_records import FrfForm
+from armodal.analyzer.checks import Fault, Outcome, driving_point
+from armodal.protocols.frf_records import FrfForm
 
 
 @pytest.mark.parametrize("form", list(FrfForm))

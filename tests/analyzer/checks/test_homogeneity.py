@@ -1,14 +1,8 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.closed_form import POLES, SHAPES, S, receptance
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from closed_form import POLES, SHAPES, S, receptance
-
-from analyzer.checks import Fault, Outcome, homogeneity
+from armodal.analyzer.checks import Fault, Outcome, homogeneity
 
 LEVELS = np.array([1.0, 2.0, 4.0])
 

@@ -1,21 +1,16 @@
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support.offline_lab import simulate_session
+from support.sensor_faults import FLIP_Z, SWAP_XY, exchanged, gains, misplaced, mixed
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-from sensor_faults import FLIP_Z, SWAP_XY, exchanged, gains, misplaced, mixed
-
-from analyzer.arm.superset import Superset
-from analyzer.checks import Fault, Outcome, check_links, check_session, sensor_verdict
-from analyzer.identification.identify import estimate_frfs
-from analyzer.modal import fit_modes, hit_frfs, hit_spectra
-from protocols.errors import EstimateError
-from protocols.frf_records import FrfForm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks import Fault, Outcome, check_links, check_session, sensor_verdict
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrfForm
 
 
 @pytest.fixture(scope="module")

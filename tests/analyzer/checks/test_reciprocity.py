@@ -1,16 +1,11 @@
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support import closed_form
+from support.closed_form import frequency_response
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import closed_form
-from closed_form import frequency_response
-
-from analyzer.checks import Fault, Outcome, reciprocity
+from armodal.analyzer.checks import Fault, Outcome, reciprocity
 
 
 def both():

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.checks.rigid_design import Assembly, rigid_design
-from protocols.arm.files import load_arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks.rigid_design import Assembly, rigid_design
+from armodal.protocols.arm.files import load_arm
 
 JOINTS = np.deg2rad([-25.0, 20.0, 98.0, 10.0, -9.0, 30.0])
 

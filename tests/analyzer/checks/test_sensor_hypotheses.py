@@ -1,7 +1,7 @@
 import numpy as np
 
-from analyzer.checks.records import Fault
-from analyzer.checks.sensor_hypotheses import (
+from armodal.analyzer.checks.records import Fault
+from armodal.analyzer.checks.sensor_hypotheses import (
     axis_text,
     hypotheses,
     permutation_fault,

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from support.offline_lab import simulate_session
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-
-from analyzer.arm.superset import Superset
-from analyzer.checks import Outcome, check_session
-from analyzer.identification.identify import estimate_frfs
-from analyzer.modal import convert_form
-from protocols.frf_records import FrfForm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks import Outcome, check_session
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.modal import convert_form
+from armodal.protocols.frf_records import FrfForm
 
 
 @pytest.fixture(scope="module")

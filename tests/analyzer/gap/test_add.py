@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.add import instances_of_file
-from analyzer.gap.effects import link_axis
-from analyzer.gap.effects.channel_gain import at_point
-from analyzer.gap.effects.sensor_axes import turned_sensor
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from protocols.arm.files import load_arm
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
-from protocols.errors import ArmError
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.effects.channel_gain import at_point
+from armodal.analyzer.gap.effects.sensor_axes import turned_sensor
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.protocols.errors import ArmError
 
 EVIDENCE = EffectEvidence(
     gain_nats=200.0,

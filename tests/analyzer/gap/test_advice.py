@@ -8,16 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap import advice
-from analyzer.gap.advice import advise, plan_text
-from analyzer.gap.effects import gravity_compensator
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.possible_tests import Test
-from protocols.arm.files import load_arm
-from protocols.errors import PlanError
-from protocols.plan import load_plan, plan_from_text
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap import advice
+from armodal.analyzer.gap.advice import advise, plan_text
+from armodal.analyzer.gap.effects import gravity_compensator
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.possible_tests import Test
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlanError
+from armodal.protocols.plan import load_plan, plan_from_text
 
 UNWRITTEN = "the next test cannot be written as a plan: proposed plan: "
 

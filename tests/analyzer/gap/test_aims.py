@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.advice import plan_text
-from analyzer.gap.aims import notes_on_aims
-from analyzer.gap.fit import fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.possible_tests import Test
-from analyzer.gap.stages import stages_of, with_test
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import make_case
-from protocols.plan import plan_from_text
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.advice import plan_text
+from armodal.analyzer.gap.aims import notes_on_aims
+from armodal.analyzer.gap.fit import fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.possible_tests import Test
+from armodal.analyzer.gap.stages import stages_of, with_test
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import make_case
+from armodal.protocols.plan import plan_from_text
 
 # Hits on point 3 of the flange along this go nearly through the axis of joint 5.
 POSTURE_DEG = [9.85, -25.06, 60.92, -63.09, -89.6, 7.84]

@@ -5,17 +5,17 @@ from dataclasses import replace
 
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.by_level import promising_by_level
-from analyzer.gap.fit import fit_hypothesis
-from analyzer.gap.hit_levels import middle_level
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.levels import told_apart
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.stages import stages_of
-from analyzer.gap.weigh import Discrepancy
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import make_case
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.by_level import promising_by_level
+from armodal.analyzer.gap.fit import fit_hypothesis
+from armodal.analyzer.gap.hit_levels import middle_level
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.levels import told_apart
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.stages import stages_of
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import make_case
 
 
 @pytest.fixture(scope="module")

@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.add import file_key, instances_of_file
-from analyzer.gap.effects import backlash, friction, microslip, softening
-from analyzer.gap.fit import Stage
-from analyzer.gap.hit_levels import has_levels, middle_level, weight_factors
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.levels import told_apart
-from analyzer.gap.library import all_instances
-from analyzer.gap.lines import Annealing, PostureLines, own_lines
-from analyzer.gap.looks import goes_with
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.weigh import Discrepancy
-from hil_sim.study import make_case
-from protocols.arm.files import load_arm
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.add import file_key, instances_of_file
+from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
+from armodal.analyzer.gap.fit import Stage
+from armodal.analyzer.gap.hit_levels import has_levels, middle_level, weight_factors
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.levels import told_apart
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.lines import Annealing, PostureLines, own_lines
+from armodal.analyzer.gap.looks import goes_with
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.hil_sim.study import make_case
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 KINDS = (backlash, friction, microslip, softening)

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.add import file_key, instances_of_file
-from analyzer.gap.effects import exponential_window, hit_direction, wrong_point
-from analyzer.gap.fit import Stage
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.sensors import scan_sensors
-from analyzer.gap.weigh import Discrepancy
-from protocols.arm.files import load_arm
-from protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.add import file_key, instances_of_file
+from armodal.analyzer.gap.effects import exponential_window, hit_direction, wrong_point
+from armodal.analyzer.gap.fit import Stage
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.sensors import scan_sensors
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 

@@ -5,25 +5,25 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from support.gap_results import made_result
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.add import added_effects, instances_of_file
-from analyzer.gap.assembly import Pieces, spatial_inertia
-from analyzer.gap.effects import sensor_axes, wrong_point
-from analyzer.gap.effects.gravity_compensator import share
-from analyzer.gap.effects.load_damping import gravity_load
-from analyzer.gap.effects.long_link import LongLink, long_links
-from analyzer.gap.effects.nonproportional import FLOOR
-from analyzer.gap.geometry import GeometryNear, skew
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.library import all_instances
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.records import EffectFound, Interval
-from protocols.arm.files import arm_from_texts, load_arm
-from protocols.arm.rewrite import text_with_effects
-from tests.support.gap_results import made_result
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.add import added_effects, instances_of_file
+from armodal.analyzer.gap.assembly import Pieces, spatial_inertia
+from armodal.analyzer.gap.effects import sensor_axes, wrong_point
+from armodal.analyzer.gap.effects.gravity_compensator import share
+from armodal.analyzer.gap.effects.load_damping import gravity_load
+from armodal.analyzer.gap.effects.long_link import LongLink, long_links
+from armodal.analyzer.gap.effects.nonproportional import FLOOR
+from armodal.analyzer.gap.geometry import GeometryNear, skew
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.records import EffectFound, Interval
+from armodal.protocols.arm.files import arm_from_texts, load_arm
+from armodal.protocols.arm.rewrite import text_with_effects
 
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, lsq_linear
 
-from analyzer.gap.fit import fit_hypothesis
-from analyzer.gap.outcome import notes_on_its_end
-from analyzer.gap.space import Parameter, Space
-from analyzer.gap.weigh import Quadratic
+from armodal.analyzer.gap.fit import fit_hypothesis
+from armodal.analyzer.gap.outcome import notes_on_its_end
+from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.weigh import Quadratic
 
 
 class Residuals:

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.geometry import GeometryNear
-from hil_sim.study import study_arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.geometry import GeometryNear
+from armodal.hil_sim.study import study_arm
 
 STEP_RAD = 1e-5
 

@@ -6,18 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
+from support.made_gap_fits import made_fit
 
-from analyzer.gap import workflow
-from analyzer.gap.effects import bearing, encoder_offset
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.fit import fit_hypothesis
-from analyzer.gap.held_out import held_out
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged, Thresholds
-from analyzer.gap.space import Parameter, Space
-from analyzer.gap.weigh import Quadratic
-from analyzer.gap.workflow import _foretold
-from tests.support.made_gap_fits import made_fit
+from armodal.analyzer.gap import workflow
+from armodal.analyzer.gap.effects import bearing, encoder_offset
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.fit import fit_hypothesis
+from armodal.analyzer.gap.held_out import held_out
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged, Thresholds
+from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.weigh import Quadratic
+from armodal.analyzer.gap.workflow import _foretold
 
 N_DATA = 8
 TEST = (1, 3)

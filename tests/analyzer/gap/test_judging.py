@@ -6,9 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.gap_results import made_result
+from support.made_gap_fits import made_fit
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects import (
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import (
     base,
     bearing,
     coupling,
@@ -21,18 +23,16 @@ from analyzer.gap.effects import (
     sensor_axes,
     wrist_coupling,
 )
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.intervals import intervals
-from analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.rivals import Rivals
-from analyzer.gap.score import mark, rate, size_of_truth
-from analyzer.gap.space import Parameter, Space
-from analyzer.gap.workflow import _judged
-from protocols.arm.files import load_arm
-from tests.support.gap_results import made_result
-from tests.support.made_gap_fits import made_fit
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.intervals import intervals
+from armodal.analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.score import mark, rate, size_of_truth
+from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.workflow import _judged
+from armodal.protocols.arm.files import load_arm
 
 
 def test_vectors_count_deviations_and_keep_to_bounds():

@@ -5,26 +5,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects import friction
-from analyzer.gap.fit import Stage, fit_hypothesis
-from analyzer.gap.hit_levels import middle_level
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged, Thresholds, follows_no_level
-from analyzer.gap.library import all_instances
-from analyzer.gap.next_test import expected_evidence
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.possible_tests import Doable, possible_tests
-from analyzer.gap.records import Verdict
-from analyzer.gap.rivals import Rivals
-from analyzer.gap.sensors import scan_sensors
-from analyzer.gap.stages import stages_of, with_test
-from analyzer.gap.verdict import verdict_of
-from analyzer.gap.weigh import Discrepancy
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import make_case
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import friction
+from armodal.analyzer.gap.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.hit_levels import middle_level
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged, Thresholds, follows_no_level
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.next_test import expected_evidence
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.possible_tests import Doable, possible_tests
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.sensors import scan_sensors
+from armodal.analyzer.gap.stages import stages_of, with_test
+from armodal.analyzer.gap.verdict import verdict_of
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import make_case
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError
 
 
 @pytest.fixture(scope="module")

@@ -4,25 +4,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.made_gap_fits import made_fit
 
-from analyzer.arm.superset import Superset
-from analyzer.gap import middle_hits
-from analyzer.gap.effects import coupling, friction, microslip, softening
-from analyzer.gap.effects.level import any_bow
-from analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged
-from analyzer.gap.middle_hits import Bow, told_by_bow, told_by_hits_between
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.posed import PosedModel
-from analyzer.gap.records import Verdict
-from analyzer.gap.stages import at_three_levels, stages_of, with_test
-from analyzer.gap.workflow import find_gap
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import make_case
-from protocols.arm.files import load_arm
-from protocols.plan import plan_from_text
-from tests.support.made_gap_fits import made_fit
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap import middle_hits
+from armodal.analyzer.gap.effects import coupling, friction, microslip, softening
+from armodal.analyzer.gap.effects.level import any_bow
+from armodal.analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged
+from armodal.analyzer.gap.middle_hits import Bow, told_by_bow, told_by_hits_between
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.stages import at_three_levels, stages_of, with_test
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import make_case
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import plan_from_text
 
 
 def hits(session, peaks_of):

@@ -5,17 +5,17 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from support.made_gap_fits import made_fit
 
-from analyzer.gap import named_step
-from analyzer.gap.effects import link_axis, sensor_axes
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged, Thresholds
-from analyzer.gap.named_step import Step, with_step
-from analyzer.gap.score import mark
-from analyzer.gap.workflow import find_gap
-from hil_sim.study import draw_study, sealed
-from tests.support.made_gap_fits import made_fit
+from armodal.analyzer.gap import named_step
+from armodal.analyzer.gap.effects import link_axis, sensor_axes
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged, Thresholds
+from armodal.analyzer.gap.named_step import Step, with_step
+from armodal.analyzer.gap.score import mark
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.hil_sim.study import draw_study, sealed
 
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()))
 

@@ -7,23 +7,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.advice import advise, plan_text
-from analyzer.gap.fit import Stage, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.library import all_instances
-from analyzer.gap.next_test import expected_evidence, hidden_rival, proposed
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.possible_tests import Doable, Test, possible_tests
-from analyzer.gap.records import Verdict
-from analyzer.gap.scan import scan_instances
-from analyzer.gap.stages import stages_of
-from analyzer.gap.weigh import Discrepancy
-from analyzer.gap.workflow import find_gap
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import draw_study, make_case, sealed
-from protocols.plan import load_plan, plan_from_text
-from tui.gap_lab import SimulatedLaboratory
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.advice import advise, plan_text
+from armodal.analyzer.gap.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.next_test import expected_evidence, hidden_rival, proposed
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.possible_tests import Doable, Test, possible_tests
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.scan import scan_instances
+from armodal.analyzer.gap.stages import stages_of
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import draw_study, make_case, sealed
+from armodal.protocols.plan import load_plan, plan_from_text
+from armodal.tui.gap_lab import SimulatedLaboratory
 
 
 @pytest.fixture(scope="module")

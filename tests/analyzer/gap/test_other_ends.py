@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects import coupling, nonproportional
-from analyzer.gap.fit import fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.other_ends import other_ends
-from analyzer.gap.stages import stages_of
-from analyzer.identification.identify import estimate_frfs
-from hil_sim.study import make_case
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import coupling, nonproportional
+from armodal.analyzer.gap.fit import fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.other_ends import other_ends
+from armodal.analyzer.gap.stages import stages_of
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.hil_sim.study import make_case
 
 STEPS = 9
 

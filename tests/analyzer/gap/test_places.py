@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from protocols.arm.files import load_arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.protocols.arm.files import load_arm
 
 
 @pytest.mark.parametrize(("n_joints", "links"), [(2, [1]), (4, [2, 3]), (5, [2, 3, 4])])

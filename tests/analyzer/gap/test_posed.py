@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects import link_axis
-from analyzer.gap.fit import Stage, fit_hypothesis
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.library import all_instances
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.posed import PosedModel, Postures
-from analyzer.gap.scan import beside
-from analyzer.gap.weigh import Discrepancy
-from protocols.arm.files import load_arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.posed import PosedModel, Postures
+from armodal.analyzer.gap.scan import beside
+from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.protocols.arm.files import load_arm
 
 ANGLES = np.deg2rad(
     [
@@ -102,7 +102,7 @@ def test_derivatives_in_single_precision_are_those_in_double(
         hypothesis, space, values
     )
     # What is beyond all sense, here everything, is left as it is.
-    monkeypatch.setattr("analyzer.gap.response._SENSIBLE", 0.0)
+    monkeypatch.setattr("armodal.analyzer.gap.response._SENSIBLE", 0.0)
     exact = Postures([PosedModel(superset, ANGLES[0])], lines[:1]).derivatives(
         hypothesis, space, values
     )

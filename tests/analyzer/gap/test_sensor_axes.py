@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects.sensor_axes import FLIPPED, SWAPPED, together, turned_sensor
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from hil_sim.study import study_arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects.sensor_axes import FLIPPED, SWAPPED, together, turned_sensor
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.hil_sim.study import study_arm
 
 ROUND = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # x is y, y is z, z is x
 Y_AND_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])

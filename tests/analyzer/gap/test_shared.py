@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analyzer.gap.records import Verdict
-from analyzer.gap.shared import is_shared, mountings_worth
-from analyzer.gap.workflow import find_gap
-from hil_sim.study import make_case
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.shared import is_shared, mountings_worth
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.hil_sim.study import make_case
 
 
 class Weighed:

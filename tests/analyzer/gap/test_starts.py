@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects import link_axis
-from analyzer.gap.effects.long_link import long_links
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.library import all_instances
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.starts import axes_of_bearings, spread_of, taken_out
-from hil_sim.study import study_arm
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.effects.long_link import long_links
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.starts import axes_of_bearings, spread_of, taken_out
+from armodal.hil_sim.study import study_arm
 
 
 @pytest.fixture(scope="module")

@@ -3,15 +3,15 @@
 from types import SimpleNamespace
 
 import pytest
+from support.made_gap_fits import made_fit
 
-from analyzer.gap.effects import bearing, gravity_compensator, link_axis, softening
-from analyzer.gap.effects.effect import Instance
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.judge import Judged, Thresholds
-from analyzer.gap.records import Verdict
-from analyzer.gap.rivals import Rivals
-from analyzer.gap.verdict import verdict_of
-from tests.support.made_gap_fits import made_fit
+from armodal.analyzer.gap.effects import bearing, gravity_compensator, link_axis, softening
+from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged, Thresholds
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.verdict import verdict_of
 
 # A thousand residuals, soft and hard hits together.
 OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from analyzer.gap.lines import PostureLines
-from analyzer.gap.weigh import Discrepancy, Weighing, costs_of, summed
-from protocols.arm.files import load_arm
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.weigh import Discrepancy, Weighing, costs_of, summed
+from armodal.protocols.arm.files import load_arm
 
 
 def made_lines(rng, n_lines=4, mountings=2):

@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.gap.effects import gravity_compensator, servo
-from analyzer.gap.hypothesis import Hypothesis
-from analyzer.gap.ordinary import Ordinary
-from analyzer.gap.records import Verdict
-from analyzer.gap.without_levels import first_with_levels, is_alike
-from analyzer.gap.workflow import find_gap
-from hil_sim.study import make_case
-from protocols.errors import ArmError
-from protocols.plan import plan_from_text
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import gravity_compensator, servo
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.without_levels import first_with_levels, is_alike
+from armodal.analyzer.gap.workflow import find_gap
+from armodal.hil_sim.study import make_case
+from armodal.protocols.errors import ArmError
+from armodal.protocols.plan import plan_from_text
 
 
 @pytest.fixture(scope="module")

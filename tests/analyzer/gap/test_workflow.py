@@ -7,16 +7,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analyzer.gap.enough import notes_on
-from analyzer.gap.records import Verdict
-from analyzer.gap.score import mark, size_found, size_of_truth
-from analyzer.gap.workflow import _test_postures, find_gap
-from hil_sim.study import draw_study, make_case, sealed
-from protocols.errors import EstimateError
-from protocols.plan import plan_from_text
-from protocols.plan_records import KnownMass
-from protocols.plan_rewrite import text_with_posture
-from tui.gap_lab import SimulatedLaboratory
+from armodal.analyzer.gap.enough import notes_on
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.score import mark, size_found, size_of_truth
+from armodal.analyzer.gap.workflow import _test_postures, find_gap
+from armodal.hil_sim.study import draw_study, make_case, sealed
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.plan_rewrite import text_with_posture
+from armodal.tui.gap_lab import SimulatedLaboratory
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_fits import made_fit
-from made_modes import made_modes
-from plain_arm import TESTS_DEG, link_poses, mass_matrix
-from small_fit import true_axis, true_structure
+from support.made_fits import made_fit
+from support.made_modes import made_modes
+from support.plain_arm import TESTS_DEG, link_poses, mass_matrix
+from support.small_fit import true_axis, true_structure
 
-from analyzer.identification.axis_results import axis_results
-from analyzer.identification.prediction import predict_modes
-from analyzer.identification.structural import joint_share
+from armodal.analyzer.identification.axis_results import axis_results
+from armodal.analyzer.identification.prediction import predict_modes
+from armodal.analyzer.identification.structural import joint_share
 
 POSTURES = [np.deg2rad(q) for q in TESTS_DEG]
 NAMES = ("test 1", "test 2", "test 3")

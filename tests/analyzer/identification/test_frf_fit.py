@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_fit import measured, state_of, true_axis, true_structure, unmeasured
+from support.small_fit import measured, state_of, true_axis, true_structure, unmeasured
 
-from analyzer.identification.frf_fit import fit_frfs, line_weights, normal_equations
-from analyzer.identification.frf_model import predict
-from analyzer.identification.parameters import FitState, step_state
-from analyzer.identification.scatter import half_width_95
-from analyzer.screws import line_angle_rad, line_distance_m
-from protocols.errors import EstimateError
+from armodal.analyzer.identification.frf_fit import fit_frfs, line_weights, normal_equations
+from armodal.analyzer.identification.frf_model import predict
+from armodal.analyzer.identification.parameters import FitState, step_state
+from armodal.analyzer.identification.scatter import half_width_95
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.protocols.errors import EstimateError
 
 FREQ_HZ = np.linspace(5, 60, 14)
 POINTS = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12")

@@ -4,14 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_fit import state_of, true_axis, true_structure, unmeasured
+from support.small_fit import state_of, true_axis, true_structure, unmeasured
 
-from analyzer.arm import reduce_model
-from analyzer.arm.reduced import model_modes
-from analyzer.identification.frf_model import posture_data, predict, predict_with_derivatives
-from analyzer.identification.parameters import FitState, ParameterNames, step_state
-from protocols.errors import EstimateError
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.analyzer.arm import reduce_model
+from armodal.analyzer.arm.reduced import model_modes
+from armodal.analyzer.identification.frf_model import (
+    posture_data,
+    predict,
+    predict_with_derivatives,
+)
+from armodal.analyzer.identification.parameters import FitState, ParameterNames, step_state
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 FREQ_HZ = np.linspace(4, 110, 25)
 POINTS = ("1", "5", "7", "12", "15", "18")

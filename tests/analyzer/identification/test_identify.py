@@ -1,22 +1,17 @@
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support.offline_lab import simulate_session
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-
-from analyzer.identification.identify import identify
-from analyzer.identification.structural import STRUCTURAL_SHARE
-from analyzer.report import write_report
-from analyzer.screws import line_angle_rad, line_distance_m
-from hil_sim.plant import build_plant, load_plant
-from protocols.arm.files import load_arm
-from protocols.errors import EstimateError
-from protocols.plan import load_plan
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.identification.structural import STRUCTURAL_SHARE
+from armodal.analyzer.report import write_report
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.hil_sim.plant import build_plant, load_plant
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan import load_plan
 
 
 @pytest.fixture(scope="module")

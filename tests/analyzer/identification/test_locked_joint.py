@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support.offline_lab import simulate_session
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-
-from analyzer.identification.identify import identify
-from analyzer.screws import line_angle_rad, line_distance_m
-from hil_sim.plant import build_plant, load_plant
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.hil_sim.plant import build_plant, load_plant
 
 
 @pytest.fixture(scope="module")

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
-from made_modes import dofs_of, made_modes, mode_of
-from plain_arm import TESTS_DEG
-from small_fit import true_axis, true_structure
+from support.made_modes import dofs_of, made_modes, mode_of
+from support.plain_arm import TESTS_DEG
+from support.small_fit import true_axis, true_structure
 
-from analyzer.arm import reduce_model
-from analyzer.identification.mode_fit import MeasuredModes, fit_to_frequencies, pair_by_shape
-from protocols.errors import EstimateError
+from armodal.analyzer.arm import reduce_model
+from armodal.analyzer.identification.mode_fit import (
+    MeasuredModes,
+    fit_to_frequencies,
+    pair_by_shape,
+)
+from armodal.protocols.errors import EstimateError
 
 POSTURES = [np.deg2rad(q) for q in TESTS_DEG]
 

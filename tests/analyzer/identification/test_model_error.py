@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plain_arm import TESTS_DEG, mass_matrix
-from small_fit import measured, state_of, true_structure, unmeasured
+from support.plain_arm import TESTS_DEG, mass_matrix
+from support.small_fit import measured, state_of, true_structure, unmeasured
 
-from analyzer.arm import Superset
-from analyzer.identification.frf_fit import fit_frfs
-from analyzer.identification.model_error import model_error_std, model_moves
-from analyzer.identification.parameters import step_state
-from protocols.arm.records import Tolerances
+from armodal.analyzer.arm import Superset
+from armodal.analyzer.identification.frf_fit import fit_frfs
+from armodal.analyzer.identification.model_error import model_error_std, model_moves
+from armodal.analyzer.identification.parameters import step_state
+from armodal.protocols.arm.records import Tolerances
 
 POINTS = ("1", "5", "9", "12")
 FREQ_HZ = np.linspace(8, 40, 12)

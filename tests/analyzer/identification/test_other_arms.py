@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support.offline_lab import simulate_session
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-
-from analyzer.identification.identify import identify
-from analyzer.planning.selective import plan_tests
-from analyzer.workspace.spectrum import elastic_joints
-from hil_sim.study.plant_of_arm import plant_of_arm
-from protocols.arm.files import load_arm
-from tui.plan import plan_text, write_plan
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.planning.selective import plan_tests
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.hil_sim.study.plant_of_arm import plant_of_arm
+from armodal.protocols.arm.files import load_arm
+from armodal.tui.plan import plan_text, write_plan
 
 OFF = np.array([1.35, 0.75, 1.25, 0.7, 1.3])  # truth over belief
 

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from small_fit import state_of, true_axis, true_structure
+from support.small_fit import state_of, true_axis, true_structure
 
-from analyzer.identification.parameters import (
+from armodal.analyzer.identification.parameters import (
     ParameterNames,
     axis_frame,
     parameter_vector,
     step_state,
 )
-from analyzer.screws import line_angle_rad, line_distance_m
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
 
 STATE = state_of(true_structure([true_axis()]), 2)
 N = 6 + 6 + 3 + 4

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_modes import dofs_of, made_modes, mode_of
-from plain_arm import TESTS_DEG
-from small_fit import true_structure
-from viper_session import true_values, viper_result, viper_session
+from support.made_modes import dofs_of, made_modes, mode_of
+from support.plain_arm import TESTS_DEG
+from support.small_fit import true_structure
+from support.viper_session import true_values, viper_result, viper_session
 
-from analyzer.arm.reduced import model_modes, reduce_model
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.penalty import fit_by_penalty
-from analyzer.identification.penalty_of_session import chosen_joints, penalty_of_session
-from protocols.errors import EstimateError
+from armodal.analyzer.arm.reduced import model_modes, reduce_model
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.penalty import fit_by_penalty
+from armodal.analyzer.identification.penalty_of_session import chosen_joints, penalty_of_session
+from armodal.protocols.errors import EstimateError
 
 POSTURES = [np.deg2rad(q) for q in TESTS_DEG]
 GUESS = np.array([0.75, 1.3, 0.8])

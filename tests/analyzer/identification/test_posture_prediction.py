@@ -6,20 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_fits import made_fit
-from plain_arm import TESTS_DEG, mass_matrix
-from small_fit import measured, state_of, true_axis, true_structure, unmeasured
-from viper_session import elastic_truth, viper_result, viper_session
+from support.made_fits import made_fit
+from support.plain_arm import TESTS_DEG, mass_matrix
+from support.small_fit import measured, state_of, true_axis, true_structure, unmeasured
+from support.viper_session import elastic_truth, viper_result, viper_session
 
-from analyzer.arm import Superset, reduce_model
-from analyzer.arm.reduced import model_modes
-from analyzer.arm.structure import believed_structure
-from analyzer.identification.frf_fit import fit_frfs
-from analyzer.identification.model_error import model_moves
-from analyzer.identification.parameters import step_state
-from analyzer.identification.prediction import predict_modes, prediction_model_std
-from protocols.arm.records import Tolerances
-from tui.predict import predict_posture
+from armodal.analyzer.arm import Superset, reduce_model
+from armodal.analyzer.arm.reduced import model_modes
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.identification.frf_fit import fit_frfs
+from armodal.analyzer.identification.model_error import model_moves
+from armodal.analyzer.identification.parameters import step_state
+from armodal.analyzer.identification.prediction import predict_modes, prediction_model_std
+from armodal.protocols.arm.records import Tolerances
+from armodal.tui.predict import predict_posture
 
 MASS_STD = 0.05
 MASS_ONLY = Tolerances(

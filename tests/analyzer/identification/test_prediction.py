@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg
-from made_fits import made_fit
-from plain_arm import TESTS_DEG
-from small_fit import true_axis, true_structure
+from support.made_fits import made_fit
+from support.plain_arm import TESTS_DEG
+from support.small_fit import true_axis, true_structure
 
-from analyzer.arm import reduce_model
-from analyzer.identification.prediction import predict_modes
+from armodal.analyzer.arm import reduce_model
+from armodal.analyzer.identification.prediction import predict_modes
 
 Q = np.deg2rad(TESTS_DEG[1])
 SPREAD = np.sqrt(10 / 8)  # of a Student t with ten degrees of freedom

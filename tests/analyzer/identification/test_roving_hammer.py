@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.offline_lab import simulate_session
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-
-from analyzer.identification.identify import identify
-from analyzer.report import write_report
-from analyzer.screws import line_angle_rad, line_distance_m
-from hil_sim.plant import load_plant
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.report import write_report
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.hil_sim.plant import load_plant
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from small_fit import measured, state_of, true_structure, unmeasured
+from support.small_fit import measured, state_of, true_structure, unmeasured
 
-from analyzer.identification.frf_fit import fit_frfs
-from analyzer.identification.result_rows import fit_notes
-from analyzer.identification.scatter import ParameterScatter, half_width_95
+from armodal.analyzer.identification.frf_fit import fit_frfs
+from armodal.analyzer.identification.result_rows import fit_notes
+from armodal.analyzer.identification.scatter import ParameterScatter, half_width_95
 
 
 def mean_scatter(values: np.ndarray) -> ParameterScatter:

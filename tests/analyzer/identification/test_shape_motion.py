@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.identification.mode_fit import MeasuredModes
-from analyzer.identification.shape_motion import ShapeMotion, measured_motion
-from protocols.arm.files import load_arm
-from protocols.frf_records import Dof
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.mode_fit import MeasuredModes
+from armodal.analyzer.identification.shape_motion import ShapeMotion, measured_motion
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.frf_records import Dof
 
 ARM = load_arm("rv4frl")
 ANGLES = np.array([0.1, -0.4, 0.9, 0.3, -0.5, 0.2])

@@ -4,18 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_modes import made_modes
-from plain_arm import TESTS_DEG, mass_matrix
-from small_fit import true_axis, true_structure
+from support.made_modes import made_modes
+from support.plain_arm import TESTS_DEG, mass_matrix
+from support.small_fit import true_axis, true_structure
 
-from analyzer.identification.structural import (
+from armodal.analyzer.identification.structural import (
     STRUCTURAL_SHARE,
     joint_share,
     moment_about,
     mozzi_of_shape,
     to_link,
 )
-from analyzer.screws import line_angle_rad, line_distance_m
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
 
 POSTURES = [np.deg2rad(q) for q in TESTS_DEG]
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analyzer.identification.triplets import triplet_axes
-from analyzer.screws import line_angle_rad, line_distance_m
+from armodal.analyzer.identification.triplets import triplet_axes
+from armodal.analyzer.screws import line_angle_rad, line_distance_m
 
 DIRECTION = np.array([0.0, 0.6, 0.8])
 POINT = np.array([0.1, -0.2, 0.15])

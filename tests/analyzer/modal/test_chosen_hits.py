@@ -1,20 +1,15 @@
 """Which hits make an FRF, and what is said of the others."""
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support import hammer
+from support.simulated_frfs import poles_of
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import hammer
-from simulated import poles_of
-
-from analyzer.modal import hit_choices, posture_frf
-from protocols.frf_records import FrfEstimator
-from protocols.plan_records import Averaging
+from armodal.analyzer.modal import hit_choices, posture_frf
+from armodal.protocols.frf_records import FrfEstimator
+from armodal.protocols.plan_records import Averaging
 
 POLES = poles_of([11.0, 38.0], [0.03, 0.025])
 

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analyzer.modal import mac, mac_matrix, mcf, mpc, mpd_deg
-from protocols.errors import EstimateError
+from armodal.analyzer.modal import mac, mac_matrix, mcf, mpc, mpd_deg
+from armodal.protocols.errors import EstimateError
 
 parts = st.floats(-1.0, 1.0).filter(lambda x: abs(x) > 1e-3)
 shapes = st.lists(st.tuples(parts, parts), min_size=4, max_size=4).map(

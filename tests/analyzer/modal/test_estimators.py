@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from analyzer.modal import (
+from armodal.analyzer.modal import (
     coherence_random_error,
     estimate_frf,
     scatter_random_error,
 )
-from protocols.errors import EstimateError
-from protocols.frf_records import FrfEstimator
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrfEstimator
 
 N_FREQ = 40
 

@@ -1,19 +1,14 @@
 import dataclasses
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.stats import t as student
+from support.simulated_frfs import EIGHT_HZ, eight_modes, modal_frf, noisy_record, poles_of, record
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import EIGHT_HZ, eight_modes, modal_frf, noisy_record, poles_of, record
-
-from analyzer.modal import fit_modes, mac, synthesise
-from protocols.errors import EstimateError
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal import fit_modes, mac, synthesise
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrfForm
 
 
 def noisy(rng, poles, residues, freq, *, form=FrfForm.ACCELERANCE, level=0.01, axes=3):

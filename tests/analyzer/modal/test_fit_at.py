@@ -1,15 +1,9 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.simulated_frfs import eight_modes
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import eight_modes
-
-from analyzer.modal import fit_modes, fit_modes_at
-from protocols.errors import EstimateError
+from armodal.analyzer.modal import fit_modes, fit_modes_at
+from armodal.protocols.errors import EstimateError
 
 
 def _picked_from(frf, picked_hz):

@@ -1,16 +1,11 @@
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support import hammer
+from support.simulated_frfs import eight_modes, modal_frf, noisy_record, poles_of, record
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import hammer
-from simulated import eight_modes, modal_frf, noisy_record, poles_of, record
-
-from analyzer.modal import (
+from armodal.analyzer.modal import (
     convert_form,
     fit_modes,
     frac,
@@ -21,9 +16,9 @@ from analyzer.modal import (
     real_modes,
     synthesise,
 )
-from protocols.errors import EstimateError
-from protocols.frf_records import Dof, FrfForm
-from protocols.plan_records import Mode as PlanMode
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import Dof, FrfForm
+from armodal.protocols.plan_records import Mode as PlanMode
 
 FREQ = np.arange(5.0, 120.0, 0.25)
 POLES = poles_of([12.0, 31.0, 70.0], [0.03, 0.02, 0.015])

@@ -1,20 +1,15 @@
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support import hammer
+from support.simulated_frfs import modal_frf, poles_of
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import hammer
-from simulated import modal_frf, poles_of
-
-from analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf, posture_hit_frfs
-from analyzer.modal.spectra import active_channels
-from protocols.errors import EstimateError
-from protocols.frf_records import FrfForm
-from protocols.plan_records import Mode
+from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf, posture_hit_frfs
+from armodal.analyzer.modal.spectra import active_channels
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrfForm
+from armodal.protocols.plan_records import Mode
 
 POLES = poles_of([11.0, 38.0, 79.0], [0.03, 0.025, 0.02])
 

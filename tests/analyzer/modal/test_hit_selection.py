@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analyzer.modal.hit_selection import coherence_of_all, select_hits
-from protocols.errors import EstimateError
+from armodal.analyzer.modal.hit_selection import coherence_of_all, select_hits
+from armodal.protocols.errors import EstimateError
 
 FREQ_HZ = np.linspace(3.0, 100.0, 80)
 

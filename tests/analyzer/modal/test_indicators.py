@@ -1,14 +1,8 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.simulated_frfs import modal_frf, poles_of, record
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import modal_frf, poles_of, record
-
-from analyzer.modal import (
+from armodal.analyzer.modal import (
     cmif,
     convert_form,
     frf_sum,
@@ -18,8 +12,8 @@ from analyzer.modal import (
     multivariate_mif,
     tracked_cmif,
 )
-from protocols.errors import EstimateError
-from protocols.frf_records import FrfForm
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrfForm
 
 FREQ = np.arange(5.0, 60.0, 0.1)
 POLES = poles_of([20.0, 40.0], [0.01, 0.01])

@@ -1,20 +1,14 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.stats import t as student
+from support.simulated_frfs import cramer_rao_std, eight_modes, modal_frf, noisy_record, poles_of
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import cramer_rao_std, eight_modes, modal_frf, noisy_record, poles_of
-
-from analyzer.modal import fit_modes, mac
-from analyzer.modal.correlation import to_real_axis
-from analyzer.modal.rank_one import refine_rank_one
-from analyzer.modal.refine import refine_poles
-from analyzer.modal.regression import modal_data, residual_terms
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal import fit_modes, mac
+from armodal.analyzer.modal.correlation import to_real_axis
+from armodal.analyzer.modal.rank_one import refine_rank_one
+from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.regression import modal_data, residual_terms
+from armodal.protocols.frf_records import FrfForm
 
 FREQ = np.arange(5.0, 60.0, 0.5)
 POLES = poles_of([12.0, 30.0, 31.0], [0.03, 0.02, 0.02])

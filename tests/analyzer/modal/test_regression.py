@@ -1,17 +1,11 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.simulated_frfs import modal_frf, poles_of
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import modal_frf, poles_of
-
-from analyzer.modal.refine import refine_poles
-from analyzer.modal.regression import modal_data, regress
-from analyzer.modal.uncertainty import frequency_damping_jacobian
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.regression import modal_data, regress
+from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian
+from armodal.protocols.frf_records import FrfForm
 
 FREQ = np.arange(5.0, 60.0, 0.5)
 POLES = poles_of([12.0, 30.0], [0.03, 0.02])

@@ -1,16 +1,10 @@
 """Modes that one polynomial over the whole band does not show."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
+from support.simulated_frfs import modal_frf, noisy_record, poles_of, record
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import modal_frf, noisy_record, poles_of, record
-
-from analyzer.modal import fit_modes
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal import fit_modes
+from armodal.protocols.frf_records import FrfForm
 
 
 def test_light_damping_over_a_wide_band_is_found():

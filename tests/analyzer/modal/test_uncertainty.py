@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.simulated_frfs import modal_frf, poles_of, record
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from simulated import modal_frf, poles_of, record
-
-from analyzer.modal import fit_modes
-from protocols.frf_records import FrfForm
+from armodal.analyzer.modal import fit_modes
+from armodal.protocols.frf_records import FrfForm
 
 FREQ_HZ = np.arange(5.0, 60.0, 0.5)
 POLES = poles_of([14.9, 34.0], [0.03, 0.025])

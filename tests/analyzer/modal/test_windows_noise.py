@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from analyzer.modal.noise import independent_line_share, smooth_lines
-from analyzer.modal.windows import (
+from armodal.analyzer.modal.noise import independent_line_share, smooth_lines
+from armodal.analyzer.modal.windows import (
     exponential_decay,
     exponential_window,
     force_window,
     undo_highpass,
 )
-from protocols.errors import EstimateError
+from armodal.protocols.errors import EstimateError
 
 
 def test_exponential_falls_to_its_end_value_over_the_record():

@@ -5,24 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from analyzer.planning import selective
-from analyzer.planning.clearance import Clearance, clear_postures
-from analyzer.planning.excitation import (
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.planning import selective
+from armodal.analyzer.planning.clearance import Clearance, clear_postures
+from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
     best_hits,
     posture_modes,
     seeing_points,
 )
-from analyzer.planning.expected import Instruments, expected_std, information
-from analyzer.planning.selective import describe_tests, plan_tests
-from analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.postures import random_postures
-from analyzer.workspace.spectrum import ElasticJoints, elastic_joints
-from protocols.arm.files import load_arm
-from protocols.errors import EstimateError
+from armodal.analyzer.planning.expected import Instruments, expected_std, information
+from armodal.analyzer.planning.selective import describe_tests, plan_tests
+from armodal.analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.postures import random_postures
+from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import EstimateError
 
 # File 002, Table 1: the posture chosen for each of joints 1 to 5.
 PAPER_DEG = [

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.small_fit import measured, state_of, true_structure, unmeasured
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from small_fit import measured, state_of, true_structure, unmeasured
-
-from analyzer.arm import Superset, reduce_model
-from analyzer.arm.reduced import model_modes
-from analyzer.modal import convert_form, fit_modes
-from analyzer.report.figures import arm_figure, frf_figure, indicator_figure
-from protocols.arm.files import load_arm
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.analyzer.arm import Superset, reduce_model
+from armodal.analyzer.arm.reduced import model_modes
+from armodal.analyzer.modal import convert_form, fit_modes
+from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 FREQ_HZ = np.arange(5.0, 60.0, 0.5)
 POINTS = ("1", "4", "6", "8", "11", "13")

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from plotly.basedatatypes import BaseFigure
 
-from analyzer.gap.records import (
+from armodal.analyzer.gap.records import (
     Disagreement,
     EffectFound,
     GapResult,
@@ -22,9 +22,9 @@ from analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from analyzer.report.gap_file import gap_from_json, gap_to_json
-from analyzer.report.gap_section import gap_page
-from protocols.errors import EstimateError
+from armodal.analyzer.report.gap_file import gap_from_json, gap_to_json
+from armodal.analyzer.report.gap_section import gap_page
+from armodal.protocols.errors import EstimateError
 
 P = {
     "axis compliance link_3": Interval(

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import stat
-import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from support.offline_lab import simulate_session
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from offline_lab import simulate_session
-
-from analyzer.identification.identify import identify
-from analyzer.report import write_report
-from protocols.session.records import Loss
+from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.report import write_report
+from armodal.protocols.session.records import Loss
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from analyzer.screws import (
+from armodal.analyzer.screws import (
     MozziAxis,
     Translation,
     line_angle_rad,

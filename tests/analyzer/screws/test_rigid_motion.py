@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analyzer.screws import mozzi_axis, rigid_motion
+from armodal.analyzer.screws import mozzi_axis, rigid_motion
 
 TWIST = np.array([0.02, -0.01, 0.03, 0.4, -0.2, 1.0])
 

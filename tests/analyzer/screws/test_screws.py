@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from analyzer.screws import (
+from armodal.analyzer.screws import (
     MozziAxis,
     Translation,
     line_angle_rad,
@@ -15,7 +15,7 @@ from analyzer.screws import (
     mozzi_axis,
     rigid_motion,
 )
-from protocols.errors import EstimateError
+from armodal.protocols.errors import EstimateError
 
 numbers = st.floats(-2.0, 2.0, allow_nan=False)
 vectors = st.tuples(numbers, numbers, numbers).map(np.array)

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analyzer.screws import MozziAxis, Translation
-from analyzer.statics.deflection import cartesian_compliance, deflect, joint_lines
-from analyzer.statics.ranking import rank_postures
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.spectrum import ElasticJoints, elastic_joints
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError
+from armodal.analyzer.screws import MozziAxis, Translation
+from armodal.analyzer.statics.deflection import cartesian_compliance, deflect, joint_lines
+from armodal.analyzer.statics.ranking import rank_postures
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError
 
 IN_PLANE = np.deg2rad([[0.0, 20.0, 80.0, 0.0, 60.0, 0.0]])  # the tool in the meridian plane
 FORCE_N = 100.0

@@ -8,11 +8,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from analyzer.arm.inertia import moments_about_joints
-from analyzer.arm.superset import Superset
-from analyzer.workspace.batch import ArmBatch
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError
+from armodal.analyzer.arm.inertia import moments_about_joints
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError
 
 EXACT = 1e-12  # of the largest value: rounding of some hundred products
 

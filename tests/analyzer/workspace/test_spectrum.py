@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from analyzer.arm.structure import believed_structure
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.spectrum import ElasticJoints, elastic_joints, spectrum
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints, spectrum
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError
 
 
 @pytest.fixture(scope="module")

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analyzer.workspace.batch import ArmBatch
-from analyzer.workspace.coupling import sweep_coupling
-from analyzer.workspace.maps import map_frequencies
-from analyzer.workspace.meridian import ELBOWS, meridian_plane
-from analyzer.workspace.moments import moments_of
-from analyzer.workspace.postures import CHUNK, random_postures
-from analyzer.workspace.spectrum import elastic_joints
-from analyzer.workspace.study import study_workspace
-from protocols.arm.files import load_arm
-from protocols.errors import ArmError
+from armodal.analyzer.workspace.batch import ArmBatch
+from armodal.analyzer.workspace.coupling import sweep_coupling
+from armodal.analyzer.workspace.maps import map_frequencies
+from armodal.analyzer.workspace.meridian import ELBOWS, meridian_plane
+from armodal.analyzer.workspace.moments import moments_of
+from armodal.analyzer.workspace.postures import CHUNK, random_postures
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.analyzer.workspace.study import study_workspace
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError
 
 
 @pytest.fixture(scope="module")

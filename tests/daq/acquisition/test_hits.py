@@ -6,11 +6,11 @@ import time
 import numpy as np
 from support.acquisition_run import strike
 
-from daq.commands import Ready
-from daq.events import LossNoted
-from daq.session_machine import PromptKind
-from protocols.board.records import FrameType
-from protocols.session.journal import load_journal
+from armodal.daq.commands import Ready
+from armodal.daq.events import LossNoted
+from armodal.daq.session_machine import PromptKind
+from armodal.protocols.board.records import FrameType
+from armodal.protocols.session.journal import load_journal
 
 
 def test_the_hit_is_in_the_journal_before_the_board_may_forget_it(lab, start, fakes):

@@ -5,10 +5,10 @@ import dataclasses
 import pytest
 from support.acquisition_run import strike
 
-from daq.journal_writer import LAST_BYTES
-from daq.session_machine import PromptKind
-from protocols.board.messages import encode_dictionary
-from protocols.session.journal import load_journal, read_journal
+from armodal.daq.journal_writer import LAST_BYTES
+from armodal.daq.session_machine import PromptKind
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.session.journal import load_journal, read_journal
 
 
 def test_a_wrong_board_port_is_one_clear_message(lab, start):
@@ -95,7 +95,9 @@ def test_a_full_journal_ends_the_session_with_its_hits_safe(lab, start, fakes, m
     strike(lab, fakes["record"]())
     assert run.judged().verdict.accepted
     with monkeypatch.context() as patch:
-        patch.setattr("daq.journal_writer.MAX_JOURNAL", lab.journal.stat().st_size + LAST_BYTES)
+        patch.setattr(
+            "armodal.daq.journal_writer.MAX_JOURNAL", lab.journal.stat().st_size + LAST_BYTES
+        )
         strike(lab, fakes["record"]())
         failed = run.failure()
     assert failed.kind == "JournalError"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from support.acquisition_run import strike
 
-from daq.commands import Note, Retake, Skip, Withdraw
-from daq.events import Finished, HitWithdrawn, SessionOpened
-from daq.session_machine import PromptKind
-from protocols.session.journal import load_journal, read_journal, session_of
+from armodal.daq.commands import Note, Retake, Skip, Withdraw
+from armodal.daq.events import Finished, HitWithdrawn, SessionOpened
+from armodal.daq.session_machine import PromptKind
+from armodal.protocols.session.journal import load_journal, read_journal, session_of
 
 
 def test_a_session_goes_from_posture_to_a_complete_journal(lab, start, fakes):

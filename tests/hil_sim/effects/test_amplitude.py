@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from plain_plants import LENGTH, MASS, K, chain, motion_of
+from support.plain_plants import LENGTH, MASS, K, chain, motion_of
 
-from hil_sim.elements import Sliders
+from armodal.hil_sim.elements import Sliders
 
 
 def element_of(effect, **how):

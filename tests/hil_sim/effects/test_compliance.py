@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from plain_plants import (
+from support.plain_plants import (
     LENGTH,
     MASS,
     OWN,
@@ -12,7 +12,7 @@ from plain_plants import (
     motion_of,
 )
 
-from protocols.errors import PlantError
+from armodal.protocols.errors import PlantError
 
 INERTIA = OWN + MASS * LENGTH**2
 EXACT = 1e-9  # both sides are rounded only

@@ -1,10 +1,21 @@
 import numpy as np
 import pytest
-from plain_plants import LENGTH, MASS, OWN, C, K, chain, frequencies, hertz, motion_of, straight
+from support.plain_plants import (
+    LENGTH,
+    MASS,
+    OWN,
+    C,
+    K,
+    chain,
+    frequencies,
+    hertz,
+    motion_of,
+    straight,
+)
 
-from hil_sim.effects.gravity_compensator import lever_arms
-from hil_sim.small_motion import linearise
-from protocols.errors import PlantError
+from armodal.hil_sim.effects.gravity_compensator import lever_arms
+from armodal.hil_sim.small_motion import linearise
+from armodal.protocols.errors import PlantError
 
 INERTIA = OWN + MASS * LENGTH**2
 EXACT = 1e-9  # both sides are rounded only

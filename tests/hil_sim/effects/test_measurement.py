@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hil_sim.study import make_case
-from hil_sim.study.measure import measured
-from hil_sim.study.model_error import plant_of_tables
+from armodal.hil_sim.study import make_case
+from armodal.hil_sim.study.measure import measured
+from armodal.hil_sim.study.model_error import plant_of_tables
 
 CASE = make_case(3, "bench57")
 # Rounding to counts: records reach some 1e5 of them.

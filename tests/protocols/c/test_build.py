@@ -3,12 +3,19 @@
 import os
 
 import pytest
-from c_device import FFI, C
+from support.c_device import FFI, C
 
-from protocols.c import build
-from protocols.c.build import INCLUDE, SOURCES, STRICT, CompilerError, compile_with, compilers
-from protocols.c.library import declarations
-from protocols.c.sizes import CODE_LIMIT_BYTES, RAM_LIMIT_BYTES, main, measure
+from armodal.protocols.c import build
+from armodal.protocols.c.build import (
+    INCLUDE,
+    SOURCES,
+    STRICT,
+    CompilerError,
+    compile_with,
+    compilers,
+)
+from armodal.protocols.c.library import declarations
+from armodal.protocols.c.sizes import CODE_LIMIT_BYTES, RAM_LIMIT_BYTES, main, measure
 
 PORTABLE = ("-ffreestanding", "-c")
 

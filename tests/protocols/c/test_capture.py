@@ -5,11 +5,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from c_device import C, Device, dictionary_of
 from hypothesis import given
 from hypothesis import strategies as st
+from support.c_device import C, Device, dictionary_of
 
-from protocols.board import (
+from armodal.protocols.board import (
     BoardState,
     Configuration,
     FrameType,

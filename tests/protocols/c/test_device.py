@@ -5,11 +5,11 @@ from fractions import Fraction
 from itertools import cycle, islice
 
 import pytest
-from c_device import SESSION, C, Device, dictionary_of, sealed
 from hypothesis import given
 from hypothesis import strategies as st
+from support.c_device import SESSION, C, Device, dictionary_of, sealed
 
-from protocols.board import (
+from armodal.protocols.board import (
     BoardState,
     Configuration,
     FrameType,

@@ -3,10 +3,10 @@
 import unicodedata
 
 import pytest
-from c_device import accepts, dictionary_of
+from support.c_device import accepts, dictionary_of
 
-from protocols.board import decode_dictionary, encode_dictionary
-from protocols.errors import FrameError
+from armodal.protocols.board import decode_dictionary, encode_dictionary
+from armodal.protocols.errors import FrameError
 
 
 def test_both_sides_refuse_the_characters_of_control_and_no_others():

@@ -1,11 +1,11 @@
 """The C codec against the shared vectors and against the Python codec, both ways."""
 
 import numpy as np
-from c_device import FFI, VECTORS, C, entries
 from hypothesis import given
 from hypothesis import strategies as st
+from support.c_device import FFI, VECTORS, C, entries
 
-from protocols.board import (
+from armodal.protocols.board import (
     Frame,
     FrameDecoder,
     FrameType,

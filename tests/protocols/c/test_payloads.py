@@ -6,11 +6,11 @@ from fractions import Fraction
 from functools import partial
 
 import pytest
-from c_device import FFI, VECTORS, C, accepts, configuration_fields, entries
 from hypothesis import given
 from hypothesis import strategies as st
+from support.c_device import FFI, VECTORS, C, accepts, configuration_fields, entries
 
-from protocols.board import (
+from armodal.protocols.board import (
     BlockInfo,
     BoardDictionary,
     BoardState,
@@ -30,7 +30,7 @@ from protocols.board import (
     encode_status,
     refusal,
 )
-from protocols.errors import FrameError
+from armodal.protocols.errors import FrameError
 
 U8, U32, U64 = (st.integers(0, 2**bits - 1) for bits in (8, 32, 64))
 DICTIONARY_OF = {entry["name"]: entry["encoded"] for entry in VECTORS["dictionaries"]}

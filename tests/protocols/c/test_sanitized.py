@@ -4,10 +4,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from c_device import VECTORS
+from support.c_device import VECTORS
 
-from protocols.board import FrameType
-from protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
+from armodal.protocols.board import FrameType
+from armodal.protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
 
 HERE = Path(__file__).parent
 SANITIZE = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")

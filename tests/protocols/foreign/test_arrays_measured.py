@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from manifests import RATE, hit_signals, manifest, posture, run
+from support.manifests import RATE, hit_signals, manifest, posture, run
 
-from protocols.errors import ForeignFileError
+from armodal.protocols.errors import ForeignFileError
 
 
 def write_csv(path, time, factor):

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from manifests import hit_signals, manifest, posture, run
-from samples import accelerance, frf_set, si_set, write_sets
+from support.foreign_samples import accelerance, frf_set, si_set, write_sets
+from support.manifests import hit_signals, manifest, posture, run
 
-from protocols.arm.files import load_arm
-from protocols.arm.kinematics import link_pose
-from protocols.errors import ForeignFileError
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.errors import ForeignFileError
 
 JOINTS = [-25.0, 90.0, 0.0, 0.0, 90.0, 0.0]
 FREQ = 0.25 * np.arange(1, 41)

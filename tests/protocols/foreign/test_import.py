@@ -5,14 +5,14 @@ import json
 import numpy as np
 import pytest
 import scipy.io
-from manifests import RATE, hit_signals, manifest, posture, run
-from samples import accelerance, chain_file, frf_set, si_set, write_sets
+from support.foreign_samples import accelerance, chain_file, frf_set, si_set, write_sets
+from support.manifests import RATE, hit_signals, manifest, posture, run
 
-from protocols.arm.files import ARMS_DIRECTORY, load_arm
-from protocols.arm.kinematics import link_pose
-from protocols.errors import ArmodalError, ForeignFileError
-from protocols.frf_records import FrfForm
-from protocols.session.hdf5 import read_session, write_session
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.errors import ArmodalError, ForeignFileError
+from armodal.protocols.frf_records import FrfForm
+from armodal.protocols.session.hdf5 import read_session, write_session
 
 FREQ = 0.25 * np.arange(400)
 

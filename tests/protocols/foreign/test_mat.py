@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import scipy.io
-from manifests import manifest, posture, run
-from samples import accelerance
+from support.foreign_samples import accelerance
+from support.manifests import manifest, posture, run
 
-from protocols.errors import ForeignFileError
+from armodal.protocols.errors import ForeignFileError
 
 FREQ = 0.25 * np.arange(1, 41)
 FRF = np.array([accelerance(FREQ, i, 0) for i in range(3)])  # (responses, lines)

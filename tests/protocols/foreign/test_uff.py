@@ -5,11 +5,11 @@ import pytest
 import pyuff
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from samples import frf_set, si_set, whole_file, write_sets
+from support.foreign_samples import frf_set, si_set, whole_file, write_sets
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.uff_read import read_uff, uff_from_bytes
-from protocols.foreign.uff_write import write_uff
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.uff_read import read_uff, uff_from_bytes
+from armodal.protocols.foreign.uff_write import write_uff
 
 # Text has 12 significant digits (E20.11), single precision and positions 6 (E13.5); numbers here
 # stay below 10. An uneven abscissa in text has 6 digits below 100, an even one 10.

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from protocols.errors import ForeignFileError
-from protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
-from protocols.foreign.units import frf_form, frf_scale, signal_scale, unit
-from protocols.frf_records import FrfForm
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
+from armodal.protocols.foreign.units import frf_form, frf_scale, signal_scale, unit
+from armodal.protocols.frf_records import FrfForm
 
 G = 9.80665  # CGPM 1901
 

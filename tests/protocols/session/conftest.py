@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from protocols.arm.files import load_arm
-from protocols.board.messages import encode_dictionary
-from protocols.board.records import BoardDictionary, Channel, IepeState
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
-from protocols.plan import load_plan
-from protocols.session.journal import (
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.journal import (
     End,
     Mark,
     MarkKind,
@@ -22,7 +22,7 @@ from protocols.session.journal import (
     encode_loss,
     encode_mark,
 )
-from protocols.session.records import (
+from armodal.protocols.session.records import (
     Hit,
     JointReading,
     Loss,

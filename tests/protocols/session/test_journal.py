@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.errors import JournalError
-from protocols.session.compare import first_difference
-from protocols.session.journal import (
+from armodal.protocols.errors import JournalError
+from armodal.protocols.session.compare import first_difference
+from armodal.protocols.session.journal import (
     MAGIC,
     Mark,
     MarkKind,
@@ -29,15 +29,15 @@ from protocols.session.journal import (
     scan,
     session_of,
 )
-from protocols.session.journal_framing import MAX_PAYLOAD, MAX_RECORDS, RECORD_OVERHEAD
-from protocols.session.journal_payloads import (
+from armodal.protocols.session.journal_framing import MAX_PAYLOAD, MAX_RECORDS, RECORD_OVERHEAD
+from armodal.protocols.session.journal_payloads import (
     CALIBRATION,
     decode_end,
     decode_hit,
     decode_loss,
     decode_mark,
 )
-from protocols.session.records import Hit, JointReading, Loss, SessionHeader, Verdict
+from armodal.protocols.session.records import Hit, JointReading, Loss, SessionHeader, Verdict
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 text = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=20)

@@ -8,20 +8,20 @@ import h5py
 import numpy as np
 import pytest
 
-from protocols.errors import EstimateError, JournalError, SessionError
-from protocols.frf_records import FrequencyResponse
-from protocols.session.compare import first_difference
-from protocols.session.hdf5 import (
+from armodal.protocols.errors import EstimateError, JournalError, SessionError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.compare import first_difference
+from armodal.protocols.session.hdf5 import (
     Provenance,
     read_frfs,
     read_provenance,
     read_session,
     write_session,
 )
-from protocols.session.hdf5_hits import write_losses
-from protocols.session.journal import load_journal
-from protocols.session.records import Hit, Session, SessionHeader
-from protocols.session.recovery import rebuild
+from armodal.protocols.session.hdf5_hits import write_losses
+from armodal.protocols.session.journal import load_journal
+from armodal.protocols.session.records import Hit, Session, SessionHeader
+from armodal.protocols.session.recovery import rebuild
 
 Frfs = tuple[FrequencyResponse, ...]
 
@@ -115,7 +115,7 @@ def test_interrupted_write_leaves_the_old_file(
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("protocols.session.hdf5.write_losses", full)
+    monkeypatch.setattr("armodal.protocols.session.hdf5.write_losses", full)
     with pytest.raises(SessionError, match="No space left"):
         write_session(example.session, written)
     assert written.read_bytes() == before
@@ -126,7 +126,7 @@ def test_file_that_reads_back_otherwise_is_thrown_away(
     example, written: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = written.read_bytes()
-    monkeypatch.setattr("protocols.session.hdf5.write_losses", lambda entry, _: lose(entry))
+    monkeypatch.setattr("armodal.protocols.session.hdf5.write_losses", lambda entry, _: lose(entry))
 
     def lose(entry: h5py.Group) -> None:
         write_losses(entry, ())

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from protocols.errors import SessionError
-from protocols.file_layer import Disk
-from protocols.session.compare import first_difference
-from protocols.session.hdf5 import read_session, write_session
+from armodal.protocols.errors import SessionError
+from armodal.protocols.file_layer import Disk
+from armodal.protocols.session.compare import first_difference
+from armodal.protocols.session.hdf5 import read_session, write_session
 
 
 class Noting(Disk):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from protocols.arm.files import load_arm
-from protocols.plan import load_plan
-from protocols.session.journal_payloads import Mark, MarkKind
-from protocols.session.steps import place_in_hand, skipped_points
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.journal_payloads import Mark, MarkKind
+from armodal.protocols.session.steps import place_in_hand, skipped_points
 
 ARM = load_arm("rv4frl")
 PLAN = load_plan("rv4frl-three-postures", ARM)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tui.drawing import Camera
+from armodal.tui.drawing import Camera
 
 EXACT = 1e-9  # rounding of a few products of numbers of size 100
 

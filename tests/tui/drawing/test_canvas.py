@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tui.drawing import Canvas
+from armodal.tui.drawing import Canvas
 
 
 def test_each_pixel_of_a_cell_is_its_own_dot():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tui.drawing import (
+from armodal.tui.drawing import (
     Cursor,
     Scale,
     Series,

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from protocols.arm.files import load_arm
-from tui.drawing import Camera, Canvas, arm_wireframe, draw_hit, draw_points, draw_triad
+from armodal.analyzer.arm.superset import Superset
+from armodal.protocols.arm.files import load_arm
+from armodal.tui.drawing import Camera, Canvas, arm_wireframe, draw_hit, draw_points, draw_triad
 
 ARM = load_arm("rv4frl")
 ANGLES = np.array([0.1, -0.4, 0.9, 0.3, -0.5, 0.2])

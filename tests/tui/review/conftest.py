@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 import pytest
 from support.offline_lab import simulate_session
 
-from tui.review.app import ReviewApp
-from tui.review.posture_view import fit_automatic, opened_session
+from armodal.tui.review.app import ReviewApp
+from armodal.tui.review.posture_view import fit_automatic, opened_session
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ import time
 import pytest
 from support.terminal import Terminal as ShellTerminal
 
-from protocols.session.hdf5 import write_session
+from armodal.protocols.session.hdf5 import write_session
 
 pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="needs tmux")
 
@@ -51,7 +51,7 @@ class Terminal:
 def test_a_session_is_reviewed_in_a_real_terminal(session, tmp_path):
     path = tmp_path / "s.h5"
     write_session(session, path)
-    command = [sys.executable, "-m", "tui.cli", "review", str(path)]
+    command = [sys.executable, "-m", "armodal.tui.cli", "review", str(path)]
     terminal = Terminal(tmp_path / "tmux", command, (160, 45))
     try:
         terminal.wait_for(r"4 modes automatic")
@@ -79,7 +79,7 @@ def test_the_proposed_test_runs_in_the_same_terminal(session, tmp_path):
     proposed = {"words": "Once more.", "plan_toml": session.header.plan.text}
     found = json.dumps({"verdict": "ambiguous", "next_test": proposed})
     path.with_suffix(".gap.json").write_text(found)
-    command = [sys.executable, "-m", "tui.cli", "review", str(path)]
+    command = [sys.executable, "-m", "armodal.tui.cli", "review", str(path)]
     with ShellTerminal(command, columns=100, rows=30) as terminal:
         terminal.until(r"4 modes automatic", DEADLINE_S)
         terminal.keys("8")

@@ -8,15 +8,15 @@ from rich.console import Console
 from support.gap_results import made_result
 from support.shown_results import GAP
 
-from analyzer.gap.records import NextTest
-from protocols.errors import ArmodalError, PlanError, SessionError
-from protocols.plan import load_plan
-from tui.gap import gap_json
-from tui.review.command import review_then_measure
-from tui.review.gap_text import gap_view
-from tui.review.leaving import Leaving
-from tui.review.measuring import Measuring
-from tui.review.next_test import NextRun, next_run, next_test_plan
+from armodal.analyzer.gap.records import NextTest
+from armodal.protocols.errors import ArmodalError, PlanError, SessionError
+from armodal.protocols.plan import load_plan
+from armodal.tui.gap import gap_json
+from armodal.tui.review.command import review_then_measure
+from armodal.tui.review.gap_text import gap_view
+from armodal.tui.review.leaving import Leaving
+from armodal.tui.review.measuring import Measuring
+from armodal.tui.review.next_test import NextRun, next_run, next_test_plan
 
 
 def plain(renderable, width=100):

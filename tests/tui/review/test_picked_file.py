@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.errors import SessionError
-from tui.review.picked_file import picked_path, read_picked, write_picked
+from armodal.protocols.errors import SessionError
+from armodal.tui.review.picked_file import picked_path, read_picked, write_picked
 
 EXACT = 1e-12  # rounding of a pole to frequency and damping and back
 

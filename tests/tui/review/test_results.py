@@ -9,14 +9,14 @@ from rich.console import Console
 from support.gap_results import made_result
 from support.shown_results import GAP
 
-from analyzer.report import gap_to_json
-from protocols.errors import EstimateError, SessionError
-from tui.gap import gap_json
-from tui.review.command_run import CommandRun
-from tui.review.gap_pane import read_gap
-from tui.review.gap_text import gap_view
-from tui.review.identify_text import identification_view
-from tui.review.picked_file import picked_path
+from armodal.analyzer.report import gap_to_json
+from armodal.protocols.errors import EstimateError, SessionError
+from armodal.tui.gap import gap_json
+from armodal.tui.review.command_run import CommandRun
+from armodal.tui.review.gap_pane import read_gap
+from armodal.tui.review.gap_text import gap_view
+from armodal.tui.review.identify_text import identification_view
+from armodal.tui.review.picked_file import picked_path
 
 
 def plain(renderable, width=100):

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analyzer.arm.superset import Superset
-from protocols.errors import SessionError
-from protocols.session.records import Session
-from tui.key_line import KeyLine
-from tui.review.app import TABS, ReviewApp
-from tui.review.picked_file import picked_path
-from tui.review.posture_view import PostureView, fit_automatic, open_session, opened_session
-from tui.themes import MONO
+from armodal.analyzer.arm.superset import Superset
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.records import Session
+from armodal.tui.key_line import KeyLine
+from armodal.tui.review.app import TABS, ReviewApp
+from armodal.tui.review.picked_file import picked_path
+from armodal.tui.review.posture_view import PostureView, fit_automatic, open_session, opened_session
+from armodal.tui.themes import MONO
 
 SIZES = [(80, 24), (160, 45)]
 
@@ -249,7 +249,7 @@ def test_the_automatic_choice_comes_back_without_another_fit(drive, monkeypatch)
     async def steps(app, pilot):
         automatic = app.state.view.automatic
         app.state.views[0] = replace(app.state.view, picks=(), changed=True, by_hand=True)
-        monkeypatch.setattr("tui.review.posture_view.fit_modes", fit)
+        monkeypatch.setattr("armodal.tui.review.posture_view.fit_modes", fit)
         await pilot.press("3", "a")
         await pilot.pause()
         view = app.state.view

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tui.run.collector import AFTER_VERDICT_S, EVERY_S, CalmCollector
+from armodal.tui.run.collector import AFTER_VERDICT_S, EVERY_S, CalmCollector
 
 
 class Cycle:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from made import LAB_EVENTS, OPENED, mass_hit
-from stage import Stage, play
+from support.made_run import LAB_EVENTS, OPENED, mass_hit
+from support.stage import Stage, play
 
-from protocols.session.journal_payloads import CALIBRATION
-from tui.run.happenings import MassChosen, SensorsConfirmed, SessionWanted
-from tui.run.state import Phase
+from armodal.protocols.session.journal_payloads import CALIBRATION
+from armodal.tui.run.happenings import MassChosen, SensorsConfirmed, SessionWanted
+from armodal.tui.run.state import Phase
 
 
 def test_a_known_mass_is_asked_for_and_hits_on_it_tell_the_ratio(tmp_path):

@@ -3,11 +3,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from made import AT_HIT, HIT_EVENTS, after, fresh, judged, prompted
+from support.made_run import AT_HIT, HIT_EVENTS, after, fresh, judged, prompted
 
-from daq.events import HitWithdrawn
-from daq.session_machine import hit_judged, skip
-from tui.run.overview import hits_left, missing, point_qualities, seconds_left
+from armodal.daq.events import HitWithdrawn
+from armodal.daq.session_machine import hit_judged, skip
+from armodal.tui.run.overview import hits_left, missing, point_qualities, seconds_left
 
 
 def of(*events):

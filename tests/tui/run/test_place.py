@@ -3,17 +3,17 @@ from __future__ import annotations
 import re
 
 import pytest
-from made import ARM, BOARD, HAMMER_PLAN, LAB_EVENTS, PLAN, after, fresh, judged, trial
-from stage import Stage, play
+from support.made_run import ARM, BOARD, HAMMER_PLAN, LAB_EVENTS, PLAN, after, fresh, judged, trial
+from support.stage import Stage, play
 
-from daq.journal_writer import JournalWriter
-from protocols.board.messages import encode_dictionary
-from protocols.errors import SessionError
-from protocols.plan import plan_from_text
-from protocols.session.journal import Mark, MarkKind, encode_hit, encode_mark
-from protocols.session.records import SessionHeader
-from tui.run.place import find_place, with_trigger_level
-from tui.run.trials import FEWEST_TRIALS, suggested_level_n
+from armodal.daq.journal_writer import JournalWriter
+from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.errors import SessionError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.session.journal import Mark, MarkKind, encode_hit, encode_mark
+from armodal.protocols.session.records import SessionHeader
+from armodal.tui.run.place import find_place, with_trigger_level
+from armodal.tui.run.trials import FEWEST_TRIALS, suggested_level_n
 
 
 def begun(path, plan=PLAN):

@@ -9,16 +9,16 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from by_hand import first_accepted_hit
 from support.key_operator import act_until_done
+from support.run_by_hand import first_accepted_hit
 from support.terminal import Terminal, armodal
 
-from hil_sim.lab import start_laboratory
-from protocols.arm.files import load_arm
-from protocols.plan import PLANS_DIRECTORY, load_plan
-from protocols.session.hdf5 import read_session
-from protocols.session.journal import load_journal
-from tui.acquire import ScriptedOperator
+from armodal.hil_sim.lab import start_laboratory
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import PLANS_DIRECTORY, load_plan
+from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.session.journal import load_journal
+from armodal.tui.acquire import ScriptedOperator
 
 pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = "4"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from made import (
+from support.made_run import (
     ARM,
     AT_HIT,
     AT_POINT,
@@ -23,19 +23,19 @@ from made import (
     trial,
 )
 
-from daq.events import DeviceTrouble, Failed, HitWithdrawn, LossNoted, Noted
-from daq.session_machine import hit_judged
-from protocols.session.journal import Mark, MarkKind
-from protocols.session.records import Loss
-from tui.run.happenings import (
+from armodal.daq.events import DeviceTrouble, Failed, HitWithdrawn, LossNoted, Noted
+from armodal.daq.session_machine import hit_judged
+from armodal.protocols.session.journal import Mark, MarkKind
+from armodal.protocols.session.records import Loss
+from armodal.tui.run.happenings import (
     ProcessGone,
     SafeConfirmed,
     SensorsConfirmed,
     SessionWanted,
     Tick,
 )
-from tui.run.reducer import KEPT_PREVIEWS
-from tui.run.state import SILENT_AFTER_S, Phase, Step, begin_state
+from armodal.tui.run.reducer import KEPT_PREVIEWS
+from armodal.tui.run.state import SILENT_AFTER_S, Phase, Step, begin_state
 
 
 def loss(kind: str, count: int) -> LossNoted:

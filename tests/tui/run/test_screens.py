@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made import (
+from support.made_run import (
     ARM,
     AT_HIT,
     AT_POINT,
@@ -20,23 +20,23 @@ from made import (
     reading,
     trial,
 )
-from stage import Stage, play
+from support.stage import Stage, play
 
-from daq.commands import Note, Ready, Retake, Skip, Withdraw
-from daq.events import Failed, LossNoted
-from daq.session_machine import begin, hit_judged, point_ready, posture_reached
-from protocols.plan_records import KnownMass
-from protocols.session.records import Loss
-from tui.key_line import KeyLine
-from tui.run.hand import request_for
-from tui.run.happenings import (
+from armodal.daq.commands import Note, Ready, Retake, Skip, Withdraw
+from armodal.daq.events import Failed, LossNoted
+from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
+from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.session.records import Loss
+from armodal.tui.key_line import KeyLine
+from armodal.tui.run.hand import request_for
+from armodal.tui.run.happenings import (
     HandAtWork,
     HandIdle,
     SafeConfirmed,
     SensorsConfirmed,
 )
-from tui.run.screens.progress import ProgressScreen
-from tui.run.screens.step import Pane
+from armodal.tui.run.screens.progress import ProgressScreen
+from armodal.tui.run.screens.step import Pane
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from made import BOARD, LAB_EVENTS, OPENED
-from stage import Stage, play
+from support.made_run import BOARD, LAB_EVENTS, OPENED
+from support.stage import Stage, play
 
-from daq.commands import Note
-from hil_sim.board_dictionary import board_dictionary
-from hil_sim.plant import load_plant
-from protocols.errors import SessionError
-from tui.run.command import run_app
-from tui.run.happenings import LabWanted, SensorsConfirmed, SessionWanted
-from tui.run.sensitivity import sensitivity_words
+from armodal.daq.commands import Note
+from armodal.hil_sim.board_dictionary import board_dictionary
+from armodal.hil_sim.plant import load_plant
+from armodal.protocols.errors import SessionError
+from armodal.tui.run.command import run_app
+from armodal.tui.run.happenings import LabWanted, SensorsConfirmed, SessionWanted
+from armodal.tui.run.sensitivity import sensitivity_words
 
 HAMMER, ACCELEROMETER = BOARD.dictionary.channels[:2]
 IN_MV = LabWanted(board_port="a", can_channel="b", simulated=False, input_range_v=5.0)

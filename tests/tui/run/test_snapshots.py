@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from made import (
+from support.made_run import (
     AT_HIT,
     AT_POINT,
     HIT_EVENTS,
@@ -15,12 +15,12 @@ from made import (
     prompted,
     trial,
 )
-from stage import Stage, play
 from support.screen_snapshot import assert_as_kept
+from support.stage import Stage, play
 
-from daq.events import Failed
-from daq.session_machine import hit_judged
-from tui.run.happenings import SafeConfirmed, SensorsConfirmed
+from armodal.daq.events import Failed
+from armodal.daq.session_machine import hit_judged
+from armodal.tui.run.happenings import SafeConfirmed, SensorsConfirmed
 
 KEPT = Path(__file__).parent / "snapshots"
 STOPPED = Failed(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from made import (
+from support.made_run import (
     AT_HIT,
     AT_POINT,
     AT_POSTURE,
@@ -16,11 +16,11 @@ from made import (
     judged,
     prompted,
 )
-from stage import Stage, play
+from support.stage import Stage, play
 
-from daq.session_machine import PromptKind, skip
-from tui.run.help import HelpScreen
-from tui.run.views.progress import outcome_text
+from armodal.daq.session_machine import PromptKind, skip
+from armodal.tui.run.help import HelpScreen
+from armodal.tui.run.views.progress import outcome_text
 
 
 def test_only_a_durable_hit_is_called_accepted(tmp_path):

@@ -6,10 +6,10 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 
-from tui.run.pictures import HitPictures, live_picture
-from tui.run.screens.step import Pane, StepScreen
-from tui.run.state import RunState
-from tui.run.views.hit import left_text, verdict_text
+from armodal.tui.run.pictures import HitPictures, live_picture
+from armodal.tui.run.screens.step import Pane, StepScreen
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.hit import left_text, verdict_text
 
 __all__ = ["HitScreen"]
 

@@ -6,10 +6,10 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 
-from tui.run.screens.step import Pane, StepScreen
-from tui.run.state import RunState
-from tui.run.views.lab import devices_text, levels_text, next_step, trials_text
-from tui.run.views.parts import big
+from armodal.tui.run.screens.step import Pane, StepScreen
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.lab import devices_text, levels_text, next_step, trials_text
+from armodal.tui.run.views.parts import big
 
 __all__ = ["LabScreen"]
 

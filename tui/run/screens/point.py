@@ -10,13 +10,13 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 
-from tui.run.overview import roving_place
-from tui.run.pictures import HitPictures, point_picture
-from tui.run.screens.step import Pane, StepScreen
-from tui.run.state import RunState
-from tui.run.views.hit import last_hit_text
-from tui.run.views.point import last_verdict_text, point_text
-from tui.run.words import what_to_do
+from armodal.tui.run.overview import roving_place
+from armodal.tui.run.pictures import HitPictures, point_picture
+from armodal.tui.run.screens.step import Pane, StepScreen
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.hit import last_hit_text
+from armodal.tui.run.views.point import last_verdict_text, point_text
+from armodal.tui.run.words import what_to_do
 
 __all__ = ["PointScreen"]
 

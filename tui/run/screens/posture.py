@@ -5,10 +5,10 @@ from __future__ import annotations
 from rich.text import Text
 from textual.app import ComposeResult
 
-from tui.run.screens.step import Pane, StepScreen
-from tui.run.state import RunState
-from tui.run.views.hit import last_hit_text
-from tui.run.views.posture import joints_text, posture_word, word_text
+from armodal.tui.run.screens.step import Pane, StepScreen
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.hit import last_hit_text
+from armodal.tui.run.views.posture import joints_text, posture_word, word_text
 
 __all__ = ["PostureScreen"]
 

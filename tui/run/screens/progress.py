@@ -10,10 +10,10 @@ from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 
-from tui.run.screens.step import Pane, StepScreen
-from tui.run.state import Phase, RunState
-from tui.run.views.hit import last_hit_text
-from tui.run.views.progress import (
+from armodal.tui.run.screens.step import Pane, StepScreen
+from armodal.tui.run.state import Phase, RunState
+from armodal.tui.run.views.hit import last_hit_text
+from armodal.tui.run.views.progress import (
     cell_width,
     cursor_line,
     grid_text,

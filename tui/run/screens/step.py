@@ -13,9 +13,9 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from tui.key_line import KeyLine
-from tui.run.state import RunState
-from tui.run.views.parts import losses_text, safety_text, title
+from armodal.tui.key_line import KeyLine
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.parts import losses_text, safety_text, title
 
 __all__ = ["LEAST_COLUMNS", "LEAST_ROWS", "Pane", "StepScreen"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from rich.text import Text
 
-from daq.events import HitJudged
-from tui.run.state import RunState
-from tui.run.views.parts import BAD, DIM, GOOD, WARN, big
-from tui.run.words import advice_for, how_hard, reason_word, what_to_do
+from armodal.daq.events import HitJudged
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.parts import BAD, DIM, GOOD, WARN, big
+from armodal.tui.run.words import advice_for, how_hard, reason_word, what_to_do
 
 __all__ = ["last_hit_text", "left_text", "verdict_text"]
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from rich.text import Text
 
-from daq.preview import PREVIEW_EVERY_WALL_S
-from protocols.board.records import Channel, IepeState
-from tui.run.measured import active_channels
-from tui.run.sensitivity import sensitivity_words
-from tui.run.state import FEWEST_MASS_HITS, RATIO_OFF, Phase, RunState
-from tui.run.trials import suggested_level_n
-from tui.run.views.parts import BAD, DIM, GOOD, WARN
-from tui.run.words import off_words, ratio_words, reason_word
+from armodal.daq.preview import PREVIEW_EVERY_WALL_S
+from armodal.protocols.board.records import Channel, IepeState
+from armodal.tui.run.measured import active_channels
+from armodal.tui.run.sensitivity import sensitivity_words
+from armodal.tui.run.state import FEWEST_MASS_HITS, RATIO_OFF, Phase, RunState
+from armodal.tui.run.trials import suggested_level_n
+from armodal.tui.run.views.parts import BAD, DIM, GOOD, WARN
+from armodal.tui.run.words import off_words, ratio_words, reason_word
 
 __all__ = ["devices_text", "levels_text", "next_step", "trials_text"]
 

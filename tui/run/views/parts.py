@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from rich.text import Text
 
-from tui.run.big_text import big_lines
-from tui.run.overview import hits_left, point_qualities, seconds_left
-from tui.run.state import Phase, RunState
-from tui.run.words import safety_line
+from armodal.tui.run.big_text import big_lines
+from armodal.tui.run.overview import hits_left, point_qualities, seconds_left
+from armodal.tui.run.state import Phase, RunState
+from armodal.tui.run.words import safety_line
 
 __all__ = ["BAD", "DIM", "GOOD", "WARN", "big", "losses_text", "safety_text", "time_words", "title"]
 

@@ -6,11 +6,11 @@ import numpy as np
 import numpy.typing as npt
 from rich.text import Text
 
-from daq.geometry import hit_direction, link_rotation
-from protocols.plan_records import Mode
-from tui.run.state import RunState
-from tui.run.views.hit import verdict_text
-from tui.run.views.parts import DIM, GOOD, WARN, big
+from armodal.daq.geometry import hit_direction, link_rotation
+from armodal.protocols.plan_records import Mode
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.hit import verdict_text
+from armodal.tui.run.views.parts import DIM, GOOD, WARN, big
 
 __all__ = ["axis_words", "last_verdict_text", "point_text"]
 

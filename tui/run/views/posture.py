@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from rich.text import Text
 
-from tui.run.big_text import big_lines
-from tui.run.state import RunState
-from tui.run.views.hit import last_hit_text
-from tui.run.views.parts import BAD, DIM, GOOD, WARN, big
-from tui.run.words import conditions
+from armodal.tui.run.big_text import big_lines
+from armodal.tui.run.state import RunState
+from armodal.tui.run.views.hit import last_hit_text
+from armodal.tui.run.views.parts import BAD, DIM, GOOD, WARN, big
+from armodal.tui.run.words import conditions
 
 __all__ = ["joints_text", "posture_word", "word_text"]
 

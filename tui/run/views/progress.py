@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from rich.text import Text
 
-from tui.run.overview import PointQuality, hits_left, missing, point_qualities, seconds_left
-from tui.run.state import Phase, RunState
-from tui.run.views.hit import last_hit_text
-from tui.run.views.parts import BAD, DIM, GOOD, WARN, big, time_words
-from tui.run.words import error_advice
+from armodal.tui.run.overview import PointQuality, hits_left, missing, point_qualities, seconds_left
+from armodal.tui.run.state import Phase, RunState
+from armodal.tui.run.views.hit import last_hit_text
+from armodal.tui.run.views.parts import BAD, DIM, GOOD, WARN, big, time_words
+from armodal.tui.run.words import error_advice
 
 __all__ = ["cell_width", "cursor_line", "grid_text", "left_line", "outcome_text", "summary_text"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pyuff
 
-from protocols.foreign.uff_records import (
+from armodal.protocols.foreign.uff_records import (
     UffFile,
     UffFunction,
     UffHeader,
@@ -11,7 +11,7 @@ from protocols.foreign.uff_records import (
     UffShape,
     UffTraceLine,
 )
-from protocols.foreign.uff_write import SI_UNITS
+from armodal.protocols.foreign.uff_write import SI_UNITS
 
 POLES_HZ = (30.0, 75.0)
 DAMPING = 0.02

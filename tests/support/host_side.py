@@ -6,8 +6,8 @@ import select
 import socket
 import time
 
-from protocols.board.codec import FrameDecoder, encode_frame
-from protocols.board.records import FrameType, Header
+from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.records import FrameType, Header
 
 DEADLINE_S = 60.0  # far beyond what a loaded machine takes; reaching it is a failure
 

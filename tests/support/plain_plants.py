@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.linalg import eigh
 
-from hil_sim.newton_euler import point_jacobian
-from hil_sim.plant import build_plant, load_plant
-from hil_sim.plant_file import PlantFile
-from hil_sim.small_motion import Mounting, linearise
+from armodal.hil_sim.newton_euler import point_jacobian
+from armodal.hil_sim.plant import build_plant, load_plant
+from armodal.hil_sim.plant_file import PlantFile
+from armodal.hil_sim.small_motion import Mounting, linearise
 
 LENGTH = 0.5  # of every link, m
 MASS = 4.0  # at the link's end, kg

@@ -7,7 +7,7 @@ import zlib
 import board_examples as examples
 from cobs import cobs
 
-from protocols.board import (
+from armodal.protocols.board import (
     FrameType,
     Header,
     Overflow,

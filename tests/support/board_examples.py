@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from protocols.board import (
+from armodal.protocols.board import (
     BlockInfo,
     BoardDictionary,
     BoardState,

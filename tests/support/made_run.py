@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from daq.events import (
+from armodal.daq.events import (
     BoardFound,
     Finished,
     HitJudged,
@@ -17,14 +17,14 @@ from daq.events import (
     SessionOpened,
     TrialHit,
 )
-from daq.session_machine import SessionState, begin, point_ready, posture_reached
-from protocols.arm.files import load_arm
-from protocols.board.records import BoardDictionary, Channel, IepeState
-from protocols.plan import load_plan
-from protocols.session.records import Hit, JointReading, Verdict
-from tui.run.happenings import Happening, LabWanted, SafeConfirmed, SessionWanted, Tick
-from tui.run.reducer import reduce
-from tui.run.state import RunState, begin_state
+from armodal.daq.session_machine import SessionState, begin, point_ready, posture_reached
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.records import Hit, JointReading, Verdict
+from armodal.tui.run.happenings import Happening, LabWanted, SafeConfirmed, SessionWanted, Tick
+from armodal.tui.run.reducer import reduce
+from armodal.tui.run.state import RunState, begin_state
 
 ARM = load_arm("rv4frl")
 PLAN = load_plan("rv4frl-three-postures", ARM)

@@ -6,10 +6,10 @@ import zlib
 from typing import Any
 
 import board_examples as examples
-from board_examples import header_of
 from cobs import cobs
+from support.board_examples import header_of
 
-from protocols.board import (
+from armodal.protocols.board import (
     MAX_PAYLOAD,
     FrameDecoder,
     FrameType,

@@ -13,9 +13,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from protocols.arm.records import Arm, Tolerances
-from protocols.board.records import BoardDictionary, Channel, IepeState
-from protocols.plan_records import (
+from armodal.protocols.arm.records import Arm, Tolerances
+from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.protocols.plan_records import (
     Averaging,
     Mode,
     Plan,
@@ -25,7 +25,7 @@ from protocols.plan_records import (
     Trigger,
     Windows,
 )
-from protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
+from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 FORCE_SCALE = 1e-4  # N per count
 ACCELERATION_SCALE = 1e-6  # m/s^2 per count

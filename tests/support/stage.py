@@ -6,14 +6,14 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
-from made import ARM, PLAN
+from support.made_run import ARM, PLAN
 from textual.pilot import Pilot
 
-from tui.run.app import RunApp
-from tui.run.conductor import RunOptions
-from tui.run.happenings import Happening
-from tui.run.place import SessionPlace
-from tui.run.screens.step import Pane
+from armodal.tui.run.app import RunApp
+from armodal.tui.run.conductor import RunOptions
+from armodal.tui.run.happenings import Happening
+from armodal.tui.run.place import SessionPlace
+from armodal.tui.run.screens.step import Pane
 
 NOW_S = 100.0
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 POWER = {FrfForm.RECEPTANCE: 0, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 2}
 

@@ -7,11 +7,11 @@ import sys
 
 import numpy as np
 
-from hil_sim.__main__ import options_of, parse, run
-from hil_sim.lab_process import ArmInCell, LabProcess
-from hil_sim.plant import build_plant
-from hil_sim.plant_file import PlantFile
-from protocols.errors import ArmodalError
+from armodal.hil_sim.__main__ import options_of, parse, run
+from armodal.hil_sim.lab_process import ArmInCell, LabProcess
+from armodal.hil_sim.plant import build_plant
+from armodal.hil_sim.plant_file import PlantFile
+from armodal.protocols.errors import ArmodalError
 
 PULSE_SAMPLES = 20
 PEAK_COUNTS = 200_000

@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 
-from protocols.foreign.import_session import import_session
-from protocols.foreign.manifest import load_manifest
+from armodal.protocols.foreign.import_session import import_session
+from armodal.protocols.foreign.manifest import load_manifest
 
 RATE = 4096
 

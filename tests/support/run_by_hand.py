@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 from support.terminal import Terminal
 
-from daq.session_machine import begin, point_ready, posture_reached
-from protocols.plan_records import Plan
-from tui.acquire import ScriptedOperator
+from armodal.daq.session_machine import begin, point_ready, posture_reached
+from armodal.protocols.plan_records import Plan
+from armodal.tui.acquire import ScriptedOperator
 
 MOST_HITS = 8  # the simulated hand does not always hit well
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from protocols.frf_records import Dof, FrequencyResponse, FrfForm
+from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 FREQ_HZ = np.arange(8.0, 120.0, 0.5)
 DECAY = 1.5
