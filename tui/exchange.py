@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,11 +16,8 @@ from armodal.analyzer.given_frfs import with_variances
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.modal import ModalModel, fit_modes
-from armodal.daq.blocks import CapturedBlock
-from armodal.daq.judge import channels_of, judge_record
+from armodal.daq.judge_imported import judged
 from armodal.protocols.arm.updated import JointValues, arm_text_with
-from armodal.protocols.arrays import frozen_array
-from armodal.protocols.board.records import BlockInfo
 from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
 from armodal.protocols.foreign.import_session import import_session
@@ -29,7 +25,7 @@ from armodal.protocols.foreign.manifest import load_manifest
 from armodal.protocols.foreign.mat import write_mat
 from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
-from armodal.protocols.session.records import Hit, Session
+from armodal.protocols.session.records import Session
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
@@ -41,7 +37,6 @@ __all__ = ["app", "export_model", "export_session", "import_manifest"]
 app = typer.Typer(add_completion=False)
 
 _ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat"), (".json", ".toml")
-_FINER = 2**8  # imported counts to a step of 24 bits at half range
 
 
 def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:
@@ -49,7 +44,7 @@ def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session
     check_output(output, path)
     created = datetime.now(UTC).isoformat(timespec="seconds")
     session = import_session(load_manifest(path), created=created, software=software)
-    session = with_variances(_judged(session))
+    session = with_variances(judged(session))
     write_session(session, output, provenance=Provenance(journal_sha256=None, software=software))
     return session, {
         "session": str(output),
@@ -60,47 +55,6 @@ def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session
         ],
         "warnings": list(session.warnings),
     }
-
-
-def _judged(session: Session) -> Session:
-    """Return the session with every hit judged as one of our own would be.
-
-    Imported counts are finer than the board's 24 bits, and their range is not told: the judge gets
-    them at half of its range, so that no hit is an overload. Records may begin at any time before
-    their pulse: each is judged with its own pre-trigger.
-    """
-    header = session.header
-    channels = tuple(
-        replace(channel, scale=channel.scale * _FINER)
-        for channel in channels_of(header.dictionary, header.channel_mask)
-    )
-    hits: list[Hit] = []
-    warnings = list(session.warnings)
-    for hit in session.hits:
-        counts = frozen_array(np.rint(hit.counts / _FINER), np.int32)
-        info = BlockInfo(
-            block_id=hit.number,
-            first_sample=hit.first_sample,
-            length=len(counts),
-            trigger_sample=hit.trigger_sample,
-            trigger_ticks=0,
-        )
-        block = CapturedBlock(
-            info=info,
-            first_sample=hit.first_sample,
-            counts=counts,
-            missing=0,
-            last_data_s=hit.trigger_host_s,
-            announced_s=hit.trigger_host_s,
-        )
-        pretrigger = hit.trigger_sample - hit.first_sample
-        sampling = replace(header.plan.sampling, pretrigger=pretrigger)
-        verdict = judge_record(block, channels, sampling, header.plan.trigger)
-        notes = (*hit.verdict.notes, *verdict.notes)
-        hits.append(replace(hit, verdict=replace(verdict, notes=notes)))
-        if not verdict.accepted:
-            warnings.append(f"{hit.verdict.notes[0]}: rejected: {', '.join(verdict.reasons)}")
-    return replace(session, hits=tuple(hits), warnings=tuple(warnings))
 
 
 def _posture_summary(session: Session, name: str) -> dict[str, Any]:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import jinja2
-import plotly.graph_objects as go
 from markupsafe import escape
 
 from armodal.analyzer.gap.records import GapResult, Verdict
@@ -42,8 +39,8 @@ def gap_section(result: GapResult, *, with_plotly: bool) -> str:
         undefined=jinja2.StrictUndefined,
     )
     after = {gap.posture: gap for gap in result.gap_after}
-    figures = [f for f in (_gap_figure(result), _stiffness_figure(result)) if f is not None]
-    figures += _map_figures(result)
+    figures = [f for f in (gap_figure(result), stiffness_range_figure(result)) if f is not None]
+    figures += gap_map_figures(result)
     return environment.get_template("gap.html").render(
         r=result,
         verdict_words=_WORDS[result.verdict],
@@ -75,61 +72,3 @@ def gap_page(result: GapResult, summary: str) -> str:
         f'<style>{_STYLE}</style></head><body><p class="small">{escape(summary)}</p>'
         f"{gap_section(result, with_plotly=True)}</body></html>"
     )
-
-
-def _gap_figure(result: GapResult) -> Any:
-    if not result.gap_before:
-        return None
-    figure = go.Figure()
-    for name, gaps in (("before", result.gap_before), ("after", result.gap_after)):
-        figure.add_bar(
-            x=[str(escape(g.posture)) for g in gaps],
-            y=[100 * g.frf_error for g in gaps],
-            name=name,
-        )
-    figure.update_layout(height=320, title="FRF error by posture, %", margin={"t": 50})
-    return figure
-
-
-def _stiffness_figure(result: GapResult) -> Any:
-    rows = result.joint_stiffness_ranges
-    if not rows:
-        return None
-    k = [row.k_n_m_per_rad for row in rows]
-    figure = go.Figure()
-    figure.add_scatter(
-        x=k,
-        y=[str(escape(row.joint)) for row in rows],
-        mode="markers",
-        marker={"size": 11},
-        error_x={
-            "type": "data",
-            "symmetric": False,
-            "array": [row.high - x for row, x in zip(rows, k, strict=True)],
-            "arrayminus": [x - row.low for row, x in zip(rows, k, strict=True)],
-        },
-    )
-    figure.update_layout(
-        height=140 + 40 * len(rows), title="Joint stiffness, N m/rad", margin={"t": 50, "b": 40}
-    )
-    return figure
-
-
-def _map_figures(result: GapResult) -> list[Any]:
-    figures = []
-    for band in sorted({cell.band_hz for cell in result.where}):
-        cells = [cell for cell in result.where if cell.band_hz == band]
-        figure = go.Figure(
-            go.Heatmap(
-                x=[str(escape(f"{cell.point} {cell.axis}")) for cell in cells],
-                y=[str(escape(cell.posture)) for cell in cells],
-                z=[cell.ratio for cell in cells],
-                colorscale="Viridis",
-            )
-        )
-        figure.update_xaxes(type="category")
-        figure.update_yaxes(type="category")
-        title = f"Disagreement, {band[0]:.4g} to {band[1]:.4g} Hz (1: scatter explains it)"
-        figure.update_layout(height=340, title=title)
-        figures.append(figure)
-    return figures
