@@ -108,8 +108,6 @@ _HOME = {
 
 _HERE = Path(__file__).parent
 _unlinked = [path.name for path in _HERE.iterdir() if path.is_file() and not path.suffix]
-    path.name for path in Path(__file__).parent.iterdir() if path.is_file() and not path.suffix
-]
 if _unlinked:
     raise ImportError(
         f"armodal: wanted symbolic links to the folders beside it, found plain files: "
