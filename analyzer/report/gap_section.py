@@ -6,6 +6,11 @@ import jinja2
 from markupsafe import escape
 
 from armodal.analyzer.gap.records import GapResult, Verdict
+from armodal.analyzer.report.gap_figures import (
+    gap_figure,
+    gap_map_figures,
+    stiffness_range_figure,
+)
 
 __all__ = ["gap_page", "gap_section"]
 
