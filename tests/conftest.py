@@ -7,6 +7,9 @@ import pytest
 from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
 
+from armodal.analyzer.arm import Superset
+from armodal.protocols.arm.files import load_arm
+
 # A loaded machine stalls for seconds: how long one example takes says nothing.
 settings.register_profile("armodal", deadline=None)
 settings.load_profile("armodal")
@@ -42,3 +45,13 @@ def pytest_runtest_call(item):
         if held_up_s < STALL_S:
             raise
         raise HeldUpError(f"a processor was held up for {held_up_s:.3f} s") from error
+
+
+@pytest.fixture(scope="session")
+def arm():
+    return load_arm("rv4frl")
+
+
+@pytest.fixture(scope="session")
+def superset(arm):
+    return Superset(arm)

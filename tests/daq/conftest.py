@@ -11,7 +11,6 @@ import pytest
 from support.channels import channel
 from support.fake_devices import RATE_HZ, FakeBoard, FakeController, dictionary
 
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.plan_records import Plan
@@ -80,11 +79,6 @@ class Lab:
     board: FakeBoard
     controller: FakeController
     journal: Path
-
-
-@pytest.fixture(scope="session")
-def arm() -> Arm:
-    return load_arm("rv4frl")
 
 
 @pytest.fixture(scope="session")
