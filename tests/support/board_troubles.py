@@ -5,8 +5,8 @@ from __future__ import annotations
 import zlib
 from typing import Any
 
-import board_examples as examples
 from cobs import cobs
+from support import board_examples as examples
 from support.board_examples import header_of
 
 from armodal.protocols.board import (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import zlib
 
-import board_examples as examples
 from cobs import cobs
+from support import board_examples as examples
 
 from armodal.protocols.board import (
     FrameType,

@@ -14,7 +14,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import board_examples as examples
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from support import board_examples as examples
 from support.board_examples import header_of
 from support.board_troubles import invalid_frames, invalid_payloads, streams
 from support.board_worked_example import worked_example
