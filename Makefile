@@ -7,12 +7,14 @@ BENCH_STAMP := $(VENV)/.installed-bench
 # The board's device library, compiled for this machine: the simulated board runs on it.
 DEVICE_LIBRARY := protocols/c/build/libarmodal_board.so
 DEVICE_SOURCES := $(wildcard protocols/c/src/* protocols/c/include/*) protocols/c/build.py
+# A file at a time: what its tests share is made once.
+WORKERS = -n auto --dist loadfile
 # Matrices here are small: one BLAS thread is faster than many.
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test check bench torture sizes format clean setup
+.PHONY: demo test test-all check bench torture sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -35,7 +37,10 @@ demo: $(DEVICE_LIBRARY)
 	$(BIN)/armodal demo
 
 test: $(DEVICE_LIBRARY)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -m "not long" $(WORKERS)
+
+test-all: $(DEVICE_LIBRARY)
+	$(BIN)/python -m pytest $(WORKERS)
 
 check: $(STAMP)
 	$(BIN)/ruff format --check .
