@@ -23,10 +23,10 @@ from armodal.analyzer.gap.held_out import held_out
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import misfit_per_line
 from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.score import instance_of_truth, size_of_truth
 from armodal.analyzer.gap.stages import stages_of
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import CaseSpec, sealed
+from armodal.study.score import instance_of_truth, size_of_truth
 
 CASES = [
     f"{arm}:{kind}:clear:{seed}"

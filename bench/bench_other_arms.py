@@ -26,7 +26,7 @@ from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.urdf import read_urdf
 from armodal.tui.mozzi import load_tool
-from armodal.tui.plan import plan_text, write_plan
+from armodal.tui.plan import plan_text
 
 URDFS = {
     "ur5": "ur_description/urdf/ur5_robot.urdf",
@@ -62,7 +62,7 @@ def try_arm(name: str, urdf: Path, folder: Path) -> None:
     found, _ = load_tool(arm, middle, [0, 0, -50, 0, 0, 0], [0, 0, 0])
     print(f"{name}: tool gives {1e3 * np.linalg.norm(found.displacement_m):.2f} mm under 50 N")
     path = folder / "plan.toml"
-    write_plan(plan_text(plan, "other"), path)
+    path.write_text(plan_text(plan, "other"), encoding="utf-8")
     k = [OFF * j.stiffness.value if j.stiffness else None for j in arm.joints]
     c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
     began = time.perf_counter()

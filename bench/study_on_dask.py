@@ -12,11 +12,11 @@ import argparse
 import sys
 from pathlib import Path
 
-from rich.console import Console
-
 from armodal.hil_sim.study import draw_study
-from armodal.tui.gap_study import run_study, seal_hashes
-from armodal.tui.gap_study_summary import study_summary, study_tables
+from armodal.study.page import study_page
+from armodal.study.run import run_study, seal_hashes
+from armodal.study.summary import study_summary
+from armodal.study.tables import study_tables
 
 
 def main() -> int:
@@ -52,8 +52,7 @@ def main() -> int:
             print(f"case {number}: truth sealed as {digest}", file=sys.stderr)
         path = wanted.out / f"study-{wanted.seed}.jsonl"
         lines = run_study(specs, hashes, path, executor, tests=wanted.tests)
-    for table in study_tables(study_summary(lines)):
-        Console().print(table)
+    print(study_page(study_tables(study_summary(lines)), " ".join(sys.argv)))
     return 0
 
 

@@ -1,4 +1,4 @@
-"""The command line and the terminal app: the only place where the other packages meet."""
+"""The command line and the terminal app: where all other packages meet."""
 
 import os
 

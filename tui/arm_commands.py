@@ -13,8 +13,9 @@ from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import ArmError
-from armodal.tui.calibrate import calibrate, calibration_json, calibration_tables, write_arm
+from armodal.protocols.errors import ArmError, PlanError
+from armodal.protocols.text_file import write_new_text
+from armodal.tui.calibrate import calibrate, calibration_json, calibration_tables
 from armodal.tui.console import Json, err, out, print_json, progress, say
 from armodal.tui.mozzi import (
     Elbow,
@@ -24,7 +25,7 @@ from armodal.tui.mozzi import (
     posture_of_wrist,
     rank_random_postures,
 )
-from armodal.tui.plan import plan_json, plan_text, write_plan
+from armodal.tui.plan import plan_json, plan_text
 from armodal.tui.plan_tables import other_plan, plan_tables
 from armodal.tui.reproduce import figure_json, figure_tables, reproduce_papers
 from armodal.tui.workspace import survey_to_files, workspace_table
@@ -96,7 +97,7 @@ def plan_command(
         progress=progress("search"),
     )
     if out_path is not None:
-        write_plan(plan_text(found, name), out_path)
+        write_new_text(out_path, plan_text(found, name), error=PlanError)
     if as_json:
         print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
         return
@@ -214,7 +215,7 @@ def calibrate_command(
     """
     say("the likeliest inertias, from either side of the belief")
     found, text = calibrate(arm, targets, name or out_path.stem)
-    write_arm(text, out_path)
+    write_new_text(out_path, text, error=ArmError)
     if as_json:
         print_json(calibration_json(found) | {"arm": str(out_path)})
         return

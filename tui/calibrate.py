@@ -13,7 +13,6 @@ from armodal.analyzer.calibration.from_file import calibrate_from_file
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.arm.rewrite import text_with_inertials
-from armodal.protocols.errors import ArmError
 from armodal.protocols.inertia_targets import load_inertia_targets
 
 __all__ = ["calibrate", "calibration_json", "calibration_tables"]
@@ -36,23 +35,6 @@ def calibrate(arm_source: str, targets_path: Path, name: str) -> tuple[Calibrati
     source = f"{arm.source} Inertials: calibrated to {targets_path.name} ({file.source})."
     links = [joint.link for joint in found.arm.joints]
     return found, text_with_inertials(arm.text, links, name=name, source=source)
-
-
-def write_arm(text: str, path: Path) -> None:
-    """Write a new arm file; an existing one is never replaced.
-
-    Raises
-    ------
-    ArmError
-        If the file exists or cannot be written.
-    """
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise ArmError(f"{path} exists already; give another name with --out") from None
-    except OSError as problem:
-        raise ArmError(f"cannot write {path}: {problem.strerror}; check the folder") from problem
 
 
 def calibration_json(found: Calibration) -> dict[str, Any]:

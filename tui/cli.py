@@ -36,7 +36,7 @@ MODULES = {
     "predict": "armodal.tui.session_commands",
     "report": "armodal.tui.session_commands",
     "gap": "armodal.tui.gap_commands",
-    "gap-study": "armodal.tui.gap_commands",
+    "gap-study": "armodal.tui.gap_study",
     "check": "armodal.tui.check",
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,6 +25,7 @@ from armodal.protocols.foreign.mat import write_mat
 from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
+from armodal.protocols.text_file import replace_text
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
@@ -147,12 +147,7 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
         }
         source = f"identified by {software} from session {session.header.session_id[:8]}"
         text = arm_text_with(session.header.arm, values, source)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    replace_text(path, text)
 
 
 @app.command("import")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
@@ -19,10 +18,11 @@ from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.arm.rewrite import text_with_effects
-from armodal.protocols.errors import ArmError, SessionError
+from armodal.protocols.errors import ArmError
 from armodal.protocols.session.records import Session
+from armodal.protocols.text_file import replace_text
 
-__all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "replace_text", "with_arm"]
+__all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "with_arm"]
 
 
 def check_arm_out(session_path: Path | None, arm: str | None, arm_out: Path | None) -> None:
@@ -112,25 +112,6 @@ def with_arm(session: Session, arm: Arm) -> Session:
     """
     check_same_parts(session.header.arm, arm)
     return replace(session, header=replace(session.header, arm=arm))
-
-
-def replace_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all.
-
-    Raises
-    ------
-    SessionError
-        If that is refused.
-    """
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError as problem:
-        part.unlink(missing_ok=True)
-        raise SessionError(
-            f"cannot write {path}: {problem.strerror}; check folder and disk"
-        ) from problem
 
 
 def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:

@@ -1,10 +1,9 @@
-"""`armodal gap`: of a session, or with a laboratory on the line; and the study of it."""
+"""`armodal gap`: of a session, or with a laboratory on the line."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,21 +13,17 @@ import typer
 from armodal.analyzer.gap.add import is_of_one_posture
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
-from armodal.hil_sim.study import MAGNITUDES, CaseSpec, draw_study, make_case
-from armodal.hil_sim.study.catalogue import FIRST, LIBRARY, OUTSIDE
+from armodal.hil_sim.study import LIBRARY, MAGNITUDES, make_case
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.text_file import replace_text
+from armodal.study.closed_loop import run_loop
+from armodal.study.laboratory import SimulatedLaboratory
 from armodal.tui.console import Json, out, print_json, say
-from armodal.tui.gap import check_arm_out, gap_json, gap_tables, keep_gap, replace_text, with_arm
-from armodal.tui.gap_curves import curve_rows, run_curves
-from armodal.tui.gap_lab import SimulatedLaboratory, run_loop
-from armodal.tui.gap_study import run_study, seal_hashes
-from armodal.tui.gap_study_page import study_page
-from armodal.tui.gap_study_summary import study_summary, study_tables
+from armodal.tui.gap import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
 from armodal.tui.idle_options import refuse_idle
 from armodal.tui.output_file import check_output
-from armodal.tui.worker_processes import worker_processes
 
 __all__ = ["app"]
 
@@ -164,86 +159,3 @@ def _magnitude(text: str) -> str | float:
             f"is times clear, got {text!r}; give one of these"
         )
     return text if text in MAGNITUDES else part
-
-
-@app.command("gap-study")
-def gap_study_command(
-    directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
-    seed: Annotated[int, typer.Option(min=0, help="Of the cases.")] = 1,
-    nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
-    effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
-    pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
-    outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
-    tests: Annotated[
-        int,
-        typer.Option(min=0, help="Further tests a case, or each fifth null, may ask for."),
-    ] = 0,
-    whole: Annotated[
-        bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
-    ] = False,
-    curves: Annotated[int, typer.Option(min=0, help="Clear cases measured again with less.")] = 0,
-    page: Annotated[
-        Path | None, typer.Option("--page", help="Markdown page of the tables to write.")
-    ] = None,
-    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
-    as_json: Json = False,
-) -> None:
-    """Judge sealed cases and print how often the workflow was right.
-
-    A study that was stopped goes on where it was.
-
-    Example: armodal gap-study --out study --seed 1
-    """
-    specs = draw_study(
-        seed,
-        nulls=nulls,
-        effects=effects,
-        pairs=pairs,
-        outside=outside,
-        library=tuple(LIBRARY) if whole else FIRST,
-        ladder=whole,
-    )
-    directory.mkdir(parents=True, exist_ok=True)
-    path = directory / f"study-{seed}.jsonl"
-
-    def tell(line: dict[str, Any]) -> None:
-        say(f"case {line['number']}: {line.get('outcome', line.get('error'))}")
-
-    with worker_processes(workers) as executor:
-        hashes = seal_hashes(specs, executor)
-        for number, digest in hashes.items():
-            say(f"case {number}: truth sealed as {digest}")
-        lines = run_study(specs, hashes, path, executor, tell, tests=tests)
-        clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
-        again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
-        learned = (
-            run_curves(again, hashes, directory / f"curves-{seed}.jsonl", executor, say)
-            if again
-            else []
-        )
-    summary = study_summary(lines)
-    rows = curve_rows(learned) if learned else []
-    if page is not None:
-        replace_text(page, study_page(summary, rows, _command(specs, seed, tests, curves, whole)))
-    if as_json:
-        print_json(summary | {"curves": rows, "file": str(path)})
-        return
-    for table in study_tables(summary):
-        out.print(table)
-    out.print(f"cases {path}")
-
-
-def _command(specs: Sequence[CaseSpec], seed: int, tests: int, curves: int, whole: bool) -> str:
-    """The command that makes a study's page again."""
-    outside = [s for s in specs if any(kind in OUTSIDE for kind in s.kinds)]
-    counts = {
-        "nulls": sum(not s.kinds for s in specs),
-        "effects": sum(len(s.kinds) == 1 for s in specs) - len(outside),
-        "pairs": sum(len(s.kinds) == 2 for s in specs),
-        "outside": len(outside),
-        "tests": tests,
-        "curves": curves,
-    }
-    words = [f"--{name} {n}" for name, n in counts.items() if n or name not in ("tests", "curves")]
-    words += ["--whole"] if whole else []
-    return f"armodal gap-study --out study --seed {seed} {' '.join(words)} --page PAGE"

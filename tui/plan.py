@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
-from armodal.protocols.errors import PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.tui.plan_tables import Beside
 
-__all__ = ["plan_json", "plan_text", "write_plan"]
+__all__ = ["plan_json", "plan_text"]
 
 TOLERANCE_DEG = 0.5
 
@@ -132,20 +130,3 @@ tolerance_deg = {TOLERANCE_DEG}
 points = [{listed}]
 hit_direction = [{direction}]
 """
-
-
-def write_plan(text: str, path: Path) -> None:
-    """Write a plan file; an existing one is never replaced.
-
-    Raises
-    ------
-    PlanError
-        If the file exists or cannot be written.
-    """
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise PlanError(f"{path} exists already; give another name with --out") from None
-    except OSError as problem:
-        raise PlanError(f"cannot write {path}: {problem.strerror}; check the folder") from problem

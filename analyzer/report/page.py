@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from armodal.analyzer.modal import hit_choices, missing_mode_hints
 from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
 from armodal.analyzer.report.gap_section import gap_section
 from armodal.protocols.session.records import Session
+from armodal.protocols.text_file import replace_text
 
 __all__ = ["ReportSection", "write_report"]
 
@@ -45,7 +45,7 @@ def write_report(
 
     Raises
     ------
-    OSError
+    SessionError
         If the file cannot be written.
     """
     environment = jinja2.Environment(
@@ -57,14 +57,7 @@ def write_report(
         **_content(session, identification, sections),
         gap="" if gap is None else gap_section(gap, with_plotly=False),
     )
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("x", encoding="utf-8") as file:
-            file.write(html)
-        part.replace(path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+    replace_text(path, html)
 
 
 def _content(

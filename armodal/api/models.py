@@ -108,7 +108,7 @@ def report(
 
     Raises
     ------
-    OSError
+    SessionError
         If the file cannot be written.
     """
     write_report(session, identified, Path(path), gap=gap)

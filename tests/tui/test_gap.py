@@ -1,9 +1,8 @@
-"""`armodal gap` and `gap-study` as a user calls them, also on FRFs that others averaged."""
+"""`armodal gap` as a user calls it, also on FRFs that others averaged."""
 
 from __future__ import annotations
 
 import json
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
@@ -12,15 +11,12 @@ from typer.testing import CliRunner
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.analyzer.report import read_gap
-from armodal.hil_sim.study import draw_study, make_case
+from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, ArmodalError, EstimateError
 from armodal.protocols.session.hdf5 import write_session
 from armodal.tui.cli import app
 from armodal.tui.gap import with_arm
-from armodal.tui.gap_study import run_study, seal_hashes
-from armodal.tui.gap_study_summary import study_summary, study_tables
-from armodal.tui.json_text import json_text
 
 
 @pytest.fixture(scope="module")
@@ -112,24 +108,3 @@ def test_too_few_postures_or_points_say_what_to_measure(averaged, tmp_path):
     assert "at least 2 postures" in str(problem)
     assert "measure" in str(problem)
     assert not one.with_suffix(".gap.json").exists()
-
-
-def test_a_small_study_is_sealed_judged_marked_and_goes_on_where_it_stopped(tmp_path):
-    specs = draw_study(
-        77, nulls=1, effects=1, pairs=0, outside=0, arms=("ur5",), library=("channel_gain",)
-    )
-    told: list[dict] = []
-    with ThreadPoolExecutor(1) as executor:
-        hashes = seal_hashes(specs, executor)
-        lines = run_study(specs, hashes, tmp_path / "study.jsonl", executor, told.append)
-        assert [x["outcome"] for x in lines] == ["right", "right"]
-        assert len(told) == 2
-        again = run_study(specs, hashes, tmp_path / "study.jsonl", executor, told.append)
-    assert len(told) == 2  # nothing was judged twice
-    assert again == lines
-    summary = study_summary(lines)
-    assert summary["groups"]["nulls"]["right"]["k"] == 1
-    assert summary["confusion"] == {"channel_gain": {"channel_gain": 1}}
-    assert summary["detection"][0]["size"] == 0.0
-    assert all(table.row_count for table in study_tables(summary))
-    assert json.loads(json_text(summary))["k_covered"]["n"] == summary["k_covered"]["n"] > 0

@@ -12,7 +12,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.records import Session
-from armodal.tui.plan import write_plan
+from armodal.protocols.text_file import write_new_text
 
 __all__ = ["NextRun", "keep_plan", "next_run", "next_test_of", "next_test_plan"]
 
@@ -50,7 +50,7 @@ def keep_plan(text: str, path: Path) -> None:
     except (OSError, UnicodeDecodeError):
         there = ""
     if there is None:
-        write_plan(text, path)
+        write_new_text(path, text, error=PlanError)
     elif there != text:
         raise PlanError(f"{path} is there already and stays as it is; move it away first")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.records import Session
+from armodal.protocols.text_file import replace_text
 
 __all__ = ["picked_path", "read_picked", "write_picked"]
 
@@ -40,14 +41,7 @@ def write_picked(path: Path, session: Session, picks: Mapping[str, tuple[complex
             for name, poles in picks.items()
         },
     }
-    unfinished = path.with_name(path.name + ".part")
-    try:
-        unfinished.write_text(json.dumps(value, indent=2) + "\n", encoding="utf-8")
-        unfinished.replace(path)
-    except OSError as error:
-        raise SessionError(
-            f"cannot write {path}: {error.strerror}; check the folder and the disk"
-        ) from error
+    replace_text(path, json.dumps(value, indent=2) + "\n")
 
 
 def read_picked(path: Path, session: Session) -> dict[str, tuple[complex, ...]]:

@@ -1,4 +1,4 @@
-"""Spaces, scores and arm-file entries of the gap workflow."""
+"""Spaces, verdicts and arm-file entries of the gap workflow."""
 
 from dataclasses import replace
 from functools import partial
@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from support.gap_results import made_result
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.arm.superset import Superset
@@ -29,7 +28,6 @@ from armodal.analyzer.gap.intervals import intervals
 from armodal.analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.rivals import Rivals
-from armodal.analyzer.gap.score import mark, rate, size_of_truth
 from armodal.analyzer.gap.space import Parameter, Space
 from armodal.analyzer.gap.workflow import _judged
 from armodal.protocols.arm.files import load_arm
@@ -45,58 +43,6 @@ def test_vectors_count_deviations_and_keep_to_bounds():
     np.testing.assert_allclose(space.start(), [0.0, 2.0])
     np.testing.assert_allclose(space.start({"b": -3.0}), [0.0, 0.0])
     assert space.values(np.array([2.0, 0.5])) == {"a": 2.0, "b": 1.0}
-
-
-def test_clopper_pearson_intervals_are_the_published_ones():
-    """0 of n: 1 - 0.025^(1/n); 5 of 10: 0.187 to 0.813 (any table of binomial limits)."""
-    assert rate(0, 49).high == pytest.approx(1 - 0.025 ** (1 / 49))
-    assert rate(0, 49).low == 0.0
-    assert rate(5, 10).low == pytest.approx(0.187, abs=5e-4)
-    assert rate(5, 10).high == pytest.approx(0.813, abs=5e-4)
-
-
-def truth(*names, verdict="named"):
-    effects = [{"name": name, "place": "knuckle", "parameters": {}} for name in names]
-    return {"verdict": verdict, "effects": effects}
-
-
-def test_a_true_name_is_right_and_another_wrong():
-    named = made_result("named", ["link_axis"])
-    assert mark(truth("link_axis"), named).outcome == "right"
-    assert mark(truth("payload"), named).outcome == "wrong name"
-    assert mark(truth(verdict="nothing_detectable"), named).outcome == "wrong name"
-
-
-def test_one_of_two_is_not_yet_right_and_no_wrong_name():
-    found = mark(truth("link_axis", "payload"), made_result("named", ["link_axis"]))
-    assert (found.outcome, found.n_true_named) == ("missed", 1)
-
-
-def test_a_true_name_said_twice_is_once_too_often():
-    twice = made_result("named", ["link_axis", "link_axis"])
-    assert mark(truth("link_axis"), twice).outcome == "wrong name"
-    assert mark(truth("link_axis", "link_axis"), twice).outcome == "right"
-
-
-def test_silence_is_right_on_nulls_and_missed_elsewhere():
-    nothing = made_result("nothing_detectable", [])
-    assert mark(truth(verdict="nothing_detectable"), nothing).outcome == "right"
-    assert mark(truth("rotor"), nothing).outcome == "missed"
-
-
-def test_an_ambiguous_set_counts_by_whether_it_holds_the_truth():
-    either = made_result("ambiguous", [], standing=["servo", "rotor"])
-    assert mark(truth("rotor"), either).outcome == "ambiguous with the truth"
-    assert mark(truth("payload"), either).outcome == "unsure"
-
-
-def test_a_coupling_is_counted_in_the_believed_mean():
-    effect = {
-        "name": "coupling",
-        "place": ["a", "b"],
-        "parameters": {"cross_stiffness_n_m_per_rad": -60.0},
-    }
-    assert size_of_truth(effect, {"a": 100.0, "b": 400.0}) == pytest.approx(-0.3)
 
 
 def test_effects_have_words_for_people():

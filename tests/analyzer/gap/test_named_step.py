@@ -13,9 +13,9 @@ from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import Judged, Thresholds
 from armodal.analyzer.gap.named_step import Step, with_step
-from armodal.analyzer.gap.score import mark
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import draw_study, sealed
+from armodal.study.score import mark
 
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()))
 

@@ -23,7 +23,7 @@ from armodal.analyzer.gap.workflow import find_gap
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import draw_study, make_case, sealed
 from armodal.protocols.plan import load_plan, plan_from_text
-from armodal.tui.gap_lab import SimulatedLaboratory
+from armodal.study.laboratory import SimulatedLaboratory
 
 
 @pytest.fixture(scope="module")

@@ -9,14 +9,14 @@ import pytest
 
 from armodal.analyzer.gap.enough import notes_on
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.score import mark, size_found, size_of_truth
 from armodal.analyzer.gap.workflow import _test_postures, find_gap
 from armodal.hil_sim.study import draw_study, make_case, sealed
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.plan_rewrite import text_with_posture
-from armodal.tui.gap_lab import SimulatedLaboratory
+from armodal.study.laboratory import SimulatedLaboratory
+from armodal.study.score import mark, size_found, size_of_truth
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.files import load_arm
-from armodal.tui.plan import plan_text, write_plan
+from armodal.tui.plan import plan_text
 
 OFF = np.array([1.35, 0.75, 1.25, 0.7, 1.3])  # truth over belief
 
@@ -28,7 +28,7 @@ def test_five_joints_of_the_viper_are_identified_from_planned_tests(believed, tm
     elastic = elastic_joints(believed)
     plan = plan_tests(believed, elastic, np.random.default_rng(1), n_tests=3)
     path = tmp_path / "plan.toml"
-    write_plan(plan_text(plan, "viper-selective"), path)
+    path.write_text(plan_text(plan, "viper-selective"), encoding="utf-8")
     k = [*(OFF * elastic.stiffness_n_m_per_rad), None]
     c = [*(1.2 * elastic.damping_n_m_s_per_rad), None]
     session = simulate_session(3, plan=path, arm=believed, plant=plant_of_arm(believed, k, c))

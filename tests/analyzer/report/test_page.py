@@ -12,6 +12,7 @@ from support.offline_lab import simulate_session
 
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.report import write_report
+from armodal.protocols.errors import SessionError
 from armodal.protocols.session.records import Loss
 
 
@@ -112,7 +113,7 @@ def test_a_failed_write_leaves_the_older_report(session, result, tmp_path, monke
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "replace", full)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(SessionError, match="No space left"):
         write_report(session, result, path)
     assert path.read_text() == "older"
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -15,18 +14,17 @@ from armodal.analyzer.gap.levels import any_level, weighed_anew
 from armodal.analyzer.gap.next_test import evidence_brought
 from armodal.analyzer.gap.possible_tests import possible_tests
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.gap.score import instance_of_truth, mark
 from armodal.analyzer.gap.stages import with_test
 from armodal.analyzer.gap.weigh import Discrepancy
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.hil_sim.study import SealedCase
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.records import Session
-from armodal.tui.gap_lab import SimulatedLaboratory
+from armodal.study.kept_lines import Line
+from armodal.study.laboratory import SimulatedLaboratory
+from armodal.study.score import instance_of_truth, mark
 
 __all__ = ["further", "nearer_first"]
-
-Line = dict[str, Any]
 
 _RANDOM = 3  # random tests beside each that was asked for
 _SEED = 31

@@ -7,14 +7,15 @@ from types import SimpleNamespace
 
 import pytest
 
-import armodal.tui.gap_curves
+import armodal.study.curves
 from armodal.analyzer.gap.advice import NARROWS
 from armodal.hil_sim.study import CaseSpec, make_case, sealed
-from armodal.tui.gap_curves import VARIED, curve_rows, levels_of, reduced, run_curves
-from armodal.tui.gap_further import nearer_first
-from armodal.tui.gap_study import run_case, run_study
-from armodal.tui.gap_study_page import study_page
-from armodal.tui.gap_study_summary import study_summary
+from armodal.study.curves import VARIED, curve_rows, levels_of, reduced, run_curves
+from armodal.study.further_tests import nearer_first
+from armodal.study.page import study_page
+from armodal.study.run import run_case, run_study
+from armodal.study.summary import study_summary
+from armodal.study.tables import study_tables
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +59,7 @@ def test_fewer_hits_of_a_ladder_are_its_middle_then_its_ends():
 def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear", ladder=False)
     # Too few points are refused before anything is fitted: quick, and a line of the curve.
-    monkeypatch.setattr(armodal.tui.gap_curves, "VARIED", {"points": (3,)})
+    monkeypatch.setattr(armodal.study.curves, "VARIED", {"points": (3,)})
     told: list[str] = []
     with ThreadPoolExecutor(1) as executor:
         hashes = {3: sealed(spec).truth_sha256}
@@ -74,7 +75,7 @@ def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
 def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypatch):
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
     other = replace(spec, kinds=("payload",))  # as `--whole` draws it: the same number and seed
-    monkeypatch.setattr(armodal.tui.gap_curves, "VARIED", {"points": (3,)})
+    monkeypatch.setattr(armodal.study.curves, "VARIED", {"points": (3,)})
     path = tmp_path / "curves.jsonl"
     told: list[str] = []
     with ThreadPoolExecutor(1) as executor:
@@ -99,7 +100,7 @@ def test_a_size_that_rests_at_zero_has_no_relative_scatter(tmp_path, monkeypatch
         joint = SimpleNamespace(low=1.0, high=2.0)
         result = SimpleNamespace(joint_stiffness_ranges=(joint,), effects=effects)
         monkeypatch.setattr(
-            armodal.tui.gap_curves, "find_gap", lambda *_, **__: SimpleNamespace(result=result)
+            armodal.study.curves, "find_gap", lambda *_, **__: SimpleNamespace(result=result)
         )
         with ThreadPoolExecutor(1) as executor:
             path = tmp_path / f"{len(effects)}.jsonl"
@@ -107,8 +108,8 @@ def test_a_size_that_rests_at_zero_has_no_relative_scatter(tmp_path, monkeypatch
 
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
     hashes = {3: sealed(spec).truth_sha256}
-    monkeypatch.setattr(armodal.tui.gap_curves, "VARIED", {"hits": (1,)})
-    monkeypatch.setattr(armodal.tui.gap_curves, "mark", lambda *_: SimpleNamespace(outcome="right"))
+    monkeypatch.setattr(armodal.study.curves, "VARIED", {"hits": (1,)})
+    monkeypatch.setattr(armodal.study.curves, "mark", lambda *_: SimpleNamespace(outcome="right"))
     assert found(effect(0.0, 0.1), effect(-2.0, 0.5)) == 0.25
     assert found(effect(0.0, 0.1)) is None
 
@@ -198,7 +199,7 @@ def test_the_page_has_every_table(line):
         {"varied": "hits", "n": 1, "cases": 2, "right": 1, "wrong": 0}
         | {"size_std": 0.02, "k_range": None, "gain": 120.0}
     ]
-    page = study_page(summary, rows, "armodal gap-study --out study --seed 1")
+    page = study_page(study_tables(summary, rows), "armodal gap-study --out study --seed 1")
     assert "    armodal gap-study --out study --seed 1" in page
     assert "| faint | 1 | 0 |" in page
     assert "| payload | nothing_detectable 1 |" in page

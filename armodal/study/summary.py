@@ -7,15 +7,13 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from armodal.analyzer.gap.advice import NARROWS
-from armodal.analyzer.gap.score import OUTCOMES, rate
 from armodal.hil_sim.study.catalogue import MAGNITUDES
+from armodal.study.kept_lines import Line
+from armodal.study.score import OUTCOMES, rate
 
-__all__ = ["study_summary", "study_tables"]
-
-Line = dict[str, Any]
+__all__ = ["study_summary"]
 
 _CLEAR = 3.0  # held-out error of the model without the effect over the true model's
 _MAIN_JOINTS = 3
@@ -48,6 +46,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
     k_errors, k_covered, range_covers = _stiffness_errors([*nulls, *single])
     right = [x for x in (*nulls, *single) if x["outcome"] == "right"]
     held = [x["over_true_model"] for x in judged if x["over_true_model"] is not None]
+    paced = [x["cpu_s"] / x["pace"] for x in judged]  # as a core of the reference's pace
     return {
         "groups": table,
         "confusion": _confusion(single),
@@ -64,21 +63,11 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "ambiguous_holds_truth": _ambiguous_sets(judged),
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
         "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
-        **_at_reference([x for x in judged if "pace" in x]),
+        "pace_median": _median([x["pace"] for x in judged]),
+        "reference_s_median": _median(paced),
+        "reference_s_most": max(paced, default=float("nan")),
         "failed": [x["number"] for x in lines if "error" in x or "refused_test" in x],
         "tests": _tests(judged, groups),
-    }
-
-
-def _at_reference(lines: Sequence[Line]) -> dict[str, float]:
-    """Times as a core of the reference's pace would have taken; none of a study before paces."""
-    times = [x["cpu_s"] / x["pace"] for x in lines]
-    if not times:
-        return {}
-    return {
-        "pace_median": _median([x["pace"] for x in lines]),
-        "reference_s_median": _median(times),
-        "reference_s_most": max(times),
     }
 
 
@@ -190,65 +179,3 @@ def _confusion(lines: Sequence[Line]) -> dict[str, dict[str, int]]:
         row = table.setdefault(x["true"][0], {})
         row[said] = row.get(said, 0) + 1
     return table
-
-
-def study_tables(summary: dict[str, Any]) -> list[Table]:
-    """The summary for people."""
-    table = Table("cases", "n", "right", "95 %", *OUTCOMES[1:], title="Verdicts")
-    for name, row in summary["groups"].items():
-        right = row["right"]
-        table.add_row(
-            name,
-            str(row["n"]),
-            str(row["right"]["k"]) if right else "-",
-            f"{100 * right['low']:.0f}-{100 * right['high']:.0f} %" if right else "-",
-            *(str(row[outcome]) for outcome in OUTCOMES[1:]),
-        )
-    confusion = Table("truth", "said", title="Confusion of single effects")
-    for name, said in sorted(summary["confusion"].items()):
-        confusion.add_row(name, ", ".join(f"{what} {n}" for what, n in said.items()))
-    figures = Table("figure", "value", title="Figures")
-    figures.add_row("size of a named effect, median error", _percent(summary["size_error_median"]))
-    figures.add_row("its 95 % interval covers", _covered(summary["size_covered"]))
-    figures.add_row("stiffness of joints 1 to 3, median error", _percent(summary["k_error_median"]))
-    figures.add_row("95 % interval of any joint's covers", _covered(summary["k_covered"]))
-    figures.add_row("where the verdict is right", _covered(summary["k_covered_where_right"]))
-    figures.add_row("its range covers", _covered(summary["k_range_covers"]))
-    ratio, worst = (summary[f"held_out_over_true_model_{x}"] for x in ("median", "worst"))
-    beside = "-" if np.isnan(ratio) else f"{ratio:.2f}, worst {worst:.2f}"
-    figures.add_row("held-out FRF error over the true model's", beside)
-    gap = " to ".join(_percent(summary["gap"][when]) for when in ("before", "after"))
-    figures.add_row("held-out FRF error of effects named right, median", gap)
-    figures.add_row("ambiguous sets hold the truth", _covered(summary["ambiguous_holds_truth"]))
-    figures.add_row(
-        "time a case on one core", _times(summary["cpu_s_median"], summary["cpu_s_most"])
-    )
-    if "pace_median" in summary:
-        median, most, slower = (
-            summary[k] for k in ("reference_s_median", "reference_s_most", "pace_median")
-        )
-        what = f"of a core at its reference pace, {slower:.1f} times this one's"
-        figures.add_row(what, _times(median, most))
-    curve = Table("size, clear is 1", "n", "something said", "said right", title="Detection")
-    for row in summary["detection"]:
-        curve.add_row(
-            f"{row['size']:.2f}", str(row["n"]), str(row["said"]["k"]), str(row["right"]["k"])
-        )
-    tests = summary["tests"]
-    if tests["n"]:
-        figures.add_row("cases that asked for a further test", _covered(tests["asked"]))
-        figures.add_row("right in the end, of clear ones", _covered(tests["clear"]))
-        figures.add_row("right in the end, of medium ones", _covered(tests["medium"]))
-    return [table, confusion, curve, figures]
-
-
-def _percent(value: float) -> str:
-    return "-" if np.isnan(value) else f"{100 * value:.2f} %"
-
-
-def _times(median_s: float, most_s: float) -> str:
-    return "-" if np.isnan(median_s) else f"{median_s:.1f} s, at most {most_s:.1f} s"
-
-
-def _covered(found: dict[str, float]) -> str:
-    return f"{found['k']} of {found['n']}" if found else "-"

@@ -1,7 +1,6 @@
 """The closed loop: measure, judge, ask for the next test, measure that, until a verdict stands.
 
-The laboratory here is a sealed case of the simulated one; any other needs only `measure`. Every
-session lies in the folder, so that a loop that was stopped goes on where it was.
+Every session lies in the folder, so that a loop that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -13,16 +12,15 @@ from typing import Any, Protocol
 
 from armodal.analyzer.gap.records import NextTest
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
-from armodal.hil_sim.study import KnownMass, SealedCase
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.plan_records import Plan
 from armodal.protocols.session.hdf5 import read_session, write_session
 from armodal.protocols.session.records import Session
-from armodal.tui.gap import replace_text
+from armodal.protocols.text_file import replace_text
 
-__all__ = ["ClosedLoop", "Laboratory", "SimulatedLaboratory", "run_loop"]
+__all__ = ["ClosedLoop", "Laboratory", "run_loop"]
 
 
 class Laboratory(Protocol):
@@ -38,43 +36,6 @@ class Laboratory(Protocol):
 
     def measure(self, plan: Plan | None, number: int) -> Session:
         """Measure by a plan, or by the laboratory's own for the first test."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimulatedLaboratory:
-    """A sealed case: its plant is measured as often as is asked."""
-
-    case: SealedCase
-
-    @property
-    def arm(self) -> Arm:
-        """The arm as its user believes it."""
-        return self.case.arm
-
-    @property
-    def identity(self) -> str:
-        """The hash of the sealed truth."""
-        return f"sealed case {self.case.truth_sha256}"
-
-    def measure(self, plan: Plan | None, number: int) -> Session:
-        """Measure by a plan of one posture, or of several alike; brakes and masses as it tells."""
-        if plan is None:
-            return self.case.session()
-        posture = plan.postures[0]  # of one alone, or all are hit alike
-        body = posture.known_mass
-        mass = None
-        if body is not None:
-            center = tuple(float(x) for x in body.center_m)
-            mass = KnownMass(
-                link=body.link, mass_kg=body.mass_kg, center_m=(center[0], center[1], center[2])
-            )
-        return self.case.session(
-            plan,
-            levels_n=posture.peaks_n or None,
-            brakes=posture.brakes,
-            known_mass=mass,
-            run=number - 1,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from armodal.analyzer.gap.score import mark
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import CaseSpec, sealed
 from armodal.hil_sim.study.arms import study_arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.plan_records import Plan
-from armodal.tui.kept_lines import Line, kept_lines, run_and_keep
+from armodal.study.kept_lines import Line, kept_lines, run_and_keep
+from armodal.study.score import mark
 
 __all__ = ["VARIED", "curve_rows", "levels_of", "reduced", "run_curves"]
 
@@ -82,7 +82,7 @@ def run_curves(
     """
     done: dict[tuple[int, str, int], Line] = {
         (line["number"], line["varied"], line["n"]): line
-        for line in kept_lines(path, "number", "varied", "n")
+        for line in kept_lines(path, "number", "varied", "n", tell=tell)
         if "truth_sha256" in line and line["truth_sha256"] == hashes.get(line["number"])
     }
     wanted = [(spec, varied, n) for spec in specs for varied, ns in VARIED.items() for n in ns]

@@ -10,17 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from armodal.protocols.errors import SessionError
-from armodal.tui.console import say
 
 __all__ = ["Line", "kept_lines", "run_and_keep"]
 
 Line = dict[str, Any]
 
 
-def kept_lines(path: Path, *keys: str) -> list[Line]:
+def kept_lines(path: Path, *keys: str, tell: Callable[[str], None] = lambda _: None) -> list[Line]:
     """Return the lines of a study's file, and leave the file so that it can be gone on with.
 
-    A last line that was torn is taken out of the file, and said.
+    A last line that was torn is taken out of the file, and told.
 
     Parameters
     ----------
@@ -48,7 +47,7 @@ def kept_lines(path: Path, *keys: str) -> list[Line]:
                 "else; take the line out, or move the file away"
             )
         else:
-            say(f"{path}: line {number} is torn: it is dropped, and judged again")
+            tell(f"{path}: line {number} is torn: it is dropped, and judged again")
     kept = content[:whole]
     with path.open("r+b") as file:
         file.truncate(len(kept))

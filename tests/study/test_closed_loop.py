@@ -1,0 +1,115 @@
+"""The closed loop: what could hide is asked for, measured, and the ranges shrink."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+import armodal.study.closed_loop
+from armodal.analyzer.gap.records import NextTest, Verdict
+from armodal.hil_sim.study import make_case
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.hdf5 import read_session
+from armodal.study.closed_loop import run_loop
+from armodal.study.laboratory import SimulatedLaboratory
+
+
+@pytest.fixture(scope="module")
+def case():
+    return make_case(seed=8, arm="ur5")
+
+
+@pytest.fixture(scope="module")
+def loop(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("loop")
+    return folder, run_loop(SimulatedLaboratory(case=case), folder, budget=1, gates=False)
+
+
+def test_the_test_it_asked_for_is_run_and_told_with_its_reason(loop):
+    folder, found = loop
+    (test,) = found.tests
+    assert test["number"] == 2
+    assert "widens k of" in test["why"]
+    assert test["gain"] > 0
+    plan = read_session(folder / "test-2.h5").header.plan
+    assert len(plan.postures) == 1
+    names = [row.posture for row in found.outcome.result.gap_after]
+    assert any(name.startswith("next test (test 2)") for name in names)
+
+
+def test_no_stiffness_range_grows_by_far_and_all_hold_the_truth(loop, case):
+    _, found = loop
+    truth = json.loads(case.open_truth())["joints"]
+    for row in found.outcome.result.joint_stiffness_ranges:
+        assert row.low < truth[row.joint]["stiffness_n_m_per_rad"] < row.high
+    assert found.outcome.result.verdict is Verdict.NOTHING_DETECTABLE
+
+
+def canned(advice):
+    return SimpleNamespace(
+        result=SimpleNamespace(verdict=Verdict.AMBIGUOUS, next_test=advice), name="outcome"
+    )
+
+
+class Counting:
+    """A laboratory that counts what it is asked."""
+
+    def __init__(self, folder):
+        self.session = read_session(folder / "test-1.h5")
+        self.further = read_session(folder / "test-2.h5")
+        self.arm = self.session.header.arm
+        self.identity = "the only one"
+        self.numbers = []
+
+    def measure(self, plan, number):
+        self.numbers.append(number)
+        if plan is None:
+            return self.session
+        return replace(self.further, header=replace(self.further.header, plan=plan))
+
+
+def test_a_loop_that_was_stopped_measures_nothing_twice(loop, tmp_path, monkeypatch):
+    folder, _ = loop
+    text = read_session(folder / "test-2.h5").header.plan.text
+    advice = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text)
+    monkeypatch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: canned(advice))
+    lab = Counting(folder)
+    run_loop(lab, tmp_path / "new", budget=0)
+    assert lab.numbers == [1]
+    again = run_loop(lab, tmp_path / "new", budget=1)
+    assert lab.numbers == [1, 2]
+    assert [test["number"] for test in again.tests] == [2]
+    run_loop(lab, tmp_path / "new", budget=1)
+    assert lab.numbers == [1, 2]
+
+
+def test_a_folder_of_another_test_is_refused(loop, tmp_path, monkeypatch):
+    folder, _ = loop
+    text = read_session(folder / "test-2.h5").header.plan.text
+    lab = Counting(folder)
+    first = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text)
+    monkeypatch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: canned(first))
+    run_loop(lab, tmp_path, budget=1)
+    other = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text + "\n# changed\n")
+    monkeypatch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: canned(other))
+    with pytest.raises(SessionError, match="measured by another plan"):
+        run_loop(lab, tmp_path, budget=1)
+
+
+def test_a_folder_of_another_laboratory_is_refused_before_anything_is_measured(
+    loop, tmp_path, monkeypatch
+):
+    folder, _ = loop
+    monkeypatch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: canned(None))
+    one, other = Counting(folder), Counting(folder)
+    run_loop(one, tmp_path, budget=0)
+    other.identity = "another"
+    with pytest.raises(SessionError, match="wanted another, got the only one"):
+        run_loop(other, tmp_path, budget=0)
+    (tmp_path / "laboratory").unlink()
+    with pytest.raises(SessionError, match="got one that is not told"):
+        run_loop(one, tmp_path, budget=0)
+    assert (one.numbers, other.numbers) == ([1], [])

@@ -1,0 +1,29 @@
+"""A study from drawing its cases to its tables."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+from armodal.hil_sim.study import draw_study
+from armodal.study.run import run_study, seal_hashes
+from armodal.study.summary import study_summary
+from armodal.study.tables import study_tables
+
+
+def test_a_small_study_is_sealed_judged_marked_and_goes_on_where_it_stopped(tmp_path):
+    specs = draw_study(
+        77, nulls=1, effects=1, pairs=0, outside=0, arms=("ur5",), library=("channel_gain",)
+    )
+    told = []
+    with ThreadPoolExecutor(1) as executor:
+        hashes = seal_hashes(specs, executor)
+        lines = run_study(specs, hashes, tmp_path / "study.jsonl", executor, told.append)
+        assert [x["outcome"] for x in lines] == ["right", "right"]
+        assert len(told) == 2
+        again = run_study(specs, hashes, tmp_path / "study.jsonl", executor, told.append)
+    assert len(told) == 2  # nothing was judged twice
+    assert again == lines
+    summary = study_summary(lines)
+    assert summary["groups"]["nulls"]["right"]["k"] == 1
+    assert summary["confusion"] == {"channel_gain": {"channel_gain": 1}}
+    assert summary["detection"][0]["size"] == 0.0
+    assert all(table.rows for table in study_tables(summary))
+    assert summary["k_covered"]["n"] > 0
