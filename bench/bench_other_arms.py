@@ -19,6 +19,7 @@ from support.offline_lab import simulate_session
 
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.plan_text import plan_text
 from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.analyzer.workspace.study import study_workspace
@@ -26,7 +27,6 @@ from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.urdf import read_urdf
 from armodal.tui.mozzi import load_tool
-from armodal.tui.plan import plan_text
 
 URDFS = {
     "ur5": "ur_description/urdf/ur5_robot.urdf",

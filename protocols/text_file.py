@@ -25,7 +25,7 @@ def replace_text(path: Path, text: str) -> None:
         part.replace(path)
     except OSError as problem:
         raise SessionError(
-            f"cannot write {path}: {problem.strerror}; check folder and disk"
+            f"cannot write {path}: {problem.strerror}; check the folder and the disk"
         ) from problem
     finally:
         with suppress(OSError):

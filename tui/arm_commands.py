@@ -8,7 +8,9 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from armodal.analyzer.planning.beside import other_plan
 from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.plan_text import plan_text
 from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.files import load_arm
@@ -25,8 +27,8 @@ from armodal.tui.mozzi import (
     posture_of_wrist,
     rank_random_postures,
 )
-from armodal.tui.plan import plan_json, plan_text
-from armodal.tui.plan_tables import other_plan, plan_tables
+from armodal.tui.plan import plan_json
+from armodal.tui.plan_tables import plan_tables
 from armodal.tui.reproduce import figure_json, figure_tables, reproduce_papers
 from armodal.tui.workspace import survey_to_files, workspace_table
 

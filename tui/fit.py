@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,13 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
-    Stabilisation,
     coherence_random_error,
     fit_modes,
     hit_choices,
     mass_scaling,
     missing_mode_hints,
     real_modes,
+    stable_poles,
 )
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfEstimator
@@ -32,9 +31,7 @@ from armodal.protocols.plan_records import Averaging, Windows
 from armodal.protocols.session.records import Session
 from armodal.tui.json_text import plain
 
-__all__ = ["FitSettings", "fit_lines", "fit_session", "stable_poles"]
-
-SAME_F, SAME_DAMPING = 0.01, 0.05  # relative, between consecutive orders: the usual criterion
+__all__ = ["FitSettings", "fit_lines", "fit_session"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -332,18 +329,3 @@ def _stabilisation(model: ModalModel) -> dict[str, Any]:
             for order, f, ratio, same in zip(found.order, f_hz, damping, stable, strict=True)
         ],
     }
-
-
-def stable_poles(found: Stabilisation) -> npt.NDArray[np.bool_]:
-    """Return which poles (n_poles,) the order before has too, by frequency and damping."""
-    f_hz, damping = found.f_hz, found.damping_ratio
-    stable = np.zeros(len(f_hz), dtype=bool)
-    for before, order in pairwise(found.orders):
-        new, old = found.order == order, found.order == before
-        near_f = np.abs(f_hz[new][:, None] - f_hz[old]) <= SAME_F * f_hz[new][:, None]
-        near_damping = (
-            np.abs(damping[new][:, None] - damping[old])
-            <= SAME_DAMPING * np.abs(damping[new])[:, None]
-        )
-        stable[new] = (near_f & near_damping).any(axis=1)
-    return stable

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
+from armodal.analyzer.arm.wanted_posture import wanted_posture
 from armodal.analyzer.screws import MozziAxis, Translation
 from armodal.analyzer.statics.deflection import Deflections, JointLine, deflect, joint_lines
 from armodal.analyzer.statics.ranking import rank_postures
@@ -21,7 +22,6 @@ from armodal.protocols.errors import ArmError
 
 __all__ = [
     "Elbow",
-    "checked_posture",
     "deflection_json",
     "deflection_tables",
     "load_tool",
@@ -43,7 +43,7 @@ def load_tool(
         If the posture has another number of angles, or one outside its joint's range, or the
         wrench or the tool point is not what it should be.
     """
-    joints_rad = checked_posture(arm, posture_deg)
+    joints_rad = wanted_posture(arm, posture_deg)
     if len(tool_m) != 3 or not np.isfinite(tool_m).all():
         raise ArmError(f"wanted a tool point of three finite metres, got {tool_m}")
     batch = ArmBatch(arm)
@@ -70,30 +70,6 @@ def posture_of_wrist(arm: Arm, place_m: list[float], elbow: Elbow) -> list[float
     """
     angles = meridian_plane(arm).joints_at(place_m[0], place_m[1], elbow.value)
     return [float(angle) for angle in np.rad2deg(angles)]
-
-
-def checked_posture(arm: Arm, posture_deg: list[float]) -> Array:
-    """Joint angles in radians of a posture given in degrees.
-
-    Raises
-    ------
-    ArmError
-        If there are not as many as joints, or one lies outside its range.
-    """
-    if len(posture_deg) != len(arm.joints):
-        raise ArmError(
-            f"wanted {len(arm.joints)} joint angles in degrees for arm '{arm.name}', got "
-            f"{len(posture_deg)}; give one per joint, separated by commas"
-        )
-    angles = np.deg2rad(posture_deg)
-    for joint, angle, degrees in zip(arm.joints, angles, posture_deg, strict=True):
-        low, high = joint.range_rad
-        if not low - 1e-4 <= angle <= high + 1e-4:
-            raise ArmError(
-                f"{joint.name} of arm '{arm.name}' turns from {np.rad2deg(low):g} to "
-                f"{np.rad2deg(high):g} degrees, got {degrees:g}"
-            )
-    return np.asarray(angles)
 
 
 def deflection_json(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]) -> dict[str, Any]:

@@ -2,67 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
+from armodal.analyzer.planning.beside import Beside
 from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
-from armodal.analyzer.planning.selectivity import worst_coupling
-from armodal.analyzer.workspace.batch import ArmBatch
-from armodal.analyzer.workspace.spectrum import ElasticJoints
-from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import PlanError
-from armodal.protocols.plan import load_plan, shipped_plans
-from armodal.protocols.plan_records import Plan
 
-__all__ = ["Beside", "other_plan", "plan_tables"]
+__all__ = ["plan_tables"]
 
 Array = npt.NDArray[np.float64]
 
 SEEN = 1.0  # relative: a k no better known than to its own size is not seen
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
-    """For each elastic joint the least coupled posture of another plan."""
-
-    name: str
-    postures: tuple[str, ...]  # (n,) names
-    least_coupling: Array  # (n,)
-
-
-def other_plan(arm: Arm, elastic: ElasticJoints, source: str | None) -> Beside | None:
-    """The plan to set beside: the one named, else this arm's shipped one of most postures.
-
-    Raises
-    ------
-    PlanError
-        If the plan named cannot be read, or is for another arm.
-    """
-    plan = load_plan(source, arm) if source is not None else _shipped(arm)
-    if plan is None:
-        return None
-    mass = ArmBatch(arm).mass(np.stack([posture.joints_rad for posture in plan.postures]))
-    chosen = np.array(elastic.joints)
-    worst = worst_coupling(mass[chosen[:, None], chosen])
-    best = worst.argmin(axis=1)
-    return Beside(
-        name=plan.name,
-        postures=tuple(plan.postures[i].name for i in best),
-        least_coupling=worst.min(axis=1),
-    )
-
-
-def _shipped(arm: Arm) -> Plan | None:
-    found = []
-    for name in shipped_plans():
-        try:
-            found.append(load_plan(name, arm))
-        except PlanError:  # for another arm
-            continue
-    return max(found, key=lambda plan: len(plan.postures), default=None)
 
 
 def plan_tables(plan: SelectivePlan, beside: Beside | None) -> list[Table]:

@@ -2,72 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from rich.table import Table
 
-from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.identification.prediction import (
-    ModelScatter,
-    PredictedModes,
-    predict_modes,
-    prediction_model_std,
-)
-from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.identification.predicted_posture import Prediction
 from armodal.analyzer.identification.scatter import half_width_95
-from armodal.protocols.arm.records import Arm
-from armodal.tui.mozzi import checked_posture
 
-__all__ = ["Prediction", "predict_posture", "prediction_json", "prediction_tables"]
-
-Array = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Prediction:
-    """Modes of one posture, no sensor on the arm, with both kinds of uncertainty."""
-
-    arm: Arm
-    posture_deg: tuple[float, ...]
-    freedoms: tuple[str, ...]  # joints, then structural axes
-    predicted: PredictedModes
-    from_tolerances: ModelScatter
-
-
-def predict_posture(arm: Arm, result: Identification, posture_deg: list[float]) -> Prediction:
-    """Predict the modes of a posture from what a session identified.
-
-    Raises
-    ------
-    ArmError
-        If the posture has another number of angles, or one outside its joint's range.
-    EstimateError
-        If the model does not oscillate in that posture.
-    """
-    joints_rad = checked_posture(arm, posture_deg)
-    superset = Superset(arm)
-    predicted = predict_modes(
-        superset,
-        superset.posture(joints_rad),
-        result.fit,
-        added_mass_kg=np.zeros(len(arm.points)),
-    )
-    structure = result.fit.state.structure
-    return Prediction(
-        arm=arm,
-        posture_deg=tuple(posture_deg),
-        freedoms=(
-            *(arm.joints[joint].name for joint in structure.joints),
-            *(f"axis in {arm.joints[axis.link].link.name}" for axis in structure.axes),
-        ),
-        predicted=predicted,
-        from_tolerances=prediction_model_std(
-            joints_rad, result.fit, result.model_moves, base=predicted.modes
-        ),
-    )
+__all__ = ["prediction_json", "prediction_tables"]
 
 
 def prediction_json(prediction: Prediction) -> dict[str, Any]:

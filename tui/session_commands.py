@@ -7,8 +7,10 @@ from typing import Annotated
 
 import typer
 
+from armodal.analyzer.arm.wanted_posture import wanted_posture
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.penalty_of_session import penalty_of_session
+from armodal.analyzer.identification.predicted_posture import predict_posture
 from armodal.analyzer.report import gap_path, read_gap, write_report
 from armodal.protocols.errors import SessionError
 from armodal.protocols.frf_records import FrfEstimator
@@ -16,10 +18,9 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.arm_commands import comma_numbers
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.fit import FitSettings, fit_lines, fit_session
-from armodal.tui.mozzi import checked_posture
 from armodal.tui.output_file import check_output
 from armodal.tui.penalty import Method, chosen_for, penalty_json, penalty_tables
-from armodal.tui.predict import predict_posture, prediction_json, prediction_tables
+from armodal.tui.predict import prediction_json, prediction_tables
 from armodal.tui.results import identification_json, identification_tables
 from armodal.tui.review.picked_file import read_picked
 from armodal.tui.workspace import workspace_section
@@ -133,7 +134,7 @@ def predict_command(
     measured = read_session(session)
     arm = measured.header.arm
     for angles in asked:
-        checked_posture(arm, angles)  # before minutes are spent on the fit
+        wanted_posture(arm, angles)  # before minutes are spent on the fit
     result = identify(measured, say)
     found = [predict_posture(arm, result, angles) for angles in asked]
     doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]

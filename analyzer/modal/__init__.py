@@ -25,6 +25,7 @@ from armodal.analyzer.modal.random_error import (
 )
 from armodal.analyzer.modal.scaling import MassScaling, mass_scaling, real_modes
 from armodal.analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
+from armodal.analyzer.modal.stable_poles import stable_poles
 
 __all__ = [
     "FrfEstimate",
@@ -66,6 +67,7 @@ __all__ = [
     "posture_hit_frfs",
     "real_modes",
     "scatter_random_error",
+    "stable_poles",
     "synthesise",
     "tracked_cmif",
 ]

@@ -9,11 +9,12 @@ import pytest
 from support.viper_session import true_values, viper_result, viper_session
 from typer.testing import CliRunner
 
+from armodal.analyzer.identification.predicted_posture import predict_posture
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.session.hdf5 import write_session
 from armodal.tui.cli import app
-from armodal.tui.predict import predict_posture, prediction_tables
+from armodal.tui.predict import prediction_tables
 
 
 @pytest.fixture(scope="module")

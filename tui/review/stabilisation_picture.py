@@ -10,9 +10,8 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.message import Message
 
-from armodal.analyzer.modal import Stabilisation, cmif
+from armodal.analyzer.modal import Stabilisation, cmif, stable_poles
 from armodal.tui.drawing import Canvas, Cursor, Frame, Scale, Series, plot, plot_frame
-from armodal.tui.fit import stable_poles
 from armodal.tui.review.spectrum import SpectrumPicture
 from armodal.tui.review.state import ReviewState
 

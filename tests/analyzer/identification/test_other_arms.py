@@ -9,11 +9,11 @@ import pytest
 from support.offline_lab import simulate_session
 
 from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.planning.plan_text import plan_text
 from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.files import load_arm
-from armodal.tui.plan import plan_text
 
 OFF = np.array([1.35, 0.75, 1.25, 0.7, 1.3])  # truth over belief
 

@@ -17,9 +17,9 @@ from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.identification.frf_fit import fit_frfs
 from armodal.analyzer.identification.model_error import model_moves
 from armodal.analyzer.identification.parameters import step_state
+from armodal.analyzer.identification.predicted_posture import predict_posture
 from armodal.analyzer.identification.prediction import predict_modes, prediction_model_std
 from armodal.protocols.arm.records import Tolerances
-from armodal.tui.predict import predict_posture
 
 MASS_STD = 0.05
 MASS_ONLY = Tolerances(
