@@ -26,7 +26,7 @@ from armodal.analyzer.workspace.study import study_workspace
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.urdf import read_urdf
-from armodal.tui.mozzi import load_tool
+from armodal.tui.commands.mozzi import load_tool
 
 URDFS = {
     "ur5": "ur_description/urdf/ur5_robot.urdf",

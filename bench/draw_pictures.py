@@ -25,12 +25,12 @@ from textual.pilot import Pilot
 
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import load_plan
-from armodal.tui.review.app import ReviewApp
-from armodal.tui.review.posture_view import fit_automatic, opened_session
-from armodal.tui.run.app import RunApp
-from armodal.tui.run.conductor import RunOptions
-from armodal.tui.run.place import find_place
-from armodal.tui.run.state import Step
+from armodal.tui.screens.review.app import ReviewApp
+from armodal.tui.screens.review.posture_view import fit_automatic, opened_session
+from armodal.tui.screens.run.app import RunApp
+from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.place import find_place
+from armodal.tui.screens.run.state import Step
 
 DEADLINE_S = 60.0
 TIME_SCALE = 3.0

@@ -30,7 +30,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.journal import encode_hit, read_journal
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.acquire import ScriptedOperator
+from armodal.tui.operators import ScriptedOperator
 
 TIME_SCALE = 16.0
 POINTS = ["2", "5", "8", "11"]

@@ -39,7 +39,7 @@ from armodal.protocols.errors import JournalError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.journal import encode_hit, read_journal
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.acquire import ScriptedOperator
+from armodal.tui.operators import ScriptedOperator
 
 TIME_SCALE = 16.0
 KILLS = 100

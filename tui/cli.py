@@ -16,28 +16,29 @@ from armodal.tui.console import err
 __all__ = ["app", "main"]
 
 USER_ERROR = 2
-# In the order of the help. The `app` of each module holds the command, or is a group of that name.
+# In the order of the help, each with its module of `tui/commands`, whose `app` holds the command or
+# is a group of that name.
 MODULES = {
-    "demo": "armodal.tui.demo_command",
-    "sim": "armodal.tui.sim_command",
-    "acquire": "armodal.tui.capture_commands",
-    "run": "armodal.tui.run_command",
-    "recover": "armodal.tui.capture_commands",
-    "import": "armodal.tui.exchange",
-    "export": "armodal.tui.exchange",
-    "review": "armodal.tui.review.command",
-    "plan": "armodal.tui.arm_commands",
-    "mozzi": "armodal.tui.arm_commands",
-    "workspace": "armodal.tui.arm_commands",
-    "calibrate-inertia": "armodal.tui.arm_commands",
-    "reproduce": "armodal.tui.arm_commands",
-    "fit": "armodal.tui.session_commands",
-    "identify": "armodal.tui.session_commands",
-    "predict": "armodal.tui.session_commands",
-    "report": "armodal.tui.session_commands",
-    "gap": "armodal.tui.gap_commands",
-    "gap-study": "armodal.tui.gap_study",
-    "check": "armodal.tui.check",
+    "demo": "demo",
+    "sim": "sim",
+    "acquire": "acquire",
+    "run": "run",
+    "recover": "recover",
+    "import": "exchange",
+    "export": "exchange",
+    "review": "review",
+    "plan": "plan",
+    "mozzi": "mozzi",
+    "workspace": "workspace",
+    "calibrate-inertia": "calibrate_inertia",
+    "reproduce": "reproduce",
+    "fit": "fit",
+    "identify": "identify",
+    "predict": "predict",
+    "report": "report",
+    "gap": "gap",
+    "gap-study": "gap_study",
+    "check": "check",
 }
 
 
@@ -49,7 +50,8 @@ class _Loaded(MutableMapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._found:
-            group: Any = typer.main.get_command(import_module(MODULES[name]).app)
+            module = import_module(f"armodal.tui.commands.{MODULES[name]}")
+            group: Any = typer.main.get_command(module.app)
             command = getattr(group, "commands", {}).get(name, group)
             command.name = name
             self._found[name] = command

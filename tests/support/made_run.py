@@ -22,9 +22,15 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.records import Hit, JointReading, Verdict
-from armodal.tui.run.happenings import Happening, LabWanted, SafeConfirmed, SessionWanted, Tick
-from armodal.tui.run.reducer import reduce
-from armodal.tui.run.state import RunState, begin_state
+from armodal.tui.screens.run.happenings import (
+    Happening,
+    LabWanted,
+    SafeConfirmed,
+    SessionWanted,
+    Tick,
+)
+from armodal.tui.screens.run.reducer import reduce
+from armodal.tui.screens.run.state import RunState, begin_state
 
 ARM = load_arm("rv4frl")
 PLAN = load_plan("rv4frl-three-postures", ARM)

@@ -8,7 +8,7 @@ from support.terminal import Terminal
 
 from armodal.daq.session_machine import begin, point_ready, posture_reached
 from armodal.protocols.plan_records import Plan
-from armodal.tui.acquire import ScriptedOperator
+from armodal.tui.operators import ScriptedOperator
 
 MOST_HITS = 8  # the simulated hand does not always hit well
 

@@ -12,7 +12,7 @@ from armodal.daq.commands import Stop
 from armodal.daq.events import Event, Failed, Finished, HitJudged, Prompted, SessionOpened
 from armodal.daq.session_machine import Prompt, PromptKind
 from armodal.protocols.session.journal import read_journal
-from armodal.tui.acquire import Operator
+from armodal.tui.operators import Operator
 
 PLAN = """
 format = "armodal-plan-1"

@@ -9,11 +9,11 @@ from pathlib import Path
 from support.made_run import ARM, PLAN
 from textual.pilot import Pilot
 
-from armodal.tui.run.app import RunApp
-from armodal.tui.run.conductor import RunOptions
-from armodal.tui.run.happenings import Happening
-from armodal.tui.run.place import SessionPlace
-from armodal.tui.run.screens.step import Pane
+from armodal.tui.screens.run.app import RunApp
+from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.happenings import Happening
+from armodal.tui.screens.run.place import SessionPlace
+from armodal.tui.screens.run.steps.step import Pane
 
 NOW_S = 100.0
 

@@ -17,7 +17,7 @@ from armodal.protocols.plan import PLANS_DIRECTORY, load_plan
 from armodal.protocols.session.hdf5 import read_session, write_session
 from armodal.protocols.session.journal import read_journal
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.acquire import ScriptedOperator, acquire
+from armodal.tui.operators import ScriptedOperator, acquire
 
 pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = 8.0

@@ -70,7 +70,7 @@ def test_the_help_lists_every_command_of_every_module():
     assert said.returncode == 0
     for name, module in MODULES.items():
         assert re.search(rf"^. {name} ", said.stdout, re.MULTILINE), name
-        app = import_module(module).app
+        app = import_module(f"armodal.tui.commands.{module}").app
         own = [i.name or i.callback.__name__ for i in app.registered_commands]
         assert name == "check" or set(own) <= set(MODULES), module
 

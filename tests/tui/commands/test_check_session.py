@@ -1,0 +1,20 @@
+import json
+
+from support.offline_lab import simulate_session
+
+from armodal.tui.commands.check_session import session_checks
+
+
+def test_checks_are_plain_values_and_a_table():
+    value, table = session_checks(simulate_session(2))
+    assert json.loads(json.dumps(value)) == value
+    rows = value["checks"]
+    assert {row["check"] for row in rows} == {
+        "rigid link",
+        "driving point",
+        "homogeneity",
+        "reciprocity",
+        "sensor",
+    }
+    assert not [row for row in rows if row["outcome"] == "fault"]
+    assert table.row_count == len(rows)

@@ -1,0 +1,93 @@
+"""`armodal gap --lab`: options of a session and of a laboratory, and the whole loop."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import armodal.study.closed_loop
+import armodal.tui.commands.gap
+from armodal.analyzer.gap.hit_levels import has_levels
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.cli import app
+
+
+def test_a_session_and_a_laboratory_at_once_or_neither_are_refused():
+    for arguments in (["gap"], ["gap", "some.h5", "--lab"]):
+        result = CliRunner().invoke(app, arguments)
+        assert isinstance(result.exception, SessionError)
+        assert "wanted either a session or --lab" in str(result.exception)
+
+
+LAB_ONLY = {
+    "--lab-arm": "bench57",
+    "--hide": "rotor",
+    "--magnitude": "medium",
+    "--seed": "1",
+    "--budget": "2",
+    "--out": "gap-lab",
+}
+
+
+@pytest.mark.parametrize("option", LAB_ONLY)
+def test_an_option_of_the_laboratory_is_refused_with_a_session_also_at_its_default(option):
+    result = CliRunner().invoke(app, ["gap", "some.h5", option, LAB_ONLY[option]])
+    assert isinstance(result.exception, SessionError)
+    assert f"wanted {option} with --lab only, got a session; leave it out" in str(result.exception)
+
+
+def test_options_of_a_session_are_refused_with_a_laboratory_and_all_are_named():
+    result = CliRunner().invoke(app, ["gap", "--lab", "--arm", "ur5", "--with", "some.h5"])
+    assert isinstance(result.exception, SessionError)
+    assert "wanted --with, --arm with a session only, got --lab" in str(result.exception)
+
+
+def test_defaults_of_the_laboratory_pass_with_a_session(tmp_path):
+    result = CliRunner().invoke(app, ["gap", str(tmp_path / "none.h5")])
+    assert isinstance(result.exception, SessionError)
+    assert "none.h5" in str(result.exception)
+    assert "only" not in str(result.exception)
+
+
+@pytest.mark.parametrize(("given", "meant"), [("0.5", 0.5), ("1", 1.0), ("faint", "faint")])
+def test_a_magnitude_is_a_name_or_a_part_of_clear(monkeypatch, given, meant):
+    asked = []
+
+    def begun(seed, arm, kind, magnitude, *, ladder):
+        asked.append((kind, magnitude))
+        raise SessionError("far enough")
+
+    monkeypatch.setattr(armodal.tui.commands.gap, "make_case", begun)
+    CliRunner().invoke(app, ["gap", "--lab", "--hide", "softening", "--magnitude", given])
+    assert asked == [("softening", meant)]
+
+
+@pytest.mark.parametrize("given", ["huge", "0", "-0.5", "1.5", "nan", "inf", ""])
+def test_another_magnitude_is_refused_before_anything_is_measured(tmp_path, given):
+    folder = tmp_path / "lab"
+    arguments = ["gap", "--lab", "--hide", "softening", "--out", str(folder), "--magnitude", given]
+    result = CliRunner().invoke(app, arguments)
+    assert isinstance(result.exception, SessionError)
+    assert "--magnitude: wanted clear, medium, faint, or a number" in str(result.exception)
+    assert not folder.exists()
+
+
+def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(tmp_path):
+    folder = tmp_path / "lab"
+    where = ["--lab", "--lab-arm", "rv4frl", "--out", str(folder), "--budget", "1", "--seed", "5"]
+    result = CliRunner().invoke(
+        app, ["gap", *where, "--hide", "softening", "--magnitude", "clear", "--json"]
+    )
+    assert result.exit_code == 0, result.output
+    said = json.loads(result.stdout)
+    assert has_levels(read_session(folder / "test-1.h5"))
+    assert [effect["name"] for effect in said["effects"]] == ["softening"]
+    assert [effect["name"] for effect in said["truth"]["effects"]] == ["softening"]
+    (test,) = said["tests"]
+    assert test["number"] == 2
+    assert test["words"]
+    assert test["why"]
+    assert (folder / "test-2.h5").exists()

@@ -1,0 +1,366 @@
+"""The screens by their state and by what can be read on them."""
+
+import asyncio
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.records import Session
+from armodal.tui.screens.key_line import KeyLine
+from armodal.tui.screens.review.app import TABS, ReviewApp
+from armodal.tui.screens.review.picked_file import picked_path
+from armodal.tui.screens.review.posture_view import (
+    PostureView,
+    fit_automatic,
+    open_session,
+    opened_session,
+)
+from armodal.tui.screens.themes import MONO
+
+SIZES = [(80, 24), (160, 45)]
+
+WORDS = {
+    "frf": ("accelerance", "coherence", "hit 1", "Hz"),
+    "cmif": ("CMIF", "singular value"),
+    "poles": ("order", "picked", "damping"),
+    "modes": ("f Hz", "± std", "joints %", "structural"),
+    "mac": ("MAC of test 1", "1.00"),
+    "shape": ("mode 1/", "amplitude"),
+    "identify": ("enter: identify",),
+    "gap": ("gap",),
+}
+
+
+def as_picture(app):
+    """Text of the exported SVG: what a screenshot would show."""
+    return app.export_screenshot().replace("&#160;", " ")
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_every_screen_shows_its_key_words_at_the_smallest_and_at_a_large_size(drive, size):
+    async def steps(app, pilot):
+        for number, tab in enumerate(TABS, start=1):
+            await pilot.press(str(number))
+            await pilot.pause()
+            shown = as_picture(app)
+            assert [word for word in WORDS[tab] if word not in shown] == []
+            assert "posture 1/5 test 1" in shown
+            assert "lost 0" in shown
+            assert "leave" in shown or size[0] == 80
+
+    drive(steps, size=size)
+
+
+def test_brackets_go_through_the_postures_and_round_the_end(drive):
+    async def steps(app, pilot):
+        await pilot.press("right_square_bracket")
+        assert app.state.view.name == "test 2"
+        await pilot.press("left_square_bracket", "left_square_bracket")
+        assert app.state.posture == len(app.state.views) - 1
+
+    drive(steps)
+
+
+def test_a_pole_is_picked_by_hand_refitted_saved_and_found_again(drive, session, tmp_path):
+    async def pick(app, pilot):
+        before = app.state.n_modes
+        await pilot.press("3", "c")
+        assert app.state.view.picks == ()
+        assert app.state.n_modes == before  # nothing is refitted unasked
+        await pilot.press("space", "s")
+        assert not picked_path(app.path).exists()  # not saved before the refit
+        await pilot.press("r")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        assert app.state.view.by_hand
+        assert app.state.n_modes == 1
+        assert app.state.unsaved
+        await pilot.press("s")
+        assert not app.state.unsaved
+
+    app = drive(pick)
+    kept = json.loads(picked_path(app.path).read_text())
+    f_hz = app.state.view.model.f_hz[0]
+    assert kept["postures"]["test 1"][0]["f_hz"] == pytest.approx(f_hz)
+
+    async def look(app, pilot):
+        assert app.state.view.by_hand
+        # The same least-squares problem from its own answer: its tolerance, 1e-5 half bandwidths.
+        assert app.state.view.model.f_hz[0] == pytest.approx(f_hz, rel=1e-5)
+
+    drive(look)
+
+
+def test_the_pick_nearest_to_the_cursor_is_dropped_by_x(drive):
+    async def steps(app, pilot):
+        await pilot.press("3")
+        picture = app.query_one("#poles-main")
+        before = app.state.view.picks
+        nearest = min(before, key=lambda pick: abs(abs(pick) - abs(picture.current())))
+        await pilot.press("x")
+        assert set(before) - set(app.state.view.picks) == {nearest}
+        assert app.state.view.changed
+
+    drive(steps)
+
+
+def test_leaving_with_picks_not_saved_asks_first(drive):
+    async def steps(app, pilot):
+        await pilot.press("3", "c", "space", "r")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        await pilot.press("q")
+        assert "not saved" in as_picture(app)
+        await pilot.press("escape")
+        assert app.return_code is None
+        await pilot.press("q", "q")
+
+    app = drive(steps)
+    assert app.return_code == 0
+    assert not picked_path(app.path).exists()
+
+
+def test_picks_of_another_session_are_refused_and_said(drive):
+    def prepare(path):
+        picked_path(path).write_text(
+            json.dumps({"format": "armodal-picked-poles-1", "session_id": "f" * 32, "postures": {}})
+        )
+
+    async def steps(app, pilot):
+        assert any("belongs to session" in told.message for told in app._notifications)
+        assert not app.state.view.by_hand
+
+    drive(steps, prepare=prepare, size=(160, 45))
+
+
+def test_a_mode_chosen_in_the_table_is_the_one_that_moves(drive):
+    async def steps(app, pilot):
+        await pilot.press("4", "down", "down")
+        assert app.state.mode == 2
+        await pilot.press("enter")
+        await pilot.pause()
+        assert "mode 3/" in as_picture(app)
+
+    drive(steps)
+
+
+def test_keys_turn_zoom_amplify_slow_and_name_the_moving_arm(drive, clock):
+    async def steps(app, pilot):
+        await pilot.press("6")
+        await pilot.pause()
+        shape = app.query_one("#shape-main")
+        first = shape.camera
+        await pilot.press("right", "up", "plus", "greater_than_sign", "d", "l")
+        assert shape.camera.azimuth_rad != first.azimuth_rad
+        assert shape.camera.elevation_rad > first.elevation_rad
+        assert shape.camera.zoom > first.zoom
+        assert shape.amplification > 1.0 > shape.speed
+        await pilot.pause()
+        assert "•18" in as_picture(app)
+        await pilot.press("space")
+        phase = shape.phase_rad
+        clock.now += 0.3
+        shape.tick()
+        assert shape.phase_rad == phase
+
+    drive(steps, size=(160, 45))
+
+
+def test_the_phase_follows_the_clock_not_the_number_of_pictures(drive, clock):
+    async def steps(app, pilot):
+        await pilot.press("6")
+        shape = app.query_one("#shape-main")
+        await pilot.pause()
+        shape.tick()
+        phase = shape.phase_rad
+        clock.now += 0.4  # a quarter of the cycle of 1.6 s
+        shape.tick()
+        assert (shape.phase_rad - phase) % (2 * np.pi) == pytest.approx(np.pi / 2)
+
+    drive(steps)
+
+
+def test_a_structural_mode_has_its_axis_drawn(drive):
+    async def steps(app, pilot):
+        view = app.state.view
+        structural = [i for i in range(app.state.n_modes) if view.structural(i)]
+        app.state.choose_mode(structural[0])
+        await pilot.press("6")
+        await pilot.pause()
+        assert "Mozzi axis" in as_picture(app)
+
+    drive(steps, size=(160, 45))
+
+
+def test_no_color_uses_the_theme_without_colour(drive):
+    async def steps(app, pilot):
+        assert app.theme == MONO
+
+    drive(steps, environment={"NO_COLOR": "1"})
+
+
+def test_a_window_too_small_says_so_and_comes_back(drive, screen_text):
+    async def steps(app, pilot):
+        await pilot.resize_terminal(40, 10)
+        await pilot.pause()
+        assert "too small" in screen_text(app)
+        await pilot.resize_terminal(90, 30)
+        await pilot.pause()
+        assert "too small" not in screen_text(app)
+        assert "1 FRF" in screen_text(app)
+
+    drive(steps)
+
+
+def test_help_on_the_screen_in_use_comes_and_goes(drive, screen_text):
+    async def steps(app, pilot):
+        await pilot.press("3", "question_mark")
+        await pilot.pause()
+        assert "Stabilisation" in screen_text(app)
+        await pilot.press("question_mark")
+        await pilot.pause()
+        assert not app.screen.query("HelpPanel")
+
+    drive(steps, size=(160, 45))
+
+
+def test_a_click_on_a_pole_goes_there(drive):
+    async def steps(app, pilot):
+        await pilot.press("3")
+        await pilot.pause()
+        picture = app.query_one("#poles-main")
+        await pilot.press("n")
+        await pilot.pause()
+        was = picture.pole
+        table = app.state.view.automatic.stabilisation
+        at = picture.frame.pixels([table.f_hz[was]], [float(table.order[was])])[0]
+        await pilot.press("b")
+        await pilot.click("#poles-main", offset=(int(at[0] // 2), int(at[1] // 4)))
+        clicked = table.f_hz[picture.pole]
+        cell_hz = picture.x_scale().high / picture.frame.columns
+        assert abs(clicked - table.f_hz[was]) <= cell_hz
+
+    drive(steps, size=(160, 45))
+
+
+def test_the_automatic_choice_comes_back_without_another_fit(drive, monkeypatch):
+    def fit(*_):
+        pytest.fail("what is known was fitted again")
+
+    async def steps(app, pilot):
+        automatic = app.state.view.automatic
+        app.state.views[0] = replace(app.state.view, picks=(), changed=True, by_hand=True)
+        monkeypatch.setattr("armodal.tui.screens.review.posture_view.fit_modes", fit)
+        await pilot.press("3", "a")
+        await pilot.pause()
+        view = app.state.view
+        assert view.picks == tuple(mode.pole_rad_s for mode in automatic.modes)
+        assert not view.changed
+        assert not view.by_hand
+        assert view.model is automatic
+
+    drive(steps)
+
+
+def _opened_changed(opened, arm, joints_rad):
+    header = replace(opened.session.header, arm=arm)
+    frf = replace(opened.views[0].frf, joints_rad=joints_rad)
+    superset = Superset(arm)
+    view = fit_automatic(superset, PostureView(frf=frf))
+    session = replace(opened.session, header=header)
+    return replace(opened, session=session, superset=superset, views=(view,))
+
+
+def _every_screen(opened, path):
+    async def main():
+        shown = {}
+        app = ReviewApp(path, opened=replace(opened, path=path), environment={})
+        async with app.run_test(size=(100, 30)) as pilot:
+            await app.workers.wait_for_complete()
+            for number, tab in enumerate(TABS, start=1):
+                await pilot.press(str(number))
+                await pilot.pause()
+                shown[tab] = as_picture(app)
+        return shown
+
+    return asyncio.run(main())
+
+
+def test_a_structure_without_an_arm_is_shown_by_its_points(opened, tmp_path):
+    arm = opened.session.header.arm
+    points = tuple(replace(point, link="base") for point in arm.points)
+    bare = replace(arm, joints=(), points=points)
+    shown = _every_screen(_opened_changed(opened, bare, np.zeros(0)), tmp_path / "s.h5")
+    assert "unknown" in shown["modes"]
+    assert "mode 1/" in shown["shape"]
+    assert "•" in shown["shape"]
+
+
+def test_a_posture_without_joint_angles_says_why_no_arm_is_drawn(opened, tmp_path):
+    arm = opened.session.header.arm
+    shown = _every_screen(_opened_changed(opened, arm, None), tmp_path / "s.h5")
+    assert "no joint angles were measured" in shown["shape"]
+
+
+def test_a_wall_screen_is_filled(drive, screen_text):
+    async def steps(app, pilot):
+        for key in "123":
+            await pilot.press(key)
+            await pilot.pause()
+            rows = screen_text(app).split("\n")
+            assert len(rows) == 90
+            assert rows[80].strip()
+
+    drive(steps, size=(320, 90))
+
+
+def test_an_unreadable_session_is_said_on_the_screen_with_the_way_back(tmp_path, screen_text):
+    path = tmp_path / "broken.h5"
+    path.write_bytes(b"not a session")
+
+    async def main():
+        app = ReviewApp(path, environment={})
+        async with app.run_test(size=(80, 24)) as pilot:
+            await app.workers.wait_for_complete()
+            await pilot.pause()
+            shown = screen_text(app)
+            assert "cannot be shown" in shown
+            assert "armodal recover broken.journal" in shown
+            await pilot.press("q")
+        return app
+
+    app = asyncio.run(main())
+    assert app.problem is not None
+
+
+def test_a_session_without_accepted_hits_is_refused_with_what_to_do(session, tmp_path):
+    empty = Session(header=session.header, hits=(), losses=(), complete=False)
+    with pytest.raises(SessionError, match="armodal run"):
+        opened_session(tmp_path / "s.h5", empty)
+
+
+def test_a_file_that_is_not_there_is_a_session_error(tmp_path):
+    with pytest.raises(SessionError):
+        open_session(tmp_path / "none.h5")
+
+
+def test_the_key_line_follows_the_screen_in_use_and_takes_clicks(drive):
+    async def steps(app, pilot):
+        line = app.query_one(KeyLine)
+        await pilot.press("8")
+        await pilot.pause()
+        assert "next test" in line.render().plain
+        widgets = len(app.screen.query("*"))
+        await pilot.press("6")
+        await pilot.pause()
+        assert "next test" not in line.render().plain
+        assert len(app.screen.query("*")) == widgets
+        await pilot.click(KeyLine, offset=(line.render().plain.index("posture"), 0))
+        await pilot.pause()
+        assert app.state.posture == len(app.state.views) - 1  # `[`, the first of the two keys
+
+    drive(steps, size=(160, 45))

@@ -1,0 +1,367 @@
+"""The screens with injected events and clock, at the sizes people have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.made_run import (
+    ARM,
+    AT_HIT,
+    AT_POINT,
+    HAMMER_PLAN,
+    HIT_EVENTS,
+    LAB_EVENTS,
+    PLAN,
+    SESSION_EVENTS,
+    judged,
+    prompted,
+    reading,
+    trial,
+)
+from support.stage import Stage, play
+
+from armodal.daq.commands import Note, Ready, Retake, Skip, Withdraw
+from armodal.daq.events import Failed, LossNoted
+from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
+from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.session.records import Loss
+from armodal.tui.screens.key_line import KeyLine
+from armodal.tui.screens.run.hand import request_for
+from armodal.tui.screens.run.happenings import (
+    HandAtWork,
+    HandIdle,
+    SafeConfirmed,
+    SensorsConfirmed,
+)
+from armodal.tui.screens.run.steps.progress import ProgressScreen
+from armodal.tui.screens.run.steps.step import Pane
+
+SIZES = [(80, 24), (160, 45), (250, 70)]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_every_screen_fits_every_size(tmp_path, size):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *LAB_EVENTS, *[trial()] * 4)
+        assert "board-7" in stage.text()
+        assert "suggested 10 N" in stage.text()
+        await stage.tell(pilot, *SESSION_EVENTS[len(LAB_EVENTS) :])
+        assert "joint_6" in stage.text()
+        await stage.tell(pilot, prompted(AT_POINT), SafeConfirmed())
+        assert "Mount the sensor at point 1" in stage.text()
+        assert "◉ 1" in stage.text()
+        await stage.tell(pilot, prompted(AT_HIT))
+        assert "Hit point 1" in stage.text()
+        await stage.tell(pilot, judged(1), prompted(hit_judged(AT_HIT, accepted=True)))
+        assert "record 1 is in the journal" in stage.text()
+        assert "FRF of point 1" in stage.text()
+        for pane in stage.app.screen.query(Pane):
+            assert pane.region.right <= size[0]
+            assert pane.region.bottom <= size[1]
+        await pilot.press("g")
+        await stage.settle(pilot)
+        assert "◐1/3" in stage.text()
+
+    play(stage, body, size)
+
+
+def test_a_click_on_a_key_of_the_footer_presses_it(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        line = stage.app.screen.query_one(KeyLine)
+        await pilot.click(KeyLine, offset=(line.render().plain.index("Grid"), 0))
+        await stage.settle(pilot)
+        assert isinstance(stage.app.screen, ProgressScreen)
+
+    play(stage, body)
+
+
+def test_unknown_angles_are_shown_as_unknown(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, reading(None))
+        assert stage.text().count("? unknown") == len(ARM.joints)
+        assert "POSTURE UNKNOWN - stay away" in stage.text()
+
+    play(stage, body)
+
+
+def test_enter_confirms_safety_first_and_then_says_ready(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT))
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert stage.app.state.safe
+        assert isinstance(stage.sent[0], Note)
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert isinstance(stage.sent[1], Ready)
+
+    play(stage, body)
+
+
+def test_enter_does_nothing_while_the_arm_is_on_its_way(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS)
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert not stage.app.state.safe
+        assert stage.sent == []
+
+    play(stage, body)
+
+
+def test_retake_skip_undo_and_jump_are_told_to_the_acquisition(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, prompted(hit_judged(AT_HIT, accepted=True)))
+        await pilot.press("t", "k", "u", "g")
+        await stage.settle(pilot)
+        await pilot.press("right", "right", "enter")
+        await stage.settle(pilot)
+        assert [type(command) for command in stage.sent] == [Retake, Skip, Withdraw, Retake]
+        assert stage.sent[-1] == Retake(posture="test 1", point="3")
+
+    play(stage, body)
+
+
+def test_roving_hammer_marks_the_point_to_hit_and_leaves_the_sensor(tmp_path):
+    stage = Stage(tmp_path, plan=HAMMER_PLAN)
+    at_posture = begin(HAMMER_PLAN)
+    at_point = posture_reached(at_posture)
+
+    async def body(pilot):
+        await stage.tell(pilot, *LAB_EVENTS, *SESSION_EVENTS[len(LAB_EVENTS) : -2])
+        moving_on = hit_judged(point_ready(at_point), accepted=True)
+        for _ in range(2):
+            moving_on = hit_judged(moving_on, accepted=True)
+        await stage.tell(
+            pilot, prompted(at_posture), reading(), prompted(moving_on), SafeConfirmed()
+        )
+        assert "Sensor stays at point 1" in stage.text()
+        assert "Hit point 3 next" in stage.text()
+        assert "◉ 3" in stage.text()
+
+    play(stage, body)
+
+
+def test_a_tiny_window_says_so_and_still_shows_the_verdict(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, judged(1))
+        assert "window is too small" in stage.text()
+        assert "record 1 is in the journal" in stage.text()
+
+    play(stage, body, (50, 12))
+
+
+def test_a_resize_in_the_middle_of_a_hit_loses_nothing(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await pilot.resize_terminal(40, 10)
+        await stage.tell(pilot, judged(1))
+        await pilot.resize_terminal(160, 45)
+        await stage.settle(pilot)
+        assert "record 1 is in the journal" in stage.text()
+        assert "window is too small" not in stage.text()
+
+    play(stage, body)
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "words"),
+    [
+        ("JournalError", "cannot write the journal: No space left on device", "disk is full"),
+        ("DeviceLostError", "the board on /dev/ttyACM0 is gone", "Plug it in again"),
+        ("CanError", "no frame came on /dev/ttyACM1", "controller is silent"),
+        ("SomethingElse", "what nobody has thought of", "cannot go on"),
+    ],
+)
+def test_a_failure_is_told_in_the_operators_words_with_the_way_back(tmp_path, kind, message, words):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(
+            pilot, *HIT_EVENTS, judged(1), Failed(message=message, kind=kind, journal="s.journal")
+        )
+        text = stage.text()
+        assert words in text
+        assert message in text
+        assert "Every accepted hit is safe in s.journal" in text
+        assert "r: try again and go on at the same point" in text
+
+    play(stage, body, (80, 24))
+
+
+def test_losses_are_in_sight_on_every_screen(tmp_path):
+    stage = Stage(tmp_path)
+    lost = LossNoted(loss=Loss(kind="stream", count=7, first_sample=None, host_s=0.0, note=""))
+
+    async def body(pilot):
+        await stage.tell(pilot, *LAB_EVENTS)
+        assert "lost: nothing" in stage.text()
+        await stage.tell(pilot, lost)
+        for events in (
+            (SensorsConfirmed(),),
+            SESSION_EVENTS[len(LAB_EVENTS) :],
+            (prompted(AT_POINT), SafeConfirmed()),
+            (prompted(AT_HIT),),
+        ):
+            await stage.tell(pilot, *events)
+            assert "! lost: stream 7" in stage.text()
+
+    play(stage, body, (80, 24))
+
+
+def test_without_colour_every_state_is_still_told_apart(tmp_path, monkeypatch):
+    monkeypatch.setenv("NO_COLOR", "1")
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, judged(1))
+        # The monochrome filter of Textual is on, and the marks do not need it off.
+        assert stage.app.no_color
+        assert "✓ record 1" in stage.text()
+        await stage.tell(pilot, judged(2, "soft"))
+        assert "✗ not accepted" in stage.text()
+
+    play(stage, body)
+
+
+def test_help_comes_and_goes(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await pilot.press("question_mark")
+        await pilot.pause()
+        assert type(stage.app.screen).__name__ == "HelpScreen"
+        await pilot.press("space")
+        await pilot.pause()
+        assert type(stage.app.screen).__name__ == "LabScreen"
+
+    play(stage, body, (80, 24))
+
+
+def test_enter_waits_for_the_simulated_hand_that_mounts_the_sensor(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        mounting = HandAtWork(doing="mounts the sensor at 1")
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT), SafeConfirmed(), mounting)
+        assert "Enter" not in stage.app.screen.query_one("#instructions", Pane).plain
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert stage.sent == []
+        await stage.tell(pilot, HandIdle())
+        await pilot.press("enter")
+        await stage.settle(pilot)
+        assert [type(command) for command in stage.sent] == [Ready]
+
+    play(stage, body)
+
+
+def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tmp_path):
+    stage = Stage(tmp_path)
+
+    def rows() -> list[str]:
+        strips = stage.app.screen._compositor.render_strips()
+        return ["".join(segment.text for segment in strip) for strip in strips]
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await pilot.press("g")
+        await stage.settle(pilot)
+        assert "198 hits left" in rows()[1]
+        assert "Enter: go there" in rows()[1]
+        await pilot.press("left")  # round the end: the last point of all
+        await stage.settle(pilot)
+        assert any("validation 2" in row for row in rows())
+        assert not any("hits left, " in row for row in rows()[1:])
+        await pilot.press("right")
+        await pilot.press("pageup")
+        await stage.settle(pilot)
+        assert any("test 1  0 of 18" in row for row in rows())
+
+    play(stage, body, (80, 20))
+
+
+def test_a_screen_whose_panes_are_being_taken_away_is_left_alone(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        await stage.app.screen.query_one("#safety").remove()
+        await stage.tell(pilot, judged(1))  # nothing is raised
+        assert stage.app.state.last_hit is not None
+
+    play(stage, body)
+
+
+@pytest.mark.parametrize("told_meanwhile", [True, False])
+def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_old(
+    tmp_path, told_meanwhile
+):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS)
+        conductor = stage.app.conductor
+        waiting = [reading()] if told_meanwhile else []
+        conductor._engine.hear = lambda: [conductor.tell(event) for event in waiting]
+        stage.now_s += 5.0
+        stage.app._tick()
+        assert stage.app.state.safe is told_meanwhile
+
+    play(stage, body)
+
+
+def test_how_hard_the_plan_wants_the_next_hit_is_said_and_told_the_simulated_hand(tmp_path):
+    first = replace(PLAN.postures[0], peaks_n=(10.0, 40.0, 160.0))
+    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
+    stage = Stage(tmp_path, plan=plan)
+    at_point = point_ready(posture_reached(begin(plan)))
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, prompted(at_point))
+        assert "hits at point 1, next 10 N" in stage.text()
+        assert "Hit point 1, about 10 N" in stage.text()
+
+    play(stage, body)
+    request, _ = request_for(ARM, at_point.prompt)
+    assert request["peak_n"] == 10.0
+    again, _ = request_for(ARM, replace(at_point.prompt, accepted=2))
+    assert again["peak_n"] == 160.0
+    any_peak, _ = request_for(ARM, replace(at_point.prompt, posture=PLAN.postures[0]))
+    assert "peak_n" not in any_peak
+
+
+def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(tmp_path):
+    mass = KnownMass(link="wrist", mass_kg=2.5, center_m=np.array([0.0, 0.01, 0.1]))
+    first = replace(PLAN.postures[0], brakes=True, known_mass=mass)
+    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
+    stage = Stage(tmp_path, plan=plan)
+    at_posture = begin(plan)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(at_posture))
+        told = " Brakes on. Bolt 2.5 kg to wrist, its centre at 0, 10, 100 mm."
+        assert told in stage.text()
+        await stage.tell(pilot, prompted(posture_reached(at_posture)))
+        assert f"At its posture, held.{told} Look" in stage.text()
+
+    play(stage, body)

@@ -1,0 +1,92 @@
+"""`armodal acquire` and `armodal recover`: into a journal, and out of it."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.daq.events import Event
+from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan import load_plan
+from armodal.protocols.session.recovery import rebuild
+from armodal.tui.commands.software import SOFTWARE
+from armodal.tui.console import Json, TimeScale, err, out, print_json
+from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
+
+__all__ = ["app", "show_event"]
+
+app = typer.Typer(add_completion=False)
+
+
+def show_event(event: Event) -> None:
+    """Print what an acquisition tells a person."""
+    line = describe(event)
+    if line is not None:
+        err.print(line)
+
+
+@app.command("acquire")
+def acquire_command(
+    plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
+    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
+    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")],
+    arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
+    journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
+    resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
+    operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
+    time_scale: TimeScale = 1.0,
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    as_json: Json = False,
+) -> None:
+    """Capture a session: postures, points and hits of a plan, into a durable journal.
+
+    Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
+    """
+    the_arm = load_arm(arm)
+    the_plan = load_plan(plan, the_arm)
+    settings = AcquisitionSettings(
+        board_port=board,
+        board_baud=baud,
+        can_channel=can,
+        arm=the_arm,
+        plan=the_plan,
+        journal=journal,
+        resume=resume,
+        time_scale=time_scale,
+        software=SOFTWARE,
+    )
+    with ExitStack() as keep:
+        person: Operator = PersonAtTerminal(err.input)
+        if operator is not None:
+            script = ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
+            keep.callback(script.close)
+            person = script
+        finished = acquire(settings, person, show_event)
+    session_path = journal.with_suffix(".h5")
+    superset = Superset(the_arm)
+    rebuild(
+        journal,
+        session_path,
+        software=SOFTWARE,
+        estimate_frfs=lambda session: estimate_frfs(session, superset),
+    )
+    summary = {
+        "session": str(session_path),
+        "journal": str(journal),
+        "complete": finished.complete,
+        "reason": finished.reason,
+        "hits": {"accepted": finished.accepted, "rejected": finished.rejected},
+    }
+    if as_json:
+        print_json(summary)
+    else:
+        out.print(
+            f"{finished.accepted} hits accepted, {finished.rejected} rejected: "
+            f"{finished.reason}\nsession {session_path}"
+        )

@@ -1,0 +1,223 @@
+"""`armodal import` and `armodal export`: measurements from and for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.given_frfs import with_variances
+from armodal.analyzer.identification.identify import estimate_frfs, identify
+from armodal.analyzer.identification.records import Identification
+from armodal.analyzer.modal import ModalModel, fit_modes
+from armodal.daq.judge_imported import judged
+from armodal.protocols.arm.updated import JointValues, arm_text_with
+from armodal.protocols.errors import EstimateError, ForeignFileError
+from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
+from armodal.protocols.foreign.import_session import import_session
+from armodal.protocols.foreign.manifest import load_manifest
+from armodal.protocols.foreign.mat import write_mat
+from armodal.protocols.foreign.uff_write import write_uff
+from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
+from armodal.protocols.session.records import Session
+from armodal.protocols.text_file import replace_text
+from armodal.tui.commands.identification_results import identification_json
+from armodal.tui.commands.software import SOFTWARE
+from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.json_text import json_text
+from armodal.tui.output_file import check_output
+
+__all__ = ["app", "export_model", "export_session", "import_manifest"]
+
+app = typer.Typer(add_completion=False)
+
+_ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat"), (".json", ".toml")
+
+
+def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:
+    """Write the session a manifest describes; return it and a summary in plain values."""
+    check_output(output, path)
+    created = datetime.now(UTC).isoformat(timespec="seconds")
+    session = import_session(load_manifest(path), created=created, software=software)
+    session = with_variances(judged(session))
+    write_session(session, output, provenance=Provenance(journal_sha256=None, software=software))
+    return session, {
+        "session": str(output),
+        "arm": session.header.arm.name,
+        "mode": str(session.header.plan.mode),
+        "postures": [
+            _posture_summary(session, posture.name) for posture in session.header.plan.postures
+        ],
+        "warnings": list(session.warnings),
+    }
+
+
+def _posture_summary(session: Session, name: str) -> dict[str, Any]:
+    hits = [hit for hit in session.hits if hit.posture == name]
+    if hits:
+        points = dict.fromkeys(hit.sensor_point for hit in hits)
+        accepted = len(session.accepted(name))
+        return {"posture": name, "hits": len(hits), "accepted": accepted, "points": list(points)}
+    frf = next(frf for frf in session.frfs if frf.posture == name)
+    return {
+        "posture": name,
+        "frfs": len(frf.responses) * len(frf.references),
+        "form": str(frf.form),
+        "lines": len(frf.freq_hz),
+        "band_hz": [float(frf.freq_hz[0]), float(frf.freq_hz[-1])],
+        "points": list(dict.fromkeys(dof.point for dof in frf.responses)),
+    }
+
+
+def export_session(
+    session: Session, output: Path, *, modes: bool, binary: bool, software: str
+) -> dict[str, Any]:
+    """Write the FRFs of every posture as UFF or, by the ending, MATLAB; return a summary.
+
+    The first posture goes to `output`, each further one to a file numbered behind it: names of
+    postures never become paths.
+    """
+    _check_ending(output, _ENDINGS, "file")
+    arm = session.header.arm
+    frfs = estimate_frfs(session, Superset(arm))
+    if not frfs:
+        raise EstimateError("the session has no accepted hits and no FRFs: nothing to export")
+    files: list[dict[str, Any]] = []
+    for i, frf in enumerate(frfs):
+        numbered = output.with_name(f"{output.stem}-{i + 1}{output.suffix}")
+        path = output if len(frfs) == 1 else numbered
+        if output.suffix.lower() == ".mat":
+            write_mat(frf, path)
+            said: tuple[str, ...] = ()
+        else:
+            found = _exported(fit_modes(frf)) if modes else []
+            content, said = posture_uff(frf, arm, modes=found, software=software)
+            write_uff(content, path, binary=binary)
+        files.append({"posture": frf.posture, "file": str(path), "notes": list(said)})
+    return {"files": files, "warnings": list(session.warnings)}
+
+
+def _exported(model: ModalModel) -> list[ExportedMode]:
+    return [
+        ExportedMode(
+            pole_rad_s=mode.pole_rad_s,
+            shape=mode.shape,
+            participation=mode.participation,
+            words=(
+                f"{mode.f_hz:.6f} Hz std {mode.f_std_hz:.2g}, damping "
+                f"{100 * mode.damping_ratio:.5f} % std {100 * mode.damping_std:.2g}"
+            ),
+        )
+        for mode in model.modes
+    ]
+
+
+def _check_ending(path: Path, endings: Sequence[str], what: str) -> None:
+    if path.suffix.lower() not in endings:
+        *others, last = endings
+        raise ForeignFileError(
+            f"{path.name}: wanted a {what} called {', '.join(others)} or {last}, got "
+            f"{path.suffix or 'no ending'}; rename it"
+        )
+
+
+def export_model(session: Session, result: Identification, path: Path, *, software: str) -> None:
+    """Write the identified model: as JSON, or as the arm file with the values identified.
+
+    Raises
+    ------
+    ForeignFileError, ArmError
+        If the ending is neither .json nor .toml, or the arm file cannot take the values.
+    """
+    _check_ending(path, _MODEL_ENDINGS, "model")
+    if path.suffix.lower() == ".json":
+        text = json_text(identification_json(session, result))
+    else:
+        values = {
+            joint.joint: JointValues(
+                stiffness=(joint.k_n_m_per_rad, float(np.hypot(joint.k_std, joint.k_std_model))),
+                damping=(joint.c_n_m_s_per_rad, joint.c_std),
+            )
+            for joint in result.joints
+        }
+        source = f"identified by {software} from session {session.header.session_id[:8]}"
+        text = arm_text_with(session.header.arm, values, source)
+    replace_text(path, text)
+
+
+@app.command("import")
+def import_command(
+    manifest: Annotated[Path, typer.Argument(help="Import manifest (TOML).")],
+    output: Annotated[Path, typer.Option("--out", help="Session file to write.")],
+    as_json: Json = False,
+) -> None:
+    """Make a session file of measurements from other programs.
+
+    Example: armodal import manifest.toml --out session.h5
+    """
+    say(f"reading {manifest}")
+    _, summary = import_manifest(manifest, output, software=SOFTWARE)
+    if as_json:
+        print_json(summary)
+        return
+    for posture in summary["postures"]:
+        what = f"{posture.get('frfs')} FRFs"
+        if "hits" in posture:
+            what = f"{posture['hits']} hits, {posture['accepted']} accepted"
+        out.print(f"{posture['posture']}: {what}")
+    for text in summary["warnings"]:
+        out.print(f"note: {text}")
+    out.print(f"session {output}")
+
+
+@app.command("export")
+def export_command(
+    session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+    output: Annotated[
+        Path | None, typer.Option("--out", help="File to write: .uff, .unv or .mat.")
+    ] = None,
+    modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
+    binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
+    model: Annotated[
+        Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Write FRFs, geometry, mode shapes and the identified model for other programs.
+
+    Example: armodal export session.h5 --out session.uff --model model.json
+    """
+    path = output or session.with_suffix(".uff")
+    _check_ending(path, _ENDINGS, "file")
+    check_output(path, session)
+    if model is not None:
+        _check_ending(model, _MODEL_ENDINGS, "model")
+        check_output(model, session, path)
+    measured = read_session(session)
+    result = None if model is None else identify(measured, say)
+    say("FRFs and modes" if modes else "FRFs")
+    summary = export_session(measured, path, modes=modes, binary=binary, software=SOFTWARE)
+    if model is not None and result is not None:
+        export_model(measured, result, model, software=SOFTWARE)
+    summary["model"] = None if model is None else str(model)
+    if model is not None and model.suffix.lower() == ".toml" and result and result.axes:
+        summary["warnings"].append(
+            f"{model.name}: an arm file has no place for the structural axis found; write the "
+            "model as .json to have it"
+        )
+    if as_json:
+        print_json(summary)
+        return
+    for file in summary["files"]:
+        out.print(f"{file['posture']}: {file['file']}")
+        for note in file["notes"]:
+            out.print(f"  note: {note}")
+    for text in summary["warnings"]:
+        out.print(f"note: {text}")
+    if model is not None:
+        out.print(f"model {model}")

@@ -1,0 +1,102 @@
+"""`armodal fit`: modes in every posture of a session."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from armodal.protocols.frf_records import FrfEstimator
+from armodal.protocols.session.hdf5 import read_session
+from armodal.tui.commands.fit_settings import FitSettings
+from armodal.tui.commands.fit_values import fit_values
+from armodal.tui.commands.options import SessionPath
+from armodal.tui.console import Json, out, print_json
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+
+@app.command()
+def fit(
+    session: SessionPath,
+    band: Annotated[
+        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
+    ] = None,
+    estimator: Annotated[
+        FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")
+    ] = None,
+    exponential_end: Annotated[
+        float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")
+    ] = None,
+    force_window: Annotated[
+        float | None, typer.Option(help="Seconds of the force kept from the trigger on.")
+    ] = None,
+    keep_hits: Annotated[
+        int | None, typer.Option(min=1, help="Hits averaged at most at a point.")
+    ] = None,
+    max_order: Annotated[
+        int, typer.Option(min=4, max=300, help="Highest order of the stabilisation.")
+    ] = 60,
+    as_json: Json = False,
+) -> None:
+    """Fit modes in every posture of a session.
+
+    Example: armodal fit session.h5 --band 3 400 --estimator hv --json
+    """
+    settings = FitSettings(
+        band_hz=band,
+        estimator=estimator,
+        exponential_end=exponential_end,
+        force_s=force_window,
+        keep_hits=keep_hits,
+        max_order=max_order,
+    )
+    value = fit_values(read_session(session), settings)
+    if as_json:
+        print_json(value)
+        return
+    out.print(_table(value))
+    for line in _lines(value):
+        out.print(line)
+    for note in value["warnings"]:
+        out.print(f"note: {note}")
+
+
+def _lines(value: dict[str, Any]) -> list[str]:
+    """What a person wants to know beside the table."""
+    lines = []
+    for posture, made in value["postures"].items():
+        error = 100.0 * value["synthesis_error"][posture]
+        lines.append(f"{posture}: synthesis error {error:.2g} %; {made['window']}")
+        lines += [
+            f"  hit {hit['hit']} left out, {hit['reason']}: {hit['note']}"
+            for hit in made["hits_dropped"]
+        ]
+        lines += [
+            f"  a mode may be missing near {hint['f_hz']:.4g} Hz: "
+            f"{100.0 * hint['misfit_share']:.2g} % of the FRFs there is not explained"
+            for hint in made["missing_mode_hints"]
+        ]
+    return lines
+
+
+def _table(value: dict[str, Any]) -> Table:
+    table = Table(title="Modes")
+    for column in ("posture", "f Hz", "±", "damping\n%", "±", "MPC", "joint\nshare", ""):
+        table.add_column(column, justify="right", no_wrap=True)
+    for mode in value["modes"]:
+        share = mode["joint_share"]
+        table.add_row(
+            mode["posture"],
+            f"{mode['f_hz']:.3f}",
+            f"{mode['f_std_hz']:.3f}",
+            f"{100 * mode['damping_ratio']:.3g}",
+            f"{100 * mode['damping_std']:.2g}",
+            f"{mode['mpc']:.3f}",
+            "-" if share is None else f"{share:.2f}",
+            "structural" if mode["structural"] else "",
+        )
+    return table

@@ -1,0 +1,161 @@
+"""`armodal gap`: of a session, or with a laboratory on the line."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from armodal.analyzer.gap.add import is_of_one_posture
+from armodal.analyzer.gap.workflow import GapOutcome, find_gap
+from armodal.analyzer.report import gap_page
+from armodal.hil_sim.study import LIBRARY, MAGNITUDES, make_case
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import SessionError
+from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.text_file import replace_text
+from armodal.study.closed_loop import run_loop
+from armodal.study.laboratory import SimulatedLaboratory
+from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
+from armodal.tui.commands.options import refuse_idle
+from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.output_file import check_output
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+# By parameter: what has a meaning only with a session, and only with --lab.
+_OF_SESSION = ("more", "arm")
+_OF_LAB = ("lab_arm", "hide", "magnitude", "seed", "budget", "folder")
+
+
+@app.command("gap")
+def gap_command(
+    context: typer.Context,
+    session: Annotated[Path | None, typer.Argument(help="Session file (.h5).")] = None,
+    more: Annotated[
+        list[Path] | None,
+        typer.Option("--with", help="A further test of the same arm; repeatable."),
+    ] = None,
+    arm: Annotated[
+        str | None,
+        typer.Option("--arm", help="Arm file, or a shipped arm, instead of the session's own."),
+    ] = None,
+    arm_out: Annotated[
+        Path | None,
+        typer.Option("--arm-out", help="New arm file with what was named, never replaced."),
+    ] = None,
+    html: Annotated[Path | None, typer.Option("--html", help="Page to write.")] = None,
+    lab: Annotated[
+        bool, typer.Option("--lab", help="Drive the simulated laboratory, next tests included.")
+    ] = False,
+    lab_arm: Annotated[str, typer.Option(help="Its arm: bench57, ur5 or rv4frl.")] = "bench57",
+    hide: Annotated[str | None, typer.Option(help="What it hides; drawn if not given.")] = None,
+    magnitude: Annotated[
+        str, typer.Option(help="clear, medium, faint, or a part of clear: 0.3.")
+    ] = "medium",
+    seed: Annotated[int, typer.Option(min=0, help="Of everything in it.")] = 1,
+    budget: Annotated[int, typer.Option(min=0, help="Further tests at most.")] = 2,
+    folder: Annotated[
+        Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
+    ] = Path("gap-lab"),
+    as_json: Json = False,
+) -> None:
+    """Find where model and measurement disagree, and name what is missing.
+
+    The result is kept beside the session, where `armodal report` finds it; the proposed next test
+    comes as a plan. With the new arm file as --arm, and another as --arm-out, it begins where it
+    ended: nothing more should be missing. With --lab it measures, judges and runs the
+    tests it proposes.
+
+    Example: armodal gap session.h5 --arm-out arm-with-axis.toml
+    """
+    if lab == (session is not None):
+        raise SessionError(
+            "wanted either a session or --lab, got "
+            f"{'both' if lab else 'neither'}; give one, such as `armodal gap demo/demo.h5`"
+        )
+    here, there = ("--lab", "a session") if lab else ("a session", "--lab")
+    refuse_idle(context, _OF_SESSION if lab else _OF_LAB, here=here, there=there)
+    check_arm_out(session, arm, arm_out)
+    read = [] if session is None else [session, *(more or ())]
+    for path in (html, arm_out):
+        if path is not None:
+            check_output(path, *read)
+    beside: dict[str, Any] = {}
+    if session is None:
+        session, outcome, beside = _with_laboratory(lab_arm, hide, magnitude, seed, budget, folder)
+        measured = read_session(session)
+    else:
+        measured = read_session(session)
+        if arm is not None:
+            measured = with_arm(measured, load_arm(arm))
+        further = [read_session(path) for path in more or ()]
+        outcome = find_gap(measured, more=further, tell=say)
+    written = keep_gap(measured, session, outcome, arm_out)
+    for effect in outcome.result.effects:
+        if "arm_file" in written and is_of_one_posture(effect):
+            say(f"{effect.title} ({effect.place}) is not in the arm file: no other session has it")
+    if html is not None:
+        replace_text(html, gap_page(outcome.result, session.name))
+    if as_json:
+        print_json(gap_json(outcome.result, written) | beside)
+        return
+    _print_result(outcome, beside)
+    for key, path in written.items():
+        out.print(f"{key} {path}")
+
+
+def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
+    result = outcome.result
+    for test in beside.get("tests", ()):
+        out.print(f"test {test['number']}: {test['words']}\n  {test['why']}")
+    out.print(result.summary)
+    out.print(f"where: {result.interface}")
+    for table in gap_tables(result):
+        out.print(table)
+    for effect in result.effects:
+        out.print(f"do now: {effect.remedy}")
+    if result.next_test is not None:
+        out.print(f"next test: {result.next_test.words}")
+        out.print(f"  it {result.next_test.why}")
+    for note in result.notes:
+        out.print(f"note: {note}")
+    if beside:
+        hidden = ", ".join(f"{e['name']} ({e['place']})" for e in beside["truth"]["effects"])
+        out.print(f"in truth: {hidden or 'nothing was hidden'}")
+
+
+def _with_laboratory(
+    arm: str, hide: str | None, magnitude: str, seed: int, budget: int, folder: Path
+) -> tuple[Path, GapOutcome, dict[str, Any]]:
+    kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
+    case = make_case(seed, arm, kind, _magnitude(magnitude), ladder=True)
+    say(f"truth sealed as {case.truth_sha256}")
+    loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=say)
+    truth = json.loads(case.open_truth())
+    beside = {
+        "tests": list(loop.tests),
+        "truth_sha256": case.truth_sha256,
+        "truth": {"verdict": truth["verdict"], "effects": truth["effects"]},
+    }
+    return loop.first_session, loop.outcome, beside
+
+
+def _magnitude(text: str) -> str | float:
+    """A magnitude's name, or a part of clear: more than clear is past what some effects can be."""
+    try:
+        part = float(text)
+    except ValueError:
+        part = math.nan
+    if text not in MAGNITUDES and not 0.0 < part <= 1.0:
+        raise SessionError(
+            f"--magnitude: wanted {', '.join(MAGNITUDES)}, or a number above 0 and at most 1 that "
+            f"is times clear, got {text!r}; give one of these"
+        )
+    return text if text in MAGNITUDES else part

@@ -1,0 +1,109 @@
+"""`armodal gap-study`: how often the gap workflow is right on sealed cases."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from armodal.hil_sim.study import LIBRARY, OUTSIDE, CaseSpec, draw_study
+from armodal.hil_sim.study.catalogue import FIRST
+from armodal.protocols.text_file import replace_text
+from armodal.study.curves import curve_rows, run_curves
+from armodal.study.page import study_page
+from armodal.study.run import run_study, seal_hashes
+from armodal.study.summary import study_summary
+from armodal.study.tables import study_tables
+from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.console import Json, out, print_json, say
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+
+@app.command("gap-study")
+def gap_study_command(
+    directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
+    seed: Annotated[int, typer.Option(min=0, help="Of the cases.")] = 1,
+    nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
+    effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
+    pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
+    outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
+    tests: Annotated[
+        int,
+        typer.Option(min=0, help="Further tests a case, or each fifth null, may ask for."),
+    ] = 0,
+    whole: Annotated[
+        bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
+    ] = False,
+    curves: Annotated[int, typer.Option(min=0, help="Clear cases measured again with less.")] = 0,
+    page: Annotated[
+        Path | None, typer.Option("--page", help="Markdown page of the tables to write.")
+    ] = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    as_json: Json = False,
+) -> None:
+    """Judge sealed cases and print how often the workflow was right.
+
+    A study that was stopped goes on where it was.
+
+    Example: armodal gap-study --out study --seed 1
+    """
+    specs = draw_study(
+        seed,
+        nulls=nulls,
+        effects=effects,
+        pairs=pairs,
+        outside=outside,
+        library=tuple(LIBRARY) if whole else FIRST,
+        ladder=whole,
+    )
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / f"study-{seed}.jsonl"
+
+    with worker_processes(workers) as executor:
+        hashes = seal_hashes(specs, executor)
+        for number, digest in hashes.items():
+            say(f"case {number}: truth sealed as {digest}")
+        lines = run_study(specs, hashes, path, executor, say, tests=tests)
+        clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
+        again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
+        learned = (
+            run_curves(again, hashes, directory / f"curves-{seed}.jsonl", executor, say)
+            if again
+            else []
+        )
+    summary = study_summary(lines)
+    rows = curve_rows(learned) if learned else []
+    tables = study_tables(summary, rows)
+    if page is not None:
+        replace_text(page, study_page(tables, _command(specs, seed, tests, curves, whole)))
+    if as_json:
+        print_json(summary | {"curves": rows, "file": str(path)})
+        return
+    for table in tables:
+        drawn = Table(*table.head, title=table.title, caption=table.note or None)
+        for row in table.rows:
+            drawn.add_row(*row)
+        out.print(drawn)
+    out.print(f"cases {path}")
+
+
+def _command(specs: Sequence[CaseSpec], seed: int, tests: int, curves: int, whole: bool) -> str:
+    """The command that makes a study's page again."""
+    outside = [s for s in specs if any(kind in OUTSIDE for kind in s.kinds)]
+    counts = {
+        "nulls": sum(not s.kinds for s in specs),
+        "effects": sum(len(s.kinds) == 1 for s in specs) - len(outside),
+        "pairs": sum(len(s.kinds) == 2 for s in specs),
+        "outside": len(outside),
+        "tests": tests,
+        "curves": curves,
+    }
+    words = [f"--{name} {n}" for name, n in counts.items() if n or name not in ("tests", "curves")]
+    words += ["--whole"] if whole else []
+    return f"armodal gap-study --out study --seed {seed} {' '.join(words)} --page PAGE"

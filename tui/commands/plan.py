@@ -1,0 +1,72 @@
+"""`armodal plan`: which postures, hits and points to measure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from armodal.analyzer.planning.beside import other_plan
+from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.plan_text import plan_text
+from armodal.analyzer.planning.selective import plan_tests
+from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.protocols.errors import PlanError
+from armodal.protocols.text_file import write_new_text
+from armodal.tui.commands.options import ArmName, Seed
+from armodal.tui.commands.plain_arm import plain_arm
+from armodal.tui.commands.plan_json import plan_json
+from armodal.tui.commands.plan_tables import plan_tables
+from armodal.tui.console import Json, out, print_json, progress
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+
+@app.command("plan")
+def plan_command(
+    arm: ArmName,
+    tests: Annotated[int, typer.Option(min=1, max=50, help="Tests wanted in all.")] = 6,
+    out_path: Annotated[
+        Path | None, typer.Option("--out", help="Plan file to write, never replaced.")
+    ] = None,
+    name: Annotated[str, typer.Option(help="Name of the plan in that file.")] = "selective",
+    floor: Annotated[float, typer.Option(help="Height of the floor, m in base.")] = 0.0,
+    base_radius: Annotated[float, typer.Option(min=0, help="Kept clear round the base, m.")] = 0.12,
+    beside: Annotated[
+        str | None,
+        typer.Option(help="Plan to compare with; else the arm's shipped plan, if it has one."),
+    ] = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Which postures, hits and points identify the joints: the fewest, then the most telling.
+
+    Example: armodal plan viper_s650 --out viper-plan.toml
+    """
+    the_arm = plain_arm(arm)
+    elastic = elastic_joints(the_arm)
+    other = other_plan(the_arm, elastic, beside)
+    found = plan_tests(
+        the_arm,
+        elastic,
+        np.random.default_rng(seed),
+        clearance=Clearance(floor_m=floor, base_radius_m=base_radius),
+        n_tests=tests,
+        progress=progress("search"),
+    )
+    if out_path is not None:
+        write_new_text(out_path, plan_text(found, name), error=PlanError)
+    if as_json:
+        print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
+        return
+    for table in plan_tables(found, other):
+        out.print(table)
+    if found.not_isolated:
+        names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
+        out.print(f"no test shows {names} alone: identify by the fit of all modes")
+    if out_path is not None:
+        out.print(f"plan {out_path}")

@@ -1,0 +1,119 @@
+"""`armodal reproduce`: the published figures of the three papers beside ours."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Annotated, Any
+
+import typer
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from armodal.analyzer.calibration.from_file import calibrate_from_file
+from armodal.analyzer.reproduce.file_000 import figures_000
+from armodal.analyzer.reproduce.file_001 import figures_001
+from armodal.analyzer.reproduce.file_002 import figures_002
+from armodal.analyzer.reproduce.records import Figure, Status
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
+from armodal.protocols.inertia_targets import load_inertia_targets
+from armodal.tui.console import Json, out, print_json, say
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+TARGETS = ARMS_DIRECTORY.parent / "targets"
+STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
+
+
+def reproduce_papers(n_postures: int, tell: Callable[[str], None]) -> list[Figure]:
+    """Compute every figure of the three papers on the shipped arms."""
+    calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
+    bare = load_arm(TARGETS / "viper_s650-uncalibrated.toml")
+    targets = load_inertia_targets(TARGETS / "viper_s650-without-table4.toml", bare)
+    tell("file 000: three joints and a structural compliance of the RV-4FRL")
+    figures = [*figures_000(load_arm("rv4frl"))]
+    tell("file 001: three joints of the Viper and its Mozzi axis")
+    figures += figures_001(predicting)
+    tell("the Viper's inertias from the figures of file 002")
+    calibration = calibrate_from_file(bare, targets)
+    tell(f"file 002: five joints of the Viper, {n_postures} postures")
+    return figures + figures_002(calibrated, predicting, calibration, n_postures=n_postures)
+
+
+def figure_json(figure: Figure) -> dict[str, Any]:
+    """One figure as plain values."""
+    return {
+        "paper": figure.paper,
+        "table": figure.table,
+        "item": figure.item,
+        "unit": figure.unit,
+        "published": figure.published,
+        "ours": figure.ours,
+        "ours_std": figure.ours_std,
+        "margin": figure.margin,
+        "status": figure.status.value,
+        "why": figure.why,
+    }
+
+
+def figure_tables(figures: list[Figure]) -> list[Table | Text]:
+    """One table a paper with its reasons beneath, and how many figures have which status."""
+    shown: list[Table | Text] = []
+    for paper in sorted({figure.paper for figure in figures}):
+        table = Table(title=f"File {paper}", box=box.SIMPLE, padding=0, expand=True)
+        table.add_column("figure", ratio=1)
+        for column in ("published", "ours", "margin"):
+            table.add_column(column, justify="right", no_wrap=True)
+        table.add_column("status", no_wrap=True)
+        notes = Text()
+        for figure in figures:
+            if figure.paper != paper:
+                continue
+            unit = f", {figure.unit}" if figure.unit not in {"", "yes/no"} else ""
+            table.add_row(
+                f"{figure.table}: {figure.item}{unit}",
+                _shown(figure.published),
+                _shown(figure.ours)
+                + ("" if figure.ours_std is None else f" ± {figure.ours_std:.2g}"),
+                "" if figure.margin is None else f"{figure.margin:.3g}",
+                figure.status.value,
+                style=STYLES.get(figure.status),
+            )
+            if figure.margin is None or figure.status is Status.DIFFERS:
+                notes.append(f"{figure.table}: {figure.item}: {figure.why}\n", style="dim")
+        shown += [table, notes]
+    counts = Table(title="All figures", box=box.SIMPLE)
+    counts.add_column("status")
+    counts.add_column("number", justify="right")
+    for status, number in Counter(figure.status for figure in figures).most_common():
+        counts.add_row(status.value, str(number))
+    return [*shown, counts]
+
+
+def _shown(value: float | bool | str | None) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+@app.command("reproduce")
+def reproduce_command(
+    postures: Annotated[int, typer.Option(min=1000, max=100_000_000)] = 1_000_000,
+    as_json: Json = False,
+) -> None:
+    """Every published figure of the three papers beside ours, with margin and status.
+
+    Example: armodal reproduce --json
+    """
+    figures = reproduce_papers(postures, say)
+    if as_json:
+        rows: list[dict[str, Any]] = [figure_json(figure) for figure in figures]
+        print_json({"figures": rows})
+        return
+    for table in figure_tables(figures):
+        out.print(table)

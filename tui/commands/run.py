@@ -1,0 +1,108 @@
+"""`armodal run`: the operator's app."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import SessionError
+from armodal.protocols.plan import load_plan
+from armodal.tui.commands.software import SOFTWARE
+from armodal.tui.console import TimeScale
+from armodal.tui.screens.run.app import RunApp
+from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.place import find_place
+
+__all__ = ["app", "run_app"]
+
+app = typer.Typer(add_completion=False)
+
+SIMULATED_PLAN = "rv4frl-three-postures"
+
+
+def run_app(
+    *,
+    plan: str | None,
+    arm: str | Arm,
+    session: Path,
+    simulated: bool,
+    board: str = "",
+    can: str = "",
+    baud: int = 921_600,
+    seed: int = 1,
+    time_scale: float = 1.0,
+    input_range_v: float | None = None,
+) -> int:
+    """Run the app to its end; return the exit code.
+
+    Raises
+    ------
+    ArmodalError
+        If arm, plan, an existing journal or the input range cannot be used.
+    """
+    if input_range_v is not None and not 0.0 < input_range_v < math.inf:
+        raise SessionError(
+            "--input-range: wanted the largest input voltage of the board in V, above 0, got "
+            f"{input_range_v:g}; its data sheet tells it"
+        )
+    the_arm = load_arm(arm) if isinstance(arm, str) else arm
+    if plan is None and not session.exists() and simulated:
+        plan = SIMULATED_PLAN
+    place = find_place(session, the_arm, None if plan is None else load_plan(plan, the_arm))
+    options = RunOptions(
+        place=place,
+        board=board,
+        can=can,
+        baud=baud,
+        input_range_v=input_range_v,
+        simulated=simulated,
+        seed=seed,
+        time_scale=time_scale,
+        software=SOFTWARE,
+    )
+    app = RunApp(options)
+    app.run()
+    return app.return_code or 0
+
+
+@app.command("run")
+def run_command(
+    plan: Annotated[str | None, typer.Argument(help="Plan file or shipped plan.")] = None,
+    simulated: Annotated[bool, typer.Option("--sim", help="In the simulated laboratory.")] = False,
+    session: Annotated[
+        Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
+    ] = Path("session.journal"),
+    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
+    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
+    baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    input_range: Annotated[
+        float | None,
+        typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
+    ] = None,
+    time_scale: TimeScale = 1.0,
+    seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+) -> None:
+    """Guide the operator through a session, on screens that read from two metres.
+
+    Example: armodal run --sim
+    """
+    raise typer.Exit(
+        run_app(
+            plan=plan,
+            arm=arm,
+            session=session,
+            board=board,
+            can=can,
+            baud=baud,
+            simulated=simulated,
+            input_range_v=input_range,
+            seed=seed,
+            time_scale=time_scale,
+        )
+    )

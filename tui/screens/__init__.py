@@ -1,0 +1,1 @@
+"""The two apps of the terminal: `run` guides a session, `review` shows one."""

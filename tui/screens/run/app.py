@@ -1,0 +1,252 @@
+"""The operator's app: keys to wishes, state to screens."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import ClassVar
+
+from textual import events
+from textual.app import App
+from textual.binding import Binding, BindingType
+from textual.worker import Worker
+
+from armodal.daq.events import (
+    Failed,
+    Finished,
+    HitJudged,
+    HitWithdrawn,
+    Noted,
+    Prompted,
+    SessionOpened,
+)
+from armodal.daq.session_machine import PromptKind
+from armodal.tui.screens.run.ask_mass import MassScreen
+from armodal.tui.screens.run.collector import CalmCollector
+from armodal.tui.screens.run.conductor import CONFIRMED, Conductor, RunOptions
+from armodal.tui.screens.run.happenings import HandIdle, Happening, SensorsConfirmed
+from armodal.tui.screens.run.help import HelpScreen
+from armodal.tui.screens.run.keys import ACTIONS, works
+from armodal.tui.screens.run.state import Phase, RunState, Step
+from armodal.tui.screens.run.steps.hit import HitScreen
+from armodal.tui.screens.run.steps.lab import LabScreen
+from armodal.tui.screens.run.steps.point import PointScreen
+from armodal.tui.screens.run.steps.posture import PostureScreen
+from armodal.tui.screens.run.steps.progress import ProgressScreen
+from armodal.tui.screens.run.steps.step import StepScreen
+
+__all__ = ["RunApp"]
+
+REDRAW_WALL_S = 0.08  # the live views are to come ten times a second, under load too
+SEEN_AT_ONCE = (HitJudged, HitWithdrawn, Prompted, Failed, Finished, SensorsConfirmed)
+
+
+class RunApp(App[int]):
+    """Guide the operator from the laboratory through postures, points and hits.
+
+    Parameters
+    ----------
+    options
+        Ports, session, simulation.
+    clock
+        Wall seconds; passed in by tests.
+    """
+
+    TITLE = "armodal run"
+    CSS_PATH = "run.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter", "go_on", "Go on", priority=True),
+        Binding("h", "hand", "Hand"),
+        Binding("s", "simulate", "Simulate"),
+        Binding("a", "take_trigger", "Trigger"),
+        Binding("c", "mass", "Mass"),
+        Binding("t", "retake", "Retake"),
+        Binding("k", "skip", "Skip"),
+        Binding("u", "undo", "Undo"),
+        Binding("g", "progress", "Grid"),
+        Binding("r", "again", "Try again"),
+        Binding("b", "ring", "Bell"),
+        Binding("question_mark,f1", "help", "Help"),
+        Binding("q", "leave", "Leave"),
+        Binding("ctrl+q", "leave", "Leave", show=False),
+    ]
+
+    def __init__(self, options: RunOptions, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__()
+        self.conductor = Conductor(options, self._changed, clock)
+        self._clock = clock
+        self._collector = CalmCollector()
+        self._steps: dict[Step, StepScreen] = {}
+        self._overview = False  # the operator looks at the progress
+        self._bell = False
+        self._stale = True
+        self._deriving: Worker[None] | None = None
+        self._offered: tuple[bool, ...] = ()
+
+    @property
+    def state(self) -> RunState:
+        """What the screens show."""
+        return self.conductor.state
+
+    async def on_mount(self) -> None:
+        """Show the laboratory, and begin."""
+        self._steps = {
+            Step.LAB: LabScreen(),
+            Step.POSTURE: PostureScreen(),
+            Step.POINT: PointScreen(),
+            Step.HIT: HitScreen(),
+            Step.PROGRESS: ProgressScreen(),
+        }
+        for step, screen in self._steps.items():
+            self.install_screen(screen, step.value)  # kept when another one is shown
+        # The screen that says how the session ended is ready when it ends.
+        await self.push_screen(self._steps[Step.PROGRESS])
+        await self.switch_screen(self._steps[Step.LAB])
+        self.set_interval(REDRAW_WALL_S, self._tick)
+        self.run_worker(self.conductor.start())
+
+    def on_unmount(self) -> None:
+        """Hang up; what still runs finishes by itself."""
+        self.conductor.close()
+        self._collector.end()
+
+    def _changed(self, event: Happening) -> None:
+        self._stale = True
+        if isinstance(event, HitJudged):
+            self._collector.verdict_came(self._clock())
+            if self._bell:
+                self.bell()
+        if isinstance(event, HandIdle) and event.trouble:
+            self.notify(event.trouble, severity="error", markup=False)
+        if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
+            self.notify(event.text, severity="warning", markup=False)
+        if isinstance(event, HitJudged | Failed):
+            self._overview = False
+            if self.screen_stack and isinstance(self.screen, HelpScreen):
+                self.pop_screen()  # the verdict lies beneath
+        if isinstance(event, SessionOpened):
+            self._collector.begin(self._clock())
+        if isinstance(event, Prompted) and event.prompt.kind is not PromptKind.HIT:
+            self._collector.pause_came(self._clock())
+        if isinstance(event, Finished) and self.state.phase is Phase.ENDED:
+            self._deriving = self.run_worker(self._derive())
+        if isinstance(event, SEEN_AT_ONCE):
+            self.redraw()
+
+    async def _derive(self) -> None:
+        """Derive the session file, once the screen has said how the session ended."""
+        for _ in range(2):  # a screen shown for the first time is composed, and then drawn
+            await self.screen.wait_for_refresh()
+        await self.conductor.derive()
+
+    def _tick(self) -> None:
+        self.conductor.tick()
+        self.redraw()
+        self._collector.turn(self._clock())
+
+    def redraw(self) -> None:
+        """Show the screen the state asks for, if it has changed."""
+        if not self._steps or not self.screen_stack or not isinstance(self.screen, StepScreen):
+            return
+        wanted = self._steps[self._step]
+        if self.screen is not wanted:
+            self.switch_screen(wanted)
+            wanted.show(self.state)
+        elif self._stale:
+            wanted.show(self.state)
+        self._stale = False
+        offered = tuple(works(name, self.state, overview=self._overview) for name in ACTIONS)
+        if offered != self._offered:
+            self._offered = offered
+            self.refresh_bindings()
+
+    @property
+    def _step(self) -> Step:
+        stopped = self.state.phase in {Phase.FAILED, Phase.ENDED}
+        return Step.PROGRESS if self._overview or stopped else self.state.step
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Offer only the keys that do something now."""
+        del parameters
+        if action in ACTIONS and not isinstance(self.screen, StepScreen):
+            return False  # a dialogue has the keys
+        return works(action, self.state, overview=self._overview)
+
+    async def on_key(self, event: events.Key) -> None:
+        """Take digits: the ports of the list."""
+        if event.key.isdigit():
+            self.conductor.choose_port(int(event.key))
+
+    async def action_go_on(self) -> None:
+        """Enter: what it means is said on the screen."""
+        progress = self._steps.get(Step.PROGRESS)
+        if self._overview and isinstance(progress, ProgressScreen):
+            place = progress.chosen
+            self._overview = False
+            if place is not None and place != self.state.here:
+                self.conductor.retake(place)
+            self.redraw()
+        else:
+            self.run_worker(self.conductor.go_on())
+
+    def action_hand(self) -> None:
+        """Have the simulated hand do what is asked."""
+        self.conductor.hand()
+
+    def action_simulate(self) -> None:
+        """Start the simulated laboratory."""
+        self.run_worker(self.conductor.simulate())
+
+    def action_take_trigger(self) -> None:
+        """Take the trigger level that the trial hits suggest."""
+        self.conductor.take_trigger()
+
+    def action_mass(self) -> None:
+        """Calibrate on a known mass, or be done with it."""
+        if self.state.mass_kg is not None:
+            self.conductor.choose_mass(None)
+        else:
+            self.push_screen(MassScreen(), self.conductor.choose_mass)
+
+    def action_retake(self) -> None:
+        """Begin the point in hand anew."""
+        self.conductor.retake()
+
+    def action_skip(self) -> None:
+        """Leave the point in hand."""
+        self.conductor.skip()
+
+    def action_undo(self) -> None:
+        """Take the last accepted hit back."""
+        self.conductor.undo()
+
+    def action_progress(self) -> None:
+        """Look at the progress, and back."""
+        self._overview = not self._overview
+        self._stale = True
+        self.redraw()
+
+    def action_again(self) -> None:
+        """Go on after a stop."""
+        self.run_worker(self.conductor.again())
+
+    def action_ring(self) -> None:
+        """Ring at every verdict, or no more."""
+        self._bell = not self._bell
+        self.notify("The bell rings at every verdict." if self._bell else "The bell is off.")
+
+    def action_help(self) -> None:
+        """Show what the keys do."""
+        self.push_screen(HelpScreen())
+
+    async def action_leave(self) -> None:
+        """Leave; what was accepted is in the journal, and the session can be gone on with."""
+        self.notify("Leaving: the journal is being closed, the session file written.")
+        self.run_worker(self._leave(), group="leave", exclusive=True)
+
+    async def _leave(self) -> None:
+        """Leave once all is written; the screen says meanwhile what is under way."""
+        await self.conductor.leave()
+        if self._deriving is not None:
+            await self._deriving.wait()
+        self.exit(0)

@@ -1,0 +1,96 @@
+"""The simulated operator, moved by a key: it does what is asked, in a thread of its own."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+
+from armodal.daq.geometry import hit_direction
+from armodal.daq.session_machine import Prompt, PromptKind
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmodalError
+from armodal.protocols.plan_records import Mode, Plan
+from armodal.tui.operators import ScriptedOperator
+from armodal.tui.screens.run.happenings import HandAtWork, HandIdle
+
+__all__ = ["SimulatedHand", "request_for", "trial_request"]
+
+Request = dict[str, object]
+DEG = 57.29577951308232
+
+
+def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
+    """Return what the hand has to do for a prompt, and in words; None when done."""
+    posture = prompt.posture
+    if posture is None:
+        return None
+    if prompt.kind is PromptKind.POSTURE:
+        degrees = [float(x) * DEG for x in posture.joints_rad]
+        return (
+            {"do": "posture", "name": posture.name, "joints_deg": degrees},
+            f"moves the arm to {posture.name}",
+        )
+    if prompt.kind is PromptKind.POINT:
+        return (
+            {"do": "mount", "point": prompt.sensor_point},
+            f"mounts the sensor at {prompt.sensor_point}",
+        )
+    direction = [float(x) for x in hit_direction(arm, posture, prompt.hit_point)]
+    request: Request = {"do": "hit", "point": prompt.hit_point, "direction": direction}
+    peak_n = posture.peak_wanted_n(prompt.accepted)
+    if peak_n is not None:
+        request["peak_n"] = peak_n
+    return request, f"hits point {prompt.hit_point}"
+
+
+def trial_request(arm: Arm, plan: Plan, mass_kg: float | None) -> tuple[Request, str]:
+    """Return a hit for trial: on a known mass, or where the first posture's hits will be."""
+    if mass_kg is not None:
+        return {"do": "hit-mass", "mass_kg": mass_kg}, "hits the known mass"
+    posture = plan.postures[0]
+    roving = plan.mode is Mode.ROVING_RESPONSE
+    point = plan.fixed_point if roving else posture.points[0]
+    direction = [float(x) for x in hit_direction(arm, posture, point)]
+    return {"do": "hit", "point": point, "direction": direction}, "hits for trial"
+
+
+class SimulatedHand:
+    """Does one thing after the other; says when it begins and when it is done.
+
+    Parameters
+    ----------
+    operator
+        The laboratory's operator.
+    tell
+        Called from the hand's own thread.
+    """
+
+    def __init__(
+        self, operator: ScriptedOperator, tell: Callable[[HandAtWork | HandIdle], None]
+    ) -> None:
+        self._operator = operator
+        self._tell = tell
+        self._wanted: queue.SimpleQueue[tuple[Request, str] | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._work, name="hand", daemon=True)
+        self._thread.start()
+
+    def do(self, request: Request, words: str) -> None:
+        """Have something done; returns at once."""
+        self._wanted.put((request, words))
+
+    def close(self) -> None:
+        """Send the hand home; what it does is not waited for."""
+        self._wanted.put(None)
+        self._operator.close()
+
+    def _work(self) -> None:
+        while (wanted := self._wanted.get()) is not None:
+            request, words = wanted
+            self._tell(HandAtWork(doing=words))
+            try:
+                self._operator.ask(request)
+            except (ArmodalError, OSError, ValueError) as error:
+                self._tell(HandIdle(trouble=str(error)))
+            else:
+                self._tell(HandIdle())

@@ -1,0 +1,227 @@
+"""Pictures beside the words: the arm with its point, live levels, last pulse, FRF."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from rich.text import Text
+
+from armodal.daq.geometry import hit_direction
+from armodal.protocols.plan_records import Mode
+from armodal.tui.drawing import (
+    Camera,
+    Canvas,
+    Scale,
+    Series,
+    arm_wireframe,
+    draw_hit,
+    draw_points,
+    draw_triad,
+    linear_scale,
+    log_scale,
+    plot,
+)
+from armodal.tui.screens.run.measured import PointFrf, active_channels, last_pulse, point_frf
+from armodal.tui.screens.run.state import RunState
+
+__all__ = ["HitPictures", "live_picture", "point_picture"]
+
+Array = npt.NDArray[np.float64]
+
+LEAST_COLUMNS, LEAST_ROWS = 16, 4
+FROM_THE_SIDE_RAD = np.deg2rad(35.0)  # the eye stands beside the surface's normal, not on it
+TRIAD_SHARE, HIT_SHARE = 0.22, 0.3  # of the arm's reach
+LIVE_S = 4.0  # wall seconds of the live view
+QUIET_N, QUIET_M_S2 = 20.0, 1.0  # least height of the live views, so that noise stays small
+LEAST_SHOWN_DB = -60.0
+
+
+def point_picture(state: RunState, columns: int, rows: int, *, turned_rad: float = 0.0) -> Text:
+    """Return the arm as it stands, the point to go to, the sensor's axes and the hit."""
+    prompt = state.prompt
+    if prompt is None or prompt.posture is None or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
+        return Text("")
+    reading = state.joints
+    known = reading is not None and reading.joints_rad is not None
+    joints_rad = prompt.posture.joints_rad
+    if reading is not None and reading.joints_rad is not None:
+        joints_rad = reading.joints_rad
+    wire = arm_wireframe(state.arm, np.round(joints_rad, 3))
+    roving_hammer = state.plan.mode is Mode.ROVING_HAMMER
+    sensor = wire.point(prompt.sensor_point)
+    wanted = wire.point(prompt.hit_point if roving_hammer else prompt.sensor_point)
+    normal = wire.point_rotation[wanted, :, 2]
+    camera = Camera.around(wire.everything_m())
+    side = float(np.arctan2(normal[1], normal[0])) + FROM_THE_SIDE_RAD
+    camera = camera.turned(side - camera.azimuth_rad + turned_rad)
+    canvas = Canvas(columns, rows)
+    wire.draw(canvas, camera, "" if known else "dim")
+    draw_points(canvas, camera, wire, "dim")
+    draw_triad(
+        canvas,
+        camera,
+        wire.point_m[sensor],
+        wire.point_rotation[sensor],
+        TRIAD_SHARE * wire.reach_m,
+        styles=("bold bright_red", "bold bright_green", "bold bright_blue"),
+    )
+    hit = wire.point(prompt.hit_point)
+    direction = hit_direction(state.arm, prompt.posture, prompt.hit_point)
+    draw_hit(
+        canvas,
+        camera,
+        wire.point_m[hit],
+        direction,
+        HIT_SHARE * wire.reach_m,
+        "bold bright_magenta",
+    )
+    at = camera.project(wire.point_m[[wanted]], canvas.width, canvas.height)
+    canvas.mark(at, f"◉ {wire.point_ids[wanted]}", "bold bright_yellow")
+    name = "the arm as it stands" if known else "POSTURE UNKNOWN: drawn as planned"
+    canvas.label(1, 0, name, "dim" if known else "bold bright_red")
+    canvas.label(1, rows - 1, "◉ point  x y z sensor  ▪→ hammer", "dim")
+    return canvas.text()
+
+
+def live_picture(state: RunState, columns: int, rows: int, quantity: str) -> Text:
+    """Return the last seconds of a quantity, as its envelope: no sample hides between pixels.
+
+    Parameters
+    ----------
+    quantity
+        "force", or "acceleration", of which all axes are drawn in one envelope.
+    """
+    channels = active_channels(state)
+    which = [i for i, channel in enumerate(channels) if channel.quantity == quantity]
+    if not which or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
+        return Text("")
+    if not state.previews:
+        return Text().append(f"{quantity}: no samples come", style="bold bright_yellow")
+    scale = np.array([channels[i].scale for i in which])
+    lowest = np.concatenate([p.lowest[:, which] for p in state.previews]) * scale
+    highest = np.concatenate([p.highest[:, which] for p in state.previews]) * scale
+    middle = np.median((lowest + highest) / 2.0, axis=0)
+    low = (np.minimum(lowest, highest) - middle).min(axis=1)
+    high = (np.maximum(lowest, highest) - middle).max(axis=1)
+    rate_hz = float(state.plan.sampling.rate_hz) * state.time_scale
+    ends = np.concatenate(
+        [
+            p.first_sample + p.n_samples * np.arange(1, len(p.lowest) + 1) / len(p.lowest)
+            for p in state.previews
+        ]
+    )
+    seconds = (ends - ends[-1]) / rate_hz
+    quiet, unit = (QUIET_N, "N") if quantity == "force" else (QUIET_M_S2, "m/s²")
+    picture = plot(
+        columns,
+        rows,
+        [Series(x=np.repeat(seconds, 2), y=np.stack([low, high], axis=1).ravel(), style="cyan")],
+        x=Scale(low=-LIVE_S, high=0.0),
+        y=linear_scale(low, high, least_span=quiet),
+        title=f"{quantity}, live ({unit})",
+        x_axis=rows >= 7,
+        x_name="s",
+    )
+    return picture.text()
+
+
+class HitPictures:
+    """Pictures of what was measured, computed anew only when a hit has come or gone."""
+
+    def __init__(self) -> None:
+        self._pulse: tuple[object, Text] = (None, Text(""))
+        self._frf: tuple[object, Text] = (None, Text(""))
+        self._estimate: tuple[object, PointFrf | None] = (None, None)
+
+    def pulse(self, state: RunState, columns: int, rows: int) -> Text:
+        """Return the last pulse above its spectrum."""
+        judged = state.last_hit
+        if judged is None or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
+            return Text("")
+        key = (judged.hit.number, columns, rows)
+        if self._pulse[0] != key:
+            self._pulse = (key, _pulse_text(state, columns, rows))
+        return self._pulse[1]
+
+    def frf(self, state: RunState, columns: int, rows: int, here: tuple[str, str] | None) -> Text:
+        """Return the FRF so far above its coherence, of one point of one posture."""
+        judged = state.last_hit
+        if judged is None or here is None or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
+            return Text("")
+        made_of = (here, len(state.hits), len(state.withdrawn))
+        if self._estimate[0] != made_of:
+            self._estimate = (made_of, point_frf(state, here))
+        key = (*made_of, columns, rows)
+        if self._frf[0] != key:
+            self._frf = (key, _frf_text(self._estimate[1], here[1], columns, rows))
+        return self._frf[1]
+
+
+def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
+    judged = state.last_hit
+    pulse = None if judged is None else last_pulse(state, judged.hit)
+    if pulse is None:
+        return Text().append("the last record has no pulse to show", style="dim")
+    upper = rows - rows // 2 if rows >= 2 * LEAST_ROWS else rows
+    title = f"last pulse (N), hit {judged.hit.number}" if judged is not None else ""
+    picture = plot(
+        columns,
+        upper,
+        [Series(x=pulse.time_ms, y=pulse.force_n, style="bold cyan")],
+        x=linear_scale(pulse.time_ms),
+        y=linear_scale(pulse.force_n, floor=0.0),
+        title=title,
+        x_name="ms",
+        x_axis=upper >= 5,
+    ).text()
+    if rows - upper < LEAST_ROWS:
+        return picture
+    spectrum = plot(
+        columns,
+        rows - upper,
+        [Series(x=pulse.freq_hz, y=pulse.spectrum_db, style="cyan")],
+        x=linear_scale(pulse.freq_hz, floor=0.0),
+        y=Scale(low=LEAST_SHOWN_DB, high=0.0),
+        title="its spectrum (dB)",
+        x_name="Hz",
+        x_axis=rows - upper >= 5,
+    ).text()
+    return Text("\n").join([picture, spectrum])
+
+
+def _frf_text(found: PointFrf | None, point: str, columns: int, rows: int) -> Text:
+    if found is None:
+        return Text().append(f"FRF of point {point}: no accepted hit yet", style="dim")
+    lower = max(rows // 3, LEAST_ROWS) if rows >= 2 * LEAST_ROWS else 0
+    hits = "1 hit" if found.n_hits == 1 else f"{found.n_hits} hits"
+    magnitude = 10.0 ** (found.magnitude_db / 20.0)
+    styles = ("bright_red", "bright_green", "bright_blue")
+    x = Scale(low=float(found.freq_hz[0]), high=float(found.freq_hz[-1]), log=True)
+    upper_plot = plot(
+        columns,
+        rows - lower,
+        [
+            Series(x=found.freq_hz, y=values, style=styles[i % len(styles)])
+            for i, values in enumerate(magnitude)
+        ],
+        x=x,
+        y=log_scale(magnitude, most_decades=4.0),
+        title=f"FRF of point {point}, {hits}, x y z (m/s²/N)",
+        x_name="Hz",
+        x_axis=not lower,
+    ).text()
+    if not lower:
+        return upper_plot
+    if found.coherence is None:
+        words = Text().append("\ncoherence needs a second hit", style="dim")
+        return Text.assemble(upper_plot, words)
+    coherence = plot(
+        columns,
+        lower,
+        [Series(x=found.freq_hz, y=found.coherence, style="bold")],
+        x=x,
+        y=Scale(low=0.0, high=1.0),
+        title="coherence, the lowest of the axes",
+        x_name="Hz",
+    ).text()
+    return Text("\n").join([upper_plot, coherence])
