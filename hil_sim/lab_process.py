@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Generic
@@ -28,6 +29,7 @@ from armodal.hil_sim.operator import Operator, Swing, Workplace
 from armodal.hil_sim.operator_socket import OperatorSocket, check_free
 from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.pty_port import PtyPort
+from armodal.hil_sim.streams import stream
 
 __all__ = ["LEDGER_NAME", "SOCKET_NAME", "ArmInCell", "LabOptions", "LabProcess"]
 
@@ -80,8 +82,7 @@ class LabProcess(Generic[BlowT]):
 
     def _build(self, arm: ArmInCell[BlowT], options: LabOptions, keep: ExitStack) -> None:
         plant = arm.plant
-        seeds = np.random.SeedSequence(options.seed).spawn(4)
-        board_rng, garbage_rng, can_rng, operator_rng = (np.random.default_rng(s) for s in seeds)
+        streams = partial(stream, options.seed)
         clock = LabClock(scale=options.time_scale)
         faults = FaultSet(options.faults)
         self._clock = clock
@@ -107,12 +108,14 @@ class LabProcess(Generic[BlowT]):
         )
         firmware = BoardFirmware(
             board_dictionary(plant.truth, tick_hz=device_clock.tick_hz),
-            session=int(board_rng.integers(1, 1 << 32)),
+            session=int(streams("board session").integers(1, 1 << 32)),
             clock=device_clock,
             converter=Converter(start=self._start, stop=cell.stop_sampling, read=cell.read),
         )
-        self.board = Board(firmware, board_port, faults=faults, rng=garbage_rng)
-        self.controller = Controller(cell, can_port, clock=clock, faults=faults, rng=can_rng)
+        self.board = Board(firmware, board_port, faults=faults, streams=partial(streams, "board"))
+        self.controller = Controller(
+            cell, can_port, clock=clock, faults=faults, streams=partial(streams, "controller")
+        )
         workplace = Workplace(
             cell=cell,
             move_to=self.controller.move_to,
@@ -127,7 +130,7 @@ class LabProcess(Generic[BlowT]):
             mounted=arm.mounted,
             swing_at_mass=arm.swing_at_mass,
         )
-        operator = Operator(workplace, clock=clock, rng=operator_rng)
+        operator = Operator(workplace, clock=clock, streams=partial(streams, "operator"))
         self.operator = OperatorSocket(options.directory / SOCKET_NAME, operator.begin, clock=clock)
         keep.callback(self.operator.close)
         keep.callback(self._note_end)
