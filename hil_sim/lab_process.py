@@ -7,7 +7,7 @@ import select
 import signal
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -89,17 +89,18 @@ class LabProcess(Generic[BlowT]):
         self._input_range_v = plant.truth.board.range_v
         check_free(options.directory / SOCKET_NAME)
         self.ledger_path = options.directory / LEDGER_NAME
-        self._ledger = keep.enter_context(
-            LedgerWriter(self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale)
+        self._ledger = LedgerWriter(
+            self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale
         )
+        keep.callback(self._ledger.close)
         cell = Cell(
             arm.make_source,
             joints_rad=np.zeros(len(plant.joints)),
             point=next(iter(plant.points)),
         )
         self._cell = cell
-        board_port = keep.enter_context(PtyPort())
-        can_port = keep.enter_context(PtyPort())
+        board_port = keep.enter_context(closing(PtyPort()))
+        can_port = keep.enter_context(closing(PtyPort()))
         device_clock = DeviceClock(
             lab=clock,
             boot_s=clock.now_s(),
