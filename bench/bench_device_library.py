@@ -22,8 +22,10 @@ import statistics
 import sys
 import tempfile
 import time
+from contextlib import closing
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,7 @@ from armodal.hil_sim.clock import DeviceClock, LabClock
 from armodal.hil_sim.faults import FaultSet
 from armodal.hil_sim.lab_process import TICK_S
 from armodal.hil_sim.pty_port import PtyPort
+from armodal.hil_sim.streams import stream
 from armodal.protocols.board import (
     BoardDictionary,
     BoardStatus,
@@ -227,8 +230,8 @@ def run_board(pipe: Connection, seconds: float) -> None:
         clock=DeviceClock(lab=clock, boot_s=clock.now_s()),
         converter=Converter(start=lambda _rate: None, stop=lambda: None, read=source.read),
     )
-    with PtyPort() as port:
-        board = Board(firmware, port, faults=FaultSet(), rng=np.random.default_rng(2))
+    with closing(PtyPort()) as port:
+        board = Board(firmware, port, faults=FaultSet(), streams=partial(stream, 2))
 
         def turn() -> None:
             writers = [port.fileno()] if board.wants_write else []

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -12,8 +14,10 @@ import numpy.typing as npt
 from armodal.hil_sim.hand import Blow, blow, hand_at
 from armodal.hil_sim.lab_process import ArmInCell
 from armodal.hil_sim.plant import Plant
+from armodal.hil_sim.plant_file import HandTruth
 from armodal.hil_sim.small_motion import Mounting
 from armodal.hil_sim.source import SensorSource, draw_mounting
+from armodal.hil_sim.streams import Streams, stream
 
 __all__ = ["arm_in_cell"]
 
@@ -21,14 +25,16 @@ __all__ = ["arm_in_cell"]
 class _Hands:
     """What people do to the arm: they mount the sensor, crookedly, and hit, not quite there."""
 
-    def __init__(self, plant: Plant, seed: int) -> None:
+    def __init__(self, plant: Plant, streams: Streams) -> None:
         self._plant = plant
-        streams = np.random.SeedSequence([seed, 1]).spawn(3)
-        self._mounts, self._swings, self._noise = (np.random.default_rng(s) for s in streams)
+        self._streams = streams
+        self._mounts = streams("mounts")
+        self._swings, self._starts = itertools.count(), itertools.count()
         self._mounting: Mounting | None = None
 
     def make_source(self, rate_hz: Fraction) -> SensorSource:
-        return SensorSource(self._plant, rate_hz, self._noise, mount=self._mount)
+        streams = partial(self._streams, "source", next(self._starts))
+        return SensorSource(self._plant, rate_hz, streams, mount=self._mount)
 
     def _mount(self, point_id: str) -> Mounting:
         # A sensor that stays where it is keeps its tilt, also when the board starts again.
@@ -39,13 +45,15 @@ class _Hands:
     def swing(
         self, point_id: str, direction: npt.NDArray[np.float64], peak_n: float | None
     ) -> tuple[Blow, dict[str, object]]:
-        hand = hand_at(self._plant.truth.hand, peak_n)
-        return self._told(blow(hand, self._swings, point_id, direction))
+        return self._told(self._blow(hand_at(self._plant.truth.hand, peak_n), point_id, direction))
 
     def swing_at_mass(self, mass_kg: float) -> tuple[Blow, dict[str, object]]:
         any_point = next(iter(self._plant.points))
-        swung = blow(self._plant.truth.hand, self._swings, any_point, [0.0, 0.0, 1.0])
+        swung = self._blow(self._plant.truth.hand, any_point, [0.0, 0.0, 1.0])
         return self._told(replace(swung, free_mass_kg=mass_kg))
+
+    def _blow(self, hand: HandTruth, point_id: str, direction: npt.ArrayLike) -> Blow:
+        return blow(hand, self._streams("swing", next(self._swings)), point_id, direction)
 
     def _told(self, landed: Blow) -> tuple[Blow, dict[str, object]]:
         facts: dict[str, object] = {
@@ -67,7 +75,7 @@ class _Hands:
 
 def arm_in_cell(plant: Plant, *, seed: int) -> ArmInCell[Blow]:
     """Put the arm with its sensors into the cell, and a person beside it."""
-    hands = _Hands(plant, seed)
+    hands = _Hands(plant, partial(stream, seed, "arm"))
     return ArmInCell(
         plant=plant,
         make_source=hands.make_source,

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from armodal.hil_sim.board_state import BoardFirmware
 from armodal.hil_sim.faults import Fault, FaultSet
 from armodal.hil_sim.link_faults import ChannelFaults, LinkFaults
 from armodal.hil_sim.pty_port import PtyPort
+from armodal.hil_sim.streams import Streams
 
 __all__ = ["Board"]
 
@@ -31,8 +30,8 @@ class Board:
         The line.
     faults
         What goes wrong at present.
-    rng
-        For what faults leave to chance.
+    streams
+        By fault, for what it leaves to chance.
     """
 
     def __init__(
@@ -41,15 +40,15 @@ class Board:
         port: PtyPort,
         *,
         faults: FaultSet,
-        rng: np.random.Generator,
+        streams: Streams,
     ) -> None:
         self.firmware = firmware
         self.port = port
         self._faults = faults
-        self._rng = rng
+        self._reboots, self._jumps = streams(Fault.BOARD_REBOOT), streams(Fault.CLOCK_JUMP)
         self._unread = b""
-        self._link = LinkFaults(faults, rng)
-        self._channels = ChannelFaults(faults, rng)
+        self._link = LinkFaults(faults, streams)
+        self._channels = ChannelFaults(faults, streams)
         self._plugged = True
         self._drifting = False
         firmware.send = self._send
@@ -96,10 +95,10 @@ class Board:
         if self._faults.take(Fault.DICTIONARY_CHANGE):
             self.firmware.open_sensor(len(self.firmware.dictionary.channels) - 1)
         if self._faults.take(Fault.BOARD_REBOOT):
-            self.firmware.reboot(int(self._rng.integers(1, 1 << 32)))
+            self.firmware.reboot(int(self._reboots.integers(1, 1 << 32)))
         if self._faults.take(Fault.CLOCK_JUMP):
-            sign = 1.0 if self._rng.random() < 0.5 else -1.0
-            self.firmware.jump_clock(sign * float(self._rng.uniform(0.05, LARGEST_JUMP_S)))
+            sign = 1.0 if self._jumps.random() < 0.5 else -1.0
+            self.firmware.jump_clock(sign * float(self._jumps.uniform(0.05, LARGEST_JUMP_S)))
         if (Fault.CLOCK_DRIFT in self._faults) != self._drifting:
             self._drifting = not self._drifting
             self.firmware.drift_clock(DRIFT_PPM if self._drifting else -DRIFT_PPM)

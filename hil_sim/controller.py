@@ -17,6 +17,7 @@ from armodal.hil_sim.faults import Fault, FaultSet
 from armodal.hil_sim.motion import Motion
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.hil_sim.slcan_adapter import SlcanAdapter
+from armodal.hil_sim.streams import Streams
 from armodal.protocols.slcan import encode_slcan
 
 __all__ = ["Controller", "ControllerOptions", "JointMessages"]
@@ -97,7 +98,7 @@ class Controller(Generic[BlowT]):
         *,
         clock: LabClock,
         faults: FaultSet,
-        rng: np.random.Generator,
+        streams: Streams,
         options: ControllerOptions | None = None,
     ) -> None:
         self.options = options or ControllerOptions()
@@ -107,7 +108,7 @@ class Controller(Generic[BlowT]):
         self._cell = cell
         self._clock = clock
         self._faults = faults
-        self._rng = rng
+        self._encoders, self._noise = streams("encoders"), streams(Fault.CAN_CORRUPT)
         self._messages = JointMessages()
         self._begin_s = clock.now_s()
         self._cycle = 0
@@ -166,8 +167,8 @@ class Controller(Generic[BlowT]):
         if Fault.CAN_CORRUPT not in self._faults:
             return lines
         noisy = bytearray(lines)
-        for at in np.flatnonzero(self._rng.random(len(noisy)) < CORRUPT_SHARE):
-            noisy[at] = self._rng.integers(256)
+        for at in np.flatnonzero(self._noise.random(len(noisy)) < CORRUPT_SHARE):
+            noisy[at] = self._noise.integers(256)
         return bytes(noisy)
 
     def _tell(self, now_s: float) -> None:
@@ -197,7 +198,7 @@ class Controller(Generic[BlowT]):
         true_rad = np.array(
             [self._motion.joints_rad(self._cycle_s(cycle)) for cycle in range(first, due)]
         )
-        noise_rad = self.options.encoder_noise_rad * self._rng.standard_normal(true_rad.shape)
+        noise_rad = self.options.encoder_noise_rad * self._encoders.standard_normal(true_rad.shape)
         step_rad = self.options.encoder_step_rad
         read_rad = step_rad * np.round((true_rad + noise_rad) / step_rad)
         told_deg: list[list[float]] = np.degrees(read_rad).tolist()

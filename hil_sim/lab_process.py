@@ -7,9 +7,10 @@ import select
 import signal
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Generic
@@ -28,6 +29,7 @@ from armodal.hil_sim.operator import Operator, Swing, Workplace
 from armodal.hil_sim.operator_socket import OperatorSocket, check_free
 from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.pty_port import PtyPort
+from armodal.hil_sim.streams import stream
 
 __all__ = ["LEDGER_NAME", "SOCKET_NAME", "ArmInCell", "LabOptions", "LabProcess"]
 
@@ -80,25 +82,25 @@ class LabProcess(Generic[BlowT]):
 
     def _build(self, arm: ArmInCell[BlowT], options: LabOptions, keep: ExitStack) -> None:
         plant = arm.plant
-        seeds = np.random.SeedSequence(options.seed).spawn(4)
-        board_rng, garbage_rng, can_rng, operator_rng = (np.random.default_rng(s) for s in seeds)
+        streams = partial(stream, options.seed)
         clock = LabClock(scale=options.time_scale)
         faults = FaultSet(options.faults)
         self._clock = clock
         self._input_range_v = plant.truth.board.range_v
         check_free(options.directory / SOCKET_NAME)
         self.ledger_path = options.directory / LEDGER_NAME
-        self._ledger = keep.enter_context(
-            LedgerWriter(self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale)
+        self._ledger = LedgerWriter(
+            self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale
         )
+        keep.callback(self._ledger.close)
         cell = Cell(
             arm.make_source,
             joints_rad=np.zeros(len(plant.joints)),
             point=next(iter(plant.points)),
         )
         self._cell = cell
-        board_port = keep.enter_context(PtyPort())
-        can_port = keep.enter_context(PtyPort())
+        board_port = keep.enter_context(closing(PtyPort()))
+        can_port = keep.enter_context(closing(PtyPort()))
         device_clock = DeviceClock(
             lab=clock,
             boot_s=clock.now_s(),
@@ -107,12 +109,14 @@ class LabProcess(Generic[BlowT]):
         )
         firmware = BoardFirmware(
             board_dictionary(plant.truth, tick_hz=device_clock.tick_hz),
-            session=int(board_rng.integers(1, 1 << 32)),
+            session=int(streams("board session").integers(1, 1 << 32)),
             clock=device_clock,
             converter=Converter(start=self._start, stop=cell.stop_sampling, read=cell.read),
         )
-        self.board = Board(firmware, board_port, faults=faults, rng=garbage_rng)
-        self.controller = Controller(cell, can_port, clock=clock, faults=faults, rng=can_rng)
+        self.board = Board(firmware, board_port, faults=faults, streams=partial(streams, "board"))
+        self.controller = Controller(
+            cell, can_port, clock=clock, faults=faults, streams=partial(streams, "controller")
+        )
         workplace = Workplace(
             cell=cell,
             move_to=self.controller.move_to,
@@ -127,7 +131,7 @@ class LabProcess(Generic[BlowT]):
             mounted=arm.mounted,
             swing_at_mass=arm.swing_at_mass,
         )
-        operator = Operator(workplace, clock=clock, rng=operator_rng)
+        operator = Operator(workplace, clock=clock, streams=partial(streams, "operator"))
         self.operator = OperatorSocket(options.directory / SOCKET_NAME, operator.begin, clock=clock)
         keep.callback(self.operator.close)
         keep.callback(self._note_end)

@@ -9,8 +9,7 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -84,17 +83,6 @@ class LedgerWriter:
         fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         self._file = os.fdopen(fd, "a", encoding="utf-8")
         self._write({"truth": _truth_of(plant) | {"seed": seed, "time_scale": time_scale}})
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def note(self, event: str, lab_s: float, **facts: object) -> None:
         """Append what happened at lab time `lab_s`; arrays become lists."""

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from armodal.hil_sim.faults import Fault, FaultSet
 from armodal.hil_sim.front_end import FULL_SCALE_COUNTS
+from armodal.hil_sim.streams import Streams
 from armodal.protocols.board.codec import decode_frame
 from armodal.protocols.board.records import FrameType
 
@@ -24,13 +25,13 @@ class LinkFaults:
     ----------
     faults
         What goes wrong at present.
-    rng
-        Draws the frames and bits that are hit.
+    streams
+        By fault: draw the frames and bits that it hits.
     """
 
-    def __init__(self, faults: FaultSet, rng: np.random.Generator) -> None:
+    def __init__(self, faults: FaultSet, streams: Streams) -> None:
         self._faults = faults
-        self._rng = rng
+        self._rng = {fault: streams(fault) for fault in Fault}
         self._late = b""
         self._block_frames = 0
 
@@ -40,7 +41,7 @@ class LinkFaults:
         if Fault.BOARD_SILENCE in faults or self._is_seventh_block(frame):
             return b""
         if Fault.BOARD_GARBAGE in faults:
-            return self._rng.bytes(len(frame))
+            return self._rng[Fault.BOARD_GARBAGE].bytes(len(frame))
         late, self._late = self._late, b""
         if self._hits(Fault.FRAME_REORDER) and not late:
             self._late = frame
@@ -52,15 +53,15 @@ class LinkFaults:
         if self._hits(Fault.BIT_FLIP):
             frame = self._flipped(frame)
         if self._hits(Fault.FRAME_TRUNCATE):
-            frame = frame[: int(self._rng.integers(1, len(frame)))]
+            frame = frame[: int(self._rng[Fault.FRAME_TRUNCATE].integers(1, len(frame)))]
         return frame + late
 
     def _hits(self, fault: Fault) -> bool:
-        return fault in self._faults and bool(self._rng.random() < HIT_SHARE)
+        return fault in self._faults and bool(self._rng[fault].random() < HIT_SHARE)
 
     def _flipped(self, frame: bytes) -> bytes:
-        flipped = bytearray(frame)
-        flipped[self._rng.integers(len(frame))] ^= 1 << int(self._rng.integers(8))
+        flipped, rng = bytearray(frame), self._rng[Fault.BIT_FLIP]
+        flipped[rng.integers(len(frame))] ^= 1 << int(rng.integers(8))
         return bytes(flipped)
 
     def _is_seventh_block(self, frame: bytes) -> bool:
@@ -75,9 +76,9 @@ class LinkFaults:
 class ChannelFaults:
     """Channels that do not measure; which one is drawn when the fault begins."""
 
-    def __init__(self, faults: FaultSet, rng: np.random.Generator) -> None:
+    def __init__(self, faults: FaultSet, streams: Streams) -> None:
         self._faults = faults
-        self._rng = rng
+        self._rng = {fault: streams(fault) for fault in Fault}
         self._channels: dict[Fault, int] = {}
         self._held = 0
 
@@ -91,7 +92,7 @@ class ChannelFaults:
                 continue
             counts = counts.copy()
             if fault not in self._channels:
-                self._channels[fault] = int(self._rng.integers(counts.shape[1]))
+                self._channels[fault] = int(self._rng[fault].integers(counts.shape[1]))
                 self._held = int(counts[0, self._channels[fault]])
             counts[:, self._channels[fault]] = self._spoilt(fault, counts[:, self._channels[fault]])
         return counts
@@ -102,4 +103,4 @@ class ChannelFaults:
             return np.full(len(column), self._held)
         if fault is Fault.CHANNEL_CLIPPED:
             return np.clip(SATURATION * column.astype(np.int64), low, high)
-        return self._rng.integers(low, high + 1, len(column))
+        return self._rng[fault].integers(low, high + 1, len(column))

@@ -17,6 +17,7 @@ from armodal.hil_sim.cell import BlowT, Cell
 from armodal.hil_sim.clock import LabClock
 from armodal.hil_sim.faults import FaultSet
 from armodal.hil_sim.ledger import LedgerWriter
+from armodal.hil_sim.streams import Streams
 from armodal.protocols.errors import PlantError
 
 __all__ = ["Action", "Operator", "OperatorOptions", "Swing", "Workplace"]
@@ -78,12 +79,13 @@ class Operator(Generic[BlowT]):
         workplace: Workplace[BlowT],
         *,
         clock: LabClock,
-        rng: np.random.Generator,
+        streams: Streams,
         options: OperatorOptions | None = None,
     ) -> None:
         self._at = workplace
         self._clock = clock
-        self._rng = rng
+        self._mounts, self._swings = streams("time to mount"), streams("time to swing")
+        self._begins = streams("begin of a blow")
         self._options = options or OperatorOptions()
 
     def begin(self, request: object) -> Action:
@@ -122,15 +124,15 @@ class Operator(Generic[BlowT]):
         return {"done": True, "do": "posture", "name": name}
 
     def _mount(self, point: str) -> Action:
-        yield self._clock.now_s() + self._rng.uniform(*self._options.mount_s)
+        yield self._clock.now_s() + self._mounts.uniform(*self._options.mount_s)
         self._at.cell.mount(point)
         self._at.ledger.note("mount", self._clock.now_s(), point=point, **self._at.mounted())
         return {"done": True, "do": "mount", "point": point}
 
     def _hit(self, point: str, direction: Array, peak_n: float | None) -> Action:
-        yield self._clock.now_s() + self._rng.uniform(*self._options.swing_s)
+        yield self._clock.now_s() + self._swings.uniform(*self._options.swing_s)
         blow, facts = self._at.swing(point, direction, peak_n)
-        at_sample = self._at.cell.strike(self._rng.uniform(1.0, 2.0), blow)
+        at_sample = self._at.cell.strike(self._begins.uniform(1.0, 2.0), blow)
         self._at.ledger.note(
             "hit",
             self._clock.now_s(),
@@ -149,9 +151,9 @@ class Operator(Generic[BlowT]):
         heavy = isinstance(mass_kg, int | float) and 1e-3 <= mass_kg <= 1e3
         if not heavy or swing_at_mass is None:
             raise PlantError(f"mass_kg: wanted 0.001 to 1000 and a mass to hit, got {mass_kg!r}")
-        yield self._clock.now_s() + self._rng.uniform(*self._options.swing_s)
+        yield self._clock.now_s() + self._swings.uniform(*self._options.swing_s)
         blow, facts = swing_at_mass(float(str(mass_kg)))
-        at_sample = self._at.cell.strike(self._rng.uniform(1.0, 2.0), blow)
+        at_sample = self._at.cell.strike(self._begins.uniform(1.0, 2.0), blow)
         now_s = self._clock.now_s()
         self._at.ledger.note("hit-mass", now_s, mass_kg=mass_kg, at_sample=at_sample, **facts)
         yield self._clock.now_s() + self._options.after_hit_s

@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import tty
 from contextlib import suppress
-from types import TracebackType
-from typing import Self
 
 __all__ = ["PtyPort"]
 
@@ -36,17 +34,6 @@ class PtyPort:
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self.name = os.ttyname(self._slave)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def fileno(self) -> int:
         """Return the descriptor to select on."""

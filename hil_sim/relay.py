@@ -11,9 +11,8 @@ import select
 import threading
 import tty
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from types import TracebackType
-from typing import Protocol, Self
+from contextlib import closing, contextmanager, suppress
+from typing import Protocol
 
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.protocols.errors import PortError
@@ -63,17 +62,6 @@ class Relay:
             os.close(self._device)
             raise
         self._to_device = b""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def name(self) -> str:
@@ -134,7 +122,7 @@ def relayed(device: str, alteration: Alteration) -> Iterator[str]:
             if not relay.step():
                 return
 
-    with Relay(device, alteration) as relay:
+    with closing(Relay(device, alteration)) as relay:
         thread = threading.Thread(target=serve, args=(relay,), name="relay", daemon=True)
         thread.start()
         try:

@@ -8,15 +8,17 @@ from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
 
 from armodal.hil_sim.free_mass import felt_on_mass
 from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
 from armodal.hil_sim.hand import Blow
 from armodal.hil_sim.newton_euler import rotation
+from armodal.hil_sim.noise import ChannelNoise, white_noise
 from armodal.hil_sim.plant import BASE, Plant
 from armodal.hil_sim.ringing import Strike, ring
+from armodal.hil_sim.sensing import CHANNELS
 from armodal.hil_sim.small_motion import Mounting, SmallMotion, force_torque, linearise
+from armodal.hil_sim.streams import Streams
 
 __all__ = ["SensorSource", "draw_mounting", "strike_of"]
 
@@ -59,7 +61,7 @@ class _Ringing:
 class SensorSource:
     """The board's four inputs, sample by sample: hammer, acc_x, acc_y, acc_z.
 
-    The same generator, strikes and calls give the same counts however `read` is divided.
+    The same streams, strikes and calls give the same counts however `read` is divided.
 
     Parameters
     ----------
@@ -71,13 +73,14 @@ class SensorSource:
         self,
         plant: Plant,
         rate_hz: Fraction,
-        rng: np.random.Generator,
+        streams: Streams,
         mount: Callable[[str], Mounting] | None = None,
     ) -> None:
         self._plant, self._rate_hz = plant, rate_hz
         self._front = FrontEnd(plant.truth, rate_hz)
-        white, flicker, moving, mounts = rng.spawn(4)
-        self._white, self._flicker, self._vibration = white, flicker, moving
+        self._noise = ChannelNoise(plant.truth, self._front, streams)
+        self._vibration = [streams("vibration", channel) for channel in CHANNELS]
+        mounts = streams("mounts")
         self._mount = mount or (lambda point: draw_mounting(plant, point, mounts))
         self._joints = np.zeros(len(plant.joints))
         self._label: str | None = None
@@ -86,12 +89,8 @@ class SensorSource:
         self._moving = False
         self._next = 0
         self._ringing: list[_Ringing] = []
-        self._flicker_state = np.zeros((1, 4))
-        hammer, sensor = plant.truth.hammer, plant.truth.accelerometer
-        per_unit = self._front.counts_per_unit
-        self._white_counts = per_unit * [hammer.noise_n, *(sensor.noise_m_s2,) * 3]
-        self._flicker_counts = per_unit * [hammer.flicker_n, *(sensor.flicker_m_s2,) * 3]
-        self._vibration_counts = per_unit * [0.0, *(sensor.moving_vibration_m_s2,) * 3]
+        moving = plant.truth.accelerometer.moving_vibration_m_s2
+        self._vibration_counts = self._front.counts_per_unit * [0.0, *(moving,) * 3]
 
     @property
     def next_sample(self) -> int:
@@ -144,10 +143,9 @@ class SensorSource:
     def read(self, n: int) -> npt.NDArray[np.int32]:
         """Return the next (n, 4) counts."""
         first, last = self._next, self._next + n
-        counts = self._white.standard_normal((n, 4)) * self._white_counts
+        counts = self._noise.read(n)
         if self._moving:
-            counts += self._vibration.standard_normal((n, 4)) * self._vibration_counts
-        counts += self._flicker_of(n) * self._flicker_counts
+            counts += white_noise(self._vibration, n) * self._vibration_counts
         for ringing in self._ringing:
             begin, end = max(first, ringing.first), min(last, ringing.first + len(ringing.counts))
             if begin < end:
@@ -156,14 +154,3 @@ class SensorSource:
         self._ringing = [r for r in self._ringing if r.first + len(r.counts) > last]
         self._next = last
         return np.clip(np.rint(counts), -FULL_SCALE_COUNTS - 1, FULL_SCALE_COUNTS).astype(np.int32)
-
-    def _flicker_of(self, n: int) -> Array:
-        """Slow noise (n, 4) of unit deviation: white noise through a low pass at 1 Hz."""
-        if n == 0:  # lfilter leaves the state undefined
-            return np.zeros((0, 4))
-        keep = float(np.exp(-2.0 * np.pi / float(self._rate_hz)))
-        drive = np.sqrt(1.0 - keep**2) * self._flicker.standard_normal((n, 4))
-        slow, state = signal.lfilter([1.0], [1.0, -keep], drive, axis=0, zi=self._flicker_state)
-        self._flicker_state = state
-        result: Array = slow
-        return result

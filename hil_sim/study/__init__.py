@@ -6,7 +6,6 @@
 from armodal.hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
 from armodal.hil_sim.study.cases import (
     CaseFiles,
-    CaseSpec,
     KnownMass,
     SealedCase,
     make_case,
@@ -15,6 +14,7 @@ from armodal.hil_sim.study.cases import (
 )
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
 from armodal.hil_sim.study.draw import draw_study
+from armodal.hil_sim.study.hiding import CaseSpec
 
 __all__ = [
     "LIBRARY",

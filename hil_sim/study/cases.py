@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,11 @@ import numpy as np
 
 from armodal.hil_sim.plant_file import PlantFile, plant_text
 from armodal.hil_sim.study.arms import StudyArm, study_arm
-from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
+from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from armodal.hil_sim.study.hiding import CaseSpec, hide
 from armodal.hil_sim.study.measure import measured
-from armodal.hil_sim.study.model_error import Tables, erring_plant_tables, plant_of_tables
-from armodal.hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.model_error import Tables, plant_of_tables
 from armodal.hil_sim.study.plant_of_arm import rotations
-from armodal.hil_sim.study.prominence import Bystander
-from armodal.hil_sim.study.sizing import Sized, clear_place, clear_size
 from armodal.protocols.arm.files import ARMS_DIRECTORY
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlantError
@@ -29,7 +27,6 @@ from armodal.protocols.session.records import Session
 
 __all__ = [
     "CaseFiles",
-    "CaseSpec",
     "KnownMass",
     "SealedCase",
     "braked",
@@ -37,21 +34,6 @@ __all__ = [
     "sealed",
     "write_case",
 ]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CaseSpec:
-    """What is hidden, and how large: this is the truth, the analysis never sees it.
-
-    `kinds` is () for a null. `ladder` has every point hit at the arm's ladder of levels.
-    """
-
-    number: int
-    arm: str
-    seed: int
-    kinds: tuple[str, ...]
-    magnitude: str | float  # "clear", "medium", "faint", or times clear; "none" for nulls
-    ladder: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +128,7 @@ class SealedCase:
 
     @cached_property
     def _hidden(self) -> tuple[Tables, dict[str, Any]]:
-        return _hide(self._spec)
+        return hide(self._spec)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,55 +215,6 @@ def write_case(case: SealedCase, folder: Path) -> CaseFiles:
     return files
 
 
-@lru_cache(maxsize=1024)  # a study seals all its cases first, and measures each later
-def _hide(spec: CaseSpec) -> tuple[Tables, dict[str, Any]]:
-    """Tables of the plant with its effects, and the truth about them; to be read only."""
-    study = study_arm(spec.arm)
-    plain = erring_plant_tables(study, np.random.default_rng([spec.seed, 1]))
-    places = ArmPlaces(study, plain)
-    bystander = Bystander(study, plain)
-    tables, truths = plain, []
-    for i, name in enumerate(spec.kinds):
-        make = LIBRARY.get(name) or OUTSIDE[name]
-
-        def stream(place: int, number: int = i) -> np.random.Generator:
-            return np.random.default_rng([spec.seed, 3, number, place])
-
-        sized = Sized(size=1.0, place=0, stands_out=0.0)
-        if name in SIZED:
-            sized = clear_size(make, places, bystander, partial(_with, plain), stream)
-        elif name in PLACED:
-            sized = clear_place(make, places, bystander, partial(_with, plain), stream)
-        factor = spec.magnitude
-        if isinstance(factor, str):
-            factor = MAGNITUDES[factor]
-        size = sized.size * MORE.get((spec.arm, name), 1.0)
-        made = make(places, stream(sized.place), size * factor)
-        tables = _with(tables, made)
-        truths.append(made.truth() | {"clear_stands_out": sized.stands_out or None})
-    verdict = "named" if truths else "nothing_detectable"
-    if any(name in OUTSIDE for name in spec.kinds):
-        verdict = "outside_library"
-    return tables, {
-        "number": spec.number,
-        "arm": spec.arm,
-        "seed": spec.seed,
-        "magnitude": spec.magnitude,
-        "ladder": spec.ladder,
-        "verdict": verdict,
-        "effects": truths,
-        "joints": {
-            link["joint"]: {
-                "stiffness_n_m_per_rad": link["stiffness_n_m_per_rad"],
-                "damping_n_m_s_per_rad": link["damping_n_m_s_per_rad"],
-            }
-            for link in tables["links"]
-            if link["stiffness_n_m_per_rad"] is not None
-        },
-        "plant": tables,
-    }
-
-
 def braked(tables: Tables) -> Tables:
     """A brake holds the rotor a thousand times as stiff as its servo."""
     key = "servo_stiffness_n_m_per_rad"
@@ -290,15 +223,3 @@ def braked(tables: Tables) -> Tables:
         for table in tables["effects"]
     ]
     return tables | {"effects": effects}
-
-
-def _with(tables: Tables, made: Hidden) -> Tables:
-    """The arm with what is hidden in the place of an error of the same kind there."""
-    bearings = [table["joint"] for table in made.tables if table["kind"] == "bearing"]
-    kept = [
-        table
-        for table in tables["effects"]
-        if not (table["kind"] == "bearing" and table["joint"] in bearings)
-        and not (table["kind"] == "hysteretic" and made.name == "hysteretic")
-    ]
-    return tables | {"effects": [*kept, *made.tables]}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from typing import NamedTuple
 
-import numpy as np
-
-from armodal.hil_sim.study.cases import CaseSpec
+from armodal.hil_sim.streams import Streams, stream
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from armodal.hil_sim.study.hiding import CaseSpec
 
 __all__ = ["draw_study"]
 
@@ -39,43 +40,73 @@ def draw_study(
 ) -> tuple[CaseSpec, ...]:
     """Draw the cases of a study.
 
-    Effects go round the library; each has the next magnitude and arm every round, whatever the
-    library's length, so that as many rounds as both have together show it in all of them. Pairs and
-    outside cases are clear. With `ladder` every case is hit at several levels, so that the plan
-    tells nothing.
+    Effects go round the library; each has another magnitude and arm every round, so that as many
+    rounds as there are of both together show it in all of them. Pairs and outside cases are clear.
+    With `ladder` every case is hit at several levels, so that the plan tells nothing.
+
+    Every choice is drawn by what is chosen: more cases, or another name in the library, leave the
+    seeds and the order of the others as they are.
     """
-    rng = np.random.default_rng([seed, 0x6A9])
-    each = itertools.cycle(arms)
-    wanted: list[tuple[tuple[str, ...], str, str]]
-    wanted = [((), "none", arm) for _, arm in zip(range(nulls), each, strict=False)]
-    names, sizes = list(library), list(MAGNITUDES)
-    start = int(rng.integers(len(names)))
-    for i in range(effects):
-        turn = i % len(names) + i // len(names)
-        name = names[(start + i) % len(names)]
-        wanted.append(((name,), sizes[turn % len(sizes)], arms[turn % len(arms)]))
-    wanted += [(_pair(rng, names), "clear", next(each)) for _ in range(pairs)]
-    beyond = list(OUTSIDE)
-    for i in range(outside):
-        turn = i % len(beyond) + i // len(beyond)
-        wanted.append(((beyond[i % len(beyond)],), "clear", arms[turn % len(arms)]))
-    order = rng.permutation(len(wanted))
-    specs = [
+    streams = partial(stream, seed, "study")
+    wanted = [_Wanted((), "none", arms[i % len(arms)]) for i in range(nulls)]
+    wanted += _rounds(effects, library, tuple(MAGNITUDES), arms, streams)
+    for i in range(pairs):
+        pair = _pair(_shuffled(library, partial(streams, "pair", i)))
+        wanted.append(_Wanted(pair, "clear", arms[i % len(arms)]))
+    wanted += _rounds(outside, tuple(OUTSIDE), ("clear",), arms, streams)
+    drawn = sorted(_drawn(wanted, streams))
+    return tuple(
         CaseSpec(
-            number=0,
-            arm=arm,
-            seed=int(rng.integers(1 << 62)),
-            kinds=kinds,
-            magnitude=size,
+            number=number,
+            arm=case.arm,
+            seed=case_seed,
+            kinds=case.kinds,
+            magnitude=case.magnitude,
             ladder=ladder,
         )
-        for kinds, size, arm in wanted
-    ]
-    return tuple(replace(specs[j], number=i + 1) for i, j in enumerate(order))
+        for number, (_, case_seed, case) in enumerate(drawn, 1)
+    )
 
 
-def _pair(rng: np.random.Generator, names: Sequence[str]) -> tuple[str, str]:
-    while True:
-        first, second = (names[i] for i in rng.choice(len(names), 2, replace=False))
-        if not any({first, second} <= apart for apart in APART):
-            return first, second
+class _Wanted(NamedTuple):
+    kinds: tuple[str, ...]
+    magnitude: str
+    arm: str
+
+
+def _drawn(wanted: Iterable[_Wanted], streams: Streams) -> Iterator[tuple[float, int, _Wanted]]:
+    """Place in the study, seed and case of each; cases alike are told apart by their number."""
+    before: Counter[_Wanted] = Counter()
+    for case in wanted:
+        rng = streams("case", case.arm, case.magnitude, *case.kinds, before[case])
+        before[case] += 1
+        yield float(rng.random()), int(rng.integers(1 << 62)), case
+
+
+def _rounds(
+    n: int,
+    names: Sequence[str],
+    magnitudes: Sequence[str],
+    arms: Sequence[str],
+    streams: Streams,
+) -> Iterator[_Wanted]:
+    """Round after round of all names, the last one of some of them."""
+    every = list(itertools.product(magnitudes, arms))
+    order = {name: streams("order", name).permutation(len(every)) for name in names}
+    shuffled = _shuffled(names, partial(streams, "rounds"))
+    for i in range(n):
+        turn, name = i // len(names), shuffled[i % len(names)]
+        magnitude, arm = every[order[name][turn % len(every)]]
+        yield _Wanted((name,), magnitude, arm)
+
+
+def _shuffled(names: Sequence[str], streams: Streams) -> list[str]:
+    """Names by lot: another name among them leaves the order of the others."""
+    return sorted(names, key=lambda name: float(streams(name).random()))
+
+
+def _pair(names: Sequence[str]) -> tuple[str, str]:
+    """The first name and the first after it that may stand beside it."""
+    first, *others = names
+    beside = (name for name in others if not any({first, name} <= apart for apart in APART))
+    return first, next(beside)

@@ -103,36 +103,28 @@ def base(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 
 def link_bending(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """A long link that bends all along, both ways."""
-    link = _long_link(places, rng)
-    reach = places.reach(link)
-    whole = BENDING * places.compliance * magnitude * about(rng)
-    stiffness = float(np.linalg.norm(reach) / whole)
-    table = {
-        "kind": "bending",
-        "link": link,
-        "from_m": (0.0, 0.0, 0.0),
-        "to_m": plain(reach),
-        "bending_stiffness_n_m2": stiffness,
-        "loss": LOSS_S,
-    }
-    return hidden("link_bending", link, table, bending_stiffness_n_m2=stiffness)
+    return _all_along("bending", "bending_stiffness_n_m2", BENDING * magnitude, places, rng)
 
 
 def link_torsion(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """A long link that twists all along."""
+    return _all_along("torsion", "torsional_stiffness_n_m2", TORSION * magnitude, places, rng)
+
+
+def _all_along(kind: str, key: str, part: float, places: ArmPlaces, rng: Rng) -> Hidden:
+    """A long link whose whole compliance is a part of the arm's own."""
     link = _long_link(places, rng)
     reach = places.reach(link)
-    whole = TORSION * places.compliance * magnitude * about(rng)
-    stiffness = float(np.linalg.norm(reach) / whole)
+    stiffness = float(np.linalg.norm(reach) / (part * places.compliance * about(rng)))
     table = {
-        "kind": "torsion",
+        "kind": kind,
         "link": link,
         "from_m": (0.0, 0.0, 0.0),
         "to_m": plain(reach),
-        "torsional_stiffness_n_m2": stiffness,
+        key: stiffness,
         "loss": LOSS_S,
     }
-    return hidden("link_torsion", link, table, torsional_stiffness_n_m2=stiffness)
+    return hidden(f"link_{kind}", link, table, **{key: stiffness})
 
 
 def _long_link(places: ArmPlaces, rng: Rng) -> str:

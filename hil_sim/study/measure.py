@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from hashlib import sha256
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
 
 from armodal.hil_sim.board_dictionary import board_dictionary
 from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
-from armodal.hil_sim.hand import Blow, blow, hand_at
+from armodal.hil_sim.hand import blow, hand_at
+from armodal.hil_sim.noise import ChannelNoise
 from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.ringing import Strike, ring
-from armodal.hil_sim.small_motion import Mounting, linearise
+from armodal.hil_sim.small_motion import linearise
 from armodal.hil_sim.source import draw_mounting, strike_of
+from armodal.hil_sim.streams import Streams, stream
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.plan_records import Plan, PlannedPosture
@@ -38,6 +40,7 @@ class _Planned:
     posture: PlannedPosture
     point: str
     strike: Strike
+    streams: Streams  # of what goes on while this hit is recorded
 
 
 def measured(
@@ -59,26 +62,27 @@ def measured(
         peak from the hand's own interval. As many hits are made as the plan has, or as there are
         levels.
     run
-        Number of the measurement: another one has other swings, tilts and noise.
+        Number of the measurement: another one has other swings, tilts and noise. Each is drawn by
+        posture, point and hit, whatever else the plan has.
 
     Returns
     -------
     Session
         Complete; the true joint angles differ from the readings by the encoders' offsets.
     """
-    swings, mounts, noise, encoders, aims = np.random.default_rng([seed, 2, run]).spawn(5)
+    streams = partial(stream, seed, "measurement", run)
     front = FrontEnd(plant.truth, plan.sampling.rate_hz)
     planned = [
         hit
         for posture in plan.postures
-        for hit in _strikes(plant, plan, posture, levels_n, swings, mounts, aims)
+        for hit in _strikes(plant, plan, posture, levels_n, partial(streams, posture.name))
     ]
     rung = _rung(plant, front, plan, [hit.strike for hit in planned])
     hits: list[Hit] = []
     for hit, counts in zip(planned, rung, strict=True):
-        recorded = _recorded(plant, front, plan, hit.point, counts, noise)
+        recorded = _recorded(plant, front, hit, counts)
         force_n = recorded[:, 0] / front.counts_per_unit[0]
-        hits.append(_hit(plan, hit, recorded, force_n, encoders, len(hits) + 1))
+        hits.append(_hit(plan, hit, recorded, force_n, len(hits) + 1))
     dictionary = board_dictionary(plant.truth, tick_hz=1_000_000)
     header = SessionHeader(
         session_id=_session_id(plant, seed, run),
@@ -126,63 +130,44 @@ def _strikes(
     plan: Plan,
     posture: PlannedPosture,
     levels_n: tuple[float, ...] | None,
-    swings: np.random.Generator,
-    mounts: np.random.Generator,
-    aims: np.random.Generator,
+    streams: Streams,
 ) -> list[_Planned]:
     """All hits of a posture, point by point."""
     if posture.hit_direction is None:
         raise ValueError(f"posture {posture.name!r} has no hit_direction; a fixed hammer needs one")
-    aim = _missed(posture.hit_direction, np.deg2rad(AIM_DEG), aims)
+    aim = _missed(posture.hit_direction, streams("aim"))
     rate_hz = float(plan.sampling.rate_hz)
     planned = []
     for point in posture.points:
         place = plant.sensing.stands_at.get(point, point)
-        mounting: Mounting = draw_mounting(plant, place, mounts)
+        mounting = draw_mounting(plant, place, streams("mount", point))
         motion = linearise(plant, posture.joints_rad, mounting)
         for i in range(len(levels_n) if levels_n else plan.hits_per_point):
-            level = levels_n[i] if levels_n else None
-            swing = _swing(plant, plan.fixed_point, aim, level, swings)
+            of_hit = partial(streams, point, i)
+            hand = hand_at(plant.truth.hand, levels_n[i] if levels_n else None)
+            swing = blow(hand, of_hit("swing"), plan.fixed_point, aim)
             begin = plan.sampling.pretrigger - plant.truth.board.filter_delay_samples
-            begin_s = (begin + float(swings.uniform())) / rate_hz
+            begin_s = (begin + float(of_hit("begin").uniform())) / rate_hz
             strike = strike_of(plant, motion, swing, begin_s)
-            planned.append(_Planned(posture=posture, point=point, strike=strike))
+            planned.append(_Planned(posture=posture, point=point, strike=strike, streams=of_hit))
     return planned
 
 
-def _swing(
-    plant: Plant, point: str, aim: Array, level_n: float | None, rng: np.random.Generator
-) -> Blow:
-    return blow(hand_at(plant.truth.hand, level_n), rng, point, aim)
-
-
-def _missed(direction: Array, std_rad: float, rng: np.random.Generator) -> Array:
+def _missed(direction: Array, rng: np.random.Generator) -> Array:
     """The direction that all hits of a posture truly have on average."""
     across = np.linalg.svd(direction[None, :])[2][1:]
-    wanted = direction + std_rad * np.clip(rng.standard_normal(2), -2.0, 2.0) @ across
+    wanted = direction + np.deg2rad(AIM_DEG) * np.clip(rng.standard_normal(2), -2.0, 2.0) @ across
     result: Array = wanted / np.linalg.norm(wanted)
     return result
 
 
 def _recorded(
-    plant: Plant,
-    front: FrontEnd,
-    plan: Plan,
-    point: str,
-    counts: Array,
-    rng: np.random.Generator,
+    plant: Plant, front: FrontEnd, planned: _Planned, counts: Array
 ) -> npt.NDArray[np.int32]:
     """Gains, noise, the hidden window and the converter."""
-    hammer, sensor = plant.truth.hammer, plant.truth.accelerometer
     n = len(counts)
-    white = front.counts_per_unit * [hammer.noise_n, *(sensor.noise_m_s2,) * 3]
-    slow = front.counts_per_unit * [hammer.flicker_n, *(sensor.flicker_m_s2,) * 3]
-    keep = float(np.exp(-2.0 * np.pi / float(plan.sampling.rate_hz)))
-    drive = np.sqrt(1.0 - keep**2) * rng.standard_normal((n, 4))
-    start = rng.standard_normal((1, 4))
-    flicker, _ = signal.lfilter([1.0], [1.0, -keep], drive, axis=0, zi=keep * start)
-    record = counts @ plant.sensing.gains(point).T
-    record = record + rng.standard_normal((n, 4)) * white + flicker * slow
+    record = counts @ plant.sensing.gains(planned.point).T
+    record += ChannelNoise(plant.truth, front, planned.streams).read(n)
     record = np.clip(record, -FULL_SCALE_COUNTS - 1, FULL_SCALE_COUNTS)
     record *= plant.sensing.window_end ** (np.arange(n) / n)[:, None]
     result: npt.NDArray[np.int32] = np.rint(record).astype(np.int32)
@@ -194,11 +179,12 @@ def _hit(
     planned: _Planned,
     counts: npt.NDArray[np.int32],
     force_n: Array,
-    encoders: np.random.Generator,
     number: int,
 ) -> Hit:
     posture, peak_n = planned.posture, float(np.max(force_n))
-    noise = np.deg2rad(ENCODER_NOISE_DEG) * encoders.standard_normal(len(posture.joints_rad))
+    noise = np.deg2rad(ENCODER_NOISE_DEG) * planned.streams("encoders").standard_normal(
+        len(posture.joints_rad)
+    )
     reading = JointReading(
         joints_rad=posture.joints_rad + noise,
         drive_state=2,

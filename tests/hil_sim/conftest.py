@@ -1,4 +1,5 @@
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from armodal.hil_sim.controller import Controller
 from armodal.hil_sim.faults import FaultSet
 from armodal.hil_sim.lab import launch
 from armodal.hil_sim.pty_port import PtyPort
+from armodal.hil_sim.streams import stream
 
 
 class Time:
@@ -49,10 +51,10 @@ class Bench:
             ),
         )
         self.board_port, self.can_port = PtyPort(), PtyPort()
-        rng = np.random.default_rng(1)
-        self.board = Board(self.firmware, self.board_port, faults=self.faults, rng=rng)
+        streams = partial(stream, 1)
+        self.board = Board(self.firmware, self.board_port, faults=self.faults, streams=streams)
         self.controller = Controller(
-            self.cell, self.can_port, clock=self.clock, faults=self.faults, rng=rng
+            self.cell, self.can_port, clock=self.clock, faults=self.faults, streams=streams
         )
         self.host = BoardLine(self.board_port.name, self.board.step)
         self.listener = Line(self.can_port.name, self.controller.step)

@@ -1,4 +1,5 @@
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ from support.synthetic_laboratory import ramp
 
 from armodal.hil_sim.faults import Fault, FaultSet
 from armodal.hil_sim.link_faults import ChannelFaults, LinkFaults
+from armodal.hil_sim.streams import stream
 from armodal.protocols.board.codec import FrameDecoder, encode_frame
 from armodal.protocols.board.messages import encode_configuration
 from armodal.protocols.board.records import Configuration, FrameType, Header, Slope
@@ -58,7 +60,7 @@ def frames(n):
 
 
 def carried(name, n=200):
-    link = LinkFaults(FaultSet([name]), np.random.default_rng(1))
+    link = LinkFaults(FaultSet([name]), partial(stream, 1))
     decoder = FrameDecoder()
     found = decoder.feed(b"".join(link.carry(frame) for frame in frames(n)))
     return [frame.header.sequence for frame in found], decoder
@@ -93,7 +95,7 @@ def test_a_spoilt_frame_is_never_taken_for_a_valid_one(name):
 @pytest.mark.parametrize("name", ["channel-stuck", "channel-clipped", "channel-garbage"])
 def test_a_faulty_channel_leaves_the_others_alone(name):
     counts = np.column_stack([np.arange(50), ramp(0, 50)]).astype(np.int32) * 1000
-    spoilt = ChannelFaults(FaultSet([name]), np.random.default_rng(2)).spoil(counts)
+    spoilt = ChannelFaults(FaultSet([name]), partial(stream, 2)).spoil(counts)
     differing = np.flatnonzero((spoilt != counts).any(axis=0))
     assert len(differing) == 1
     if name == "channel-stuck":

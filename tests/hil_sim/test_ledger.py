@@ -1,3 +1,5 @@
+from contextlib import closing
+
 import numpy as np
 import pytest
 from support.synthetic_laboratory import known_arm
@@ -9,7 +11,7 @@ from armodal.protocols.errors import PlantError
 @pytest.fixture
 def ledger(tmp_path):
     path = tmp_path / "ledger.jsonl"
-    with LedgerWriter(path, known_arm().plant, seed=5, time_scale=16.0) as writer:
+    with closing(LedgerWriter(path, known_arm().plant, seed=5, time_scale=16.0)) as writer:
         writer.note("hit", 1.5, at_sample=np.float64(3.25), direction=np.array([0.0, 1.0, 0.0]))
         writer.note("mount", 2.5, point="2")
     return path

@@ -2,6 +2,7 @@ import contextlib
 import json
 import socket
 import stat
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from support.synthetic_laboratory import PEAK_COUNTS, known_arm
 from armodal.hil_sim.ledger import LedgerWriter, read_ledger
 from armodal.hil_sim.operator import Operator, Workplace
 from armodal.hil_sim.operator_socket import MAX_LINE, OperatorSocket
+from armodal.hil_sim.streams import stream
 from armodal.protocols.errors import PlantError
 
 
@@ -34,7 +36,7 @@ class Place:
                 mounted=arm.mounted,
             ),
             clock=bench.clock,
-            rng=np.random.default_rng(2),
+            streams=partial(stream, 2),
         )
         self.socket = OperatorSocket(
             directory / "operator.sock", self.operator.begin, clock=bench.clock
@@ -192,7 +194,7 @@ def test_any_json_is_begun_or_refused(request, do):
             mounted=None,
         ),
         clock=None,
-        rng=None,
+        streams=partial(stream, 2),
     )
     if isinstance(request, dict):
         request = request | {"do": do}

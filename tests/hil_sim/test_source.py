@@ -1,5 +1,6 @@
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from armodal.hil_sim.plant import build_plant, load_plant
 from armodal.hil_sim.ringing import force_history, modal_response
 from armodal.hil_sim.small_motion import Mounting, force_torque, linearise
 from armodal.hil_sim.source import SensorSource
+from armodal.hil_sim.streams import stream
 
 RATE = Fraction(51_200, 31)
 POSTURE = np.deg2rad([-25.0, 90.0, 0.0, 0.0, 90.0, 0.0])
@@ -51,7 +53,7 @@ def straight(plant, point_id):
 
 def source_of(plant, rate=RATE, seed=1):
     source = SensorSource(
-        plant, rate, np.random.default_rng(seed), mount=lambda point: straight(plant, point)
+        plant, rate, partial(stream, seed), mount=lambda point: straight(plant, point)
     )
     source.set_posture(POSTURE)
     source.mount("5")
@@ -298,7 +300,7 @@ def test_a_freely_hung_mass_moves_by_force_over_mass_along_z():
         {**SILENT, **NO_HIGHPASS, "gain_error": 0.0},
         {**SILENT_SENSOR, **NO_HIGHPASS, "response": ((1, 0, 0), (0, 1, 0), (0, 0, 1))},
     )
-    source = SensorSource(plant, RATE, np.random.default_rng(1), lambda name: straight(plant, name))
+    source = SensorSource(plant, RATE, partial(stream, 1), lambda name: straight(plant, name))
     source.set_posture(POSTURE)
     source.mount("1")
     blow = Blow(

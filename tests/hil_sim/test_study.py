@@ -5,7 +5,6 @@ from hashlib import sha256
 import numpy as np
 import pytest
 
-import armodal.hil_sim.study.cases
 from armodal.hil_sim.plant_file import PlantFile, load_plant_file
 from armodal.hil_sim.small_motion import Mounting, linearise
 from armodal.hil_sim.study import (
@@ -21,6 +20,7 @@ from armodal.hil_sim.study import (
 )
 from armodal.hil_sim.study.cases import braked
 from armodal.hil_sim.study.catalogue import FIRST
+from armodal.hil_sim.study.hiding import hide
 from armodal.hil_sim.study.measure import measured
 from armodal.hil_sim.study.model_error import erring_plant_tables, plant_of_tables
 from armodal.hil_sim.study.places import ArmPlaces
@@ -44,7 +44,7 @@ def few_points(plan, points):
 @pytest.fixture(scope="module", params=STUDY_ARMS)
 def places(request):
     study = study_arm(request.param)
-    return ArmPlaces(study, erring_plant_tables(study, np.random.default_rng(11)))
+    return ArmPlaces(study, erring_plant_tables(study, 11))
 
 
 @pytest.mark.parametrize("effect", [*LIBRARY, *OUTSIDE])
@@ -71,7 +71,7 @@ def test_the_seed_decides_everything():
     hashes = []
     for case in cases:
         hashes.append(case.truth_sha256)
-        armodal.hil_sim.study.cases._hide.cache_clear()  # made anew, not kept
+        hide.cache_clear()  # made anew, not kept
     assert hashes[0] == hashes[1] != hashes[2]
     first, again, other = (short(case).hits for case in cases)
     assert np.array_equal(first[-1].counts, again[-1].counts)

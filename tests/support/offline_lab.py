@@ -1,6 +1,7 @@
 """Sessions made in process: the simulated arm without ports, for tests of the analyzer."""
 
 from datetime import UTC, datetime
+from functools import partial
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from armodal.hil_sim.board_dictionary import board_dictionary
 from armodal.hil_sim.hand import blow
 from armodal.hil_sim.plant import load_plant
 from armodal.hil_sim.source import SensorSource
+from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.plan import load_plan
@@ -25,8 +27,8 @@ def simulate_session(
     arm = arm or load_arm("rv4frl")
     plan = plan if isinstance(plan, Plan) else load_plan(plan, arm)
     plant = plant or load_plant("rv4frl")
-    streams = np.random.default_rng(seed).spawn(3)
-    source = SensorSource(plant, plan.sampling.rate_hz, streams[0])
+    streams = partial(stream, seed)
+    source = SensorSource(plant, plan.sampling.rate_hz, streams)
     good = plant.truth.hand.model_copy(
         update={"double_probability": 0.0, "soft_probability": 0.0, "overload_probability": 0.0}
     )
@@ -64,17 +66,15 @@ def simulate_session(
 
 def one_hit(source, plan, posture, where, hand, streams, number):
     sensor, hit, direction = where
-    _, swings, encoders = streams
     delay = 20
-    at = SETTLE + plan.sampling.pretrigger - delay + swings.uniform()
+    at = SETTLE + plan.sampling.pretrigger - delay + streams("begin", number).uniform()
     begin = source._next
-    source.strike(begin + at, blow(hand, swings, hit, direction))
+    source.strike(begin + at, blow(hand, streams("swing", number), hit, direction))
     source.read(SETTLE)
     counts = source.read(plan.sampling.samples)
     source.read(9000)  # rung out
-    angles = posture.joints_rad + np.deg2rad(1e-3) * encoders.standard_normal(
-        len(posture.joints_rad)
-    )
+    noise = streams("encoders", number).standard_normal(len(posture.joints_rad))
+    angles = posture.joints_rad + np.deg2rad(1e-3) * noise
     reading = JointReading(
         joints_rad=angles, drive_state=2, held=True, age_s=0.004, host_s=float(number)
     )

@@ -7,6 +7,7 @@ queues, so a session of ten lab seconds takes a fraction of a second and is the 
 import bisect
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from support.known_arm import KnownArm, known_truth
@@ -23,6 +24,7 @@ from armodal.hil_sim.controller import Controller
 from armodal.hil_sim.faults import FaultSet
 from armodal.hil_sim.ledger import LedgerWriter
 from armodal.hil_sim.plant import build_plant
+from armodal.hil_sim.streams import stream
 from armodal.protocols.board.codec import FrameDecoder
 from armodal.protocols.board.messages import decode_samples
 from armodal.protocols.board.records import FrameType
@@ -181,11 +183,11 @@ class VirtualLab:
             ),
         )
         self.board_line, self.can_line = MemoryLine("board", BOARD_FD), MemoryLine("can", CAN_FD)
-        fault_rng, can_rng = self.rng.spawn(2)
-        self.board = Board(self.firmware, self.board_line, faults=self.faults, rng=fault_rng)
+        streams = partial(stream, seed)
+        self.board = Board(self.firmware, self.board_line, faults=self.faults, streams=streams)
         self._record_samples()
         self.controller = Controller(
-            self.cell, self.can_line, clock=clock, faults=self.faults, rng=can_rng
+            self.cell, self.can_line, clock=clock, faults=self.faults, streams=streams
         )
         self.channel = Channel()
         self.operator = VirtualOperator(self)

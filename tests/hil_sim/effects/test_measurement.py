@@ -12,9 +12,11 @@ CASE = make_case(3, "bench57")
 ROUNDED = 2.0
 
 
-def record(*effects, point="f1"):
-    """Counts of one hit without noise, the sensor at a point, and the session's hit."""
+def record(*effects, point="f1", names=()):
+    """Counts of one hit without noise, the sensor at a point; `names` are exchanged in the arm."""
     tables = dict(CASE.plant_tables())
+    exchanged = dict(zip(names, names[::-1], strict=True))
+    tables["points"] = [p | {"id": exchanged.get(p["id"], p["id"])} for p in tables["points"]]
     tables["effects"] = (*tables["effects"], *effects)
     tables["hammer"] = tables["hammer"] | {"noise_n": 0.0, "flicker_n": 0.0}
     tables["accelerometer"] = tables["accelerometer"] | {
@@ -81,9 +83,11 @@ def test_an_encoder_offset_puts_the_joint_elsewhere():
     assert np.count_nonzero(off) == 1
 
 
-def test_exchanged_points_are_measured_under_each_other_s_name(plain):
-    exchanged = {"kind": "exchanged_points", "points": ("f1", "f2")}
-    assert record(exchanged, point="f2") == pytest.approx(plain, abs=ROUNDED)
+def test_exchanged_points_are_measured_under_each_other_s_name():
+    pair = ("f1", "f2")
+    exchanged = record({"kind": "exchanged_points", "points": pair}, point="f2")
+    assert exchanged == pytest.approx(record(point="f2", names=pair), abs=ROUNDED)
+    assert np.max(np.abs(exchanged - record(point="f2"))) > 1e3
 
 
 def test_a_moved_point_is_measured_where_it_stands(plain):
