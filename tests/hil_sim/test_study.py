@@ -5,7 +5,6 @@ from hashlib import sha256
 import numpy as np
 import pytest
 
-import armodal.hil_sim.study.cases
 from armodal.hil_sim.plant_file import PlantFile, load_plant_file
 from armodal.hil_sim.small_motion import Mounting, linearise
 from armodal.hil_sim.study import (
@@ -67,12 +66,14 @@ def _one_bearing_a_joint(effects):
 
 
 def test_the_seed_decides_everything():
-    cases = [make_case(seed, "bench57", "channel_gain") for seed in (3, 3, 4)]
-    hashes = []
-    for case in cases:
-        hashes.append(case.truth_sha256)
-        armodal.hil_sim.study.cases._hide.cache_clear()  # made anew, not kept
-    assert hashes[0] == hashes[1] != hashes[2]
+    # Of another number a case is made anew, not kept.
+    cases = [
+        make_case(seed, "bench57", "channel_gain", number=number)
+        for number, seed in enumerate((3, 3, 4))
+    ]
+    truths = [json.loads(case.open_truth()) | {"number": None} for case in cases]
+    assert truths[0] == truths[1] != truths[2]
+    assert len({case.truth_sha256 for case in cases}) == 3
     first, again, other = (short(case).hits for case in cases)
     assert np.array_equal(first[-1].counts, again[-1].counts)
     assert not np.array_equal(first[-1].counts, other[-1].counts)

@@ -67,7 +67,7 @@ def one_hit(source, plan, posture, where, hand, streams, number):
     _, swings, encoders = streams
     delay = 20
     at = SETTLE + plan.sampling.pretrigger - delay + swings.uniform()
-    begin = source._next
+    begin = source.next_sample
     source.strike(begin + at, blow(hand, swings, hit, direction))
     source.read(SETTLE)
     counts = source.read(plan.sampling.samples)
