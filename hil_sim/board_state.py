@@ -154,6 +154,21 @@ class BoardFirmware:
         """Samples taken since START."""
         return int(self._board.next_sample)
 
+    @property
+    def session(self) -> int:
+        """Number in every frame's header since the board began."""
+        return int(self._board.session)
+
+    @property
+    def triggers_missed(self) -> int:
+        """Triggers without a free buffer and blocks given up, since START."""
+        return int(self._board.triggers_missed)
+
+    @property
+    def adc_overruns(self) -> int:
+        """Times the converter lost samples, since START."""
+        return int(self._board.adc_overruns)
+
     def reboot(self, session: int) -> None:
         """Begin anew, idle, with nothing held."""
         if self.running:
@@ -209,14 +224,14 @@ class BoardFirmware:
         """How many samples are ready and not yet read."""
         if self._sampling is None or not self.running:
             return 0
-        return max(0, self._sampling.due(self._clock.ticks()) - int(self._board.next_sample))
+        return max(0, self._sampling.due(self._clock.ticks()) - self.next_sample)
 
     def take_samples(self, count: int) -> None:
         """Read samples from the converter and hand them to the library."""
         if self._sampling is None or not self.running:
             return
         counts = np.ascontiguousarray(self.spoil(self._converter.read(count)), dtype=np.int32)
-        ticks = self._sampling.ready_ticks(int(self._board.next_sample))
+        ticks = self._sampling.ready_ticks(self.next_sample)
         data = self._ffi.from_buffer("int32_t[]", counts)
         self._library.ab_samples(self._board, data, len(counts), ticks)
         self._raise_noted()

@@ -123,11 +123,16 @@ class Controller(Generic[BlowT]):
         """Whether to be woken when the line has room."""
         return self.port.pending > 0
 
+    @property
+    def joints_rad(self) -> npt.NDArray[np.float64]:
+        """(n_joints,) where the arm truly is now."""
+        return self._motion.joints_rad(self._clock.now_s())
+
     def move_to(self, joints_rad: npt.ArrayLike) -> float:
         """Set the arm moving; return the lab time at which it has settled."""
         now_s = self._clock.now_s()
         self._motion = Motion.plan(
-            self._motion.joints_rad(now_s),
+            self.joints_rad,
             joints_rad,
             begin_s=now_s,
             max_speed_rad_s=self.options.max_speed_rad_s,
@@ -156,7 +161,7 @@ class Controller(Generic[BlowT]):
             self._return_to = None
         twitches = self._faults.take(Fault.ARM_TWITCHES)
         if twitches or self._faults.take(Fault.ARM_MOVES):
-            here_rad = self._motion.joints_rad(now_s)
+            here_rad = self.joints_rad
             there_rad = here_rad.copy()
             there_rad[0] += TWITCH_RAD if twitches else MOVE_RAD
             self._return_to = here_rad if twitches else None

@@ -41,11 +41,12 @@ class Solved:
     assemblies: Sequence[Assembly]
     exact: Response
     values: Mapping[str, float]
+    single: bool = True  # derivatives in single precision where it is wide enough
 
     @property
     def found(self) -> Response:
         """Return what derivatives are made of."""
-        return self.exact.for_derivatives
+        return self.exact.for_derivatives if self.single else self.exact
 
     @property
     def ordinary(self) -> Ordinary:

@@ -17,8 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.protocols.session.records import Session
 
-__all__ = ["HeldOut", "held_out"]
+__all__ = ["HeldOut", "held_out", "held_out_postures"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +30,25 @@ class HeldOut:
     training: Fit
     postures: tuple[int, ...]
     surprise: tuple[float, ...]  # -ln p of each held-out posture
+
+
+def held_out_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int, ...]:
+    """Held out are the plan's validation postures, without any the last third; and changed states.
+
+    A known mass that was bolted on changes what every effect does, by an amount that is known: a
+    model that is right foretells it.
+    """
+    changed = {i for i, posture in enumerate(lines) if posture.known_mass is not None}
+    if len(changed) == len(lines):
+        changed = set()
+    planned = {p.name for p in session.header.plan.postures if p.validation}
+    test = {i for i, posture in enumerate(lines) if posture.name in planned}
+    if not test or len(test | changed) == len(lines):
+        names = list(dict.fromkeys(p.name for i, p in enumerate(lines) if i not in changed))
+        last = names[-max(len(names) // 3, 1) :]
+        test = {i for i, posture in enumerate(lines) if posture.name in last}
+    held = test | changed
+    return tuple(sorted(held if len(held) < len(lines) else test))
 
 
 def held_out(stage: Stage, fit: Fit, test: Sequence[int], *, max_iterations: int = 6) -> HeldOut:

@@ -72,10 +72,19 @@ class PosedModel:
 
 
 class Postures:
-    """P postures with lines alike: as many mountings, hits and lines."""
+    """P postures with lines alike: as many mountings, hits and lines.
 
-    def __init__(self, models: Sequence[PosedModel], lines: Sequence[PostureLines]) -> None:
-        self._models, self.lines = tuple(models), tuple(lines)
+    `single`: derivatives in single precision where it is wide enough.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[PosedModel],
+        lines: Sequence[PostureLines],
+        *,
+        single: bool = True,
+    ) -> None:
+        self._models, self.lines, self._single = tuple(models), tuple(lines), single
         self._s_rad_s = np.stack([own.s_rad_s for own in lines])
         self._hit = np.stack([own.hit for own in lines])
         self._own_slopes: list[GeometrySlopes] = []
@@ -98,7 +107,7 @@ class Postures:
         Returns
         -------
         y : (P, m, 3, L) complex128
-        dy : (n_parameters, P, m, 3, L) complex64, or complex128 far from anything sensible
+        dy : (n_parameters, P, m, 3, L) complex64 if single precision is wide enough, or complex128
             Rows of parameters that do not act here are zero.
         """
         posed = self._solved(hypothesis, values)
@@ -185,7 +194,9 @@ class Postures:
         if last is None or last.hypothesis is not hypothesis or last.values != values:
             plain, assemblies = self._assemblies(hypothesis, values)
             found = respond(systems(assemblies), self._s_rad_s, self._hit)
-            last = self._last = Solved(hypothesis, plain, assemblies, found, dict(values))
+            last = self._last = Solved(
+                hypothesis, plain, assemblies, found, dict(values), self._single
+            )
         return last
 
     def _slopes(self) -> GeometrySlopes:

@@ -6,14 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
 from armodal.analyzer.gap.enough import check_enough, check_tests, notes_on
 from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.held_out import held_out
+from armodal.analyzer.gap.held_out import held_out_postures
 from armodal.analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import (
@@ -22,16 +20,13 @@ from armodal.analyzer.gap.judge import (
     Thresholds,
     ends_alike,
     follows_no_level,
-    judge,
-    misfit_per_line,
     one_mechanism,
-    outside_misfit,
     scale,
 )
 from armodal.analyzer.gap.levels import told_apart
 from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.middle_hits import told_by_hits_between
 from armodal.analyzer.gap.named_step import Step, with_step
+from armodal.analyzer.gap.naming import judge_round, step_to
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.outcome import GapOutcome, conclude
 from armodal.analyzer.gap.posed import PosedModel
@@ -39,7 +34,7 @@ from armodal.analyzer.gap.records import Gate
 from armodal.analyzer.gap.rivals import Rivals, find_rivals
 from armodal.analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
 from armodal.analyzer.gap.weigh import Discrepancy
-from armodal.analyzer.gap.without_levels import LEVELS_NEEDED, first_with_levels, is_alike
+from armodal.analyzer.gap.without_levels import first_with_levels
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan_records import Mode, Plan
@@ -47,11 +42,7 @@ from armodal.protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
 
-_MOST_EFFECTS, _MOST_ROUNDS = 3, 5
 _MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
-# Of what ordinary errors do not leave, by a first name and by one beside it; a name for less would
-# be a guess.
-_LEAST_EXPLAINED, _LEAST_BESIDE = 0.25, 0.5
 
 Tell = Callable[[str], None]
 
@@ -160,7 +151,7 @@ def _search(
         Tell soft and hard hits apart (`_by_level`); give lines of three levels.
     """
     present, start = believed
-    test = _test_postures(session, stages[-1].lines)
+    test = held_out_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
@@ -169,11 +160,11 @@ def _search(
         rounds += 1
         found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
         before = before or found.present
-        judged = _judged(stages[-1], found, between, limits, len(named), rounds, notes)
+        judged = judge_round(stages[-1], found, between, limits, len(named), rounds, notes)
         if judged.named is None:
             break
         better = judged.named
-        step, doubt = _foretold(
+        step, doubt = step_to(
             stages[-1], found.present, judged, better, test, limits, len(named), tell
         )
         if step is None:
@@ -190,7 +181,7 @@ def _search(
             rounds = 0
             stages, (present, start) = apart, believed
             present = replace(present, ordinary=levelled.ordinary)
-            test = _test_postures(session, stages[-1].lines)
+            test = held_out_postures(session, stages[-1].lines)
             named, before, fitted = [], None, None
         elif _is_outside(present, named):
             # Outside the library: what else there is would be told of a wrong model.
@@ -217,28 +208,6 @@ def _ordinary(
         levels_hit=levels_hit,
         hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
     )
-
-
-def _judged(
-    stage: Stage,
-    found: Rivals,
-    between: Callable[[Stage], Stage | None],
-    limits: Thresholds,
-    n_named: int,
-    rounds: int,
-    notes: list[str],
-) -> Judged:
-    """What stands; nothing where as many are named as are looked for: then it is what is left."""
-    by_ends = judge(stage, found.present, found.rivals, limits)
-    judged, words = told_by_hits_between(by_ends, stage, between, limits.apart)
-    notes += words
-    if judged.named is not None and is_alike(judged.named):
-        notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
-        return replace(judged, named=None, standing=(judged.named, found.present))
-    if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
-        return judged
-    notes.append(f"{judged.named.last.title} earns a name too; no more are looked for")
-    return Judged(named=None, standing=(), phi=judged.phi)
 
 
 def _plan_to_go_on(session: Session, notes: list[str]) -> Plan | None:
@@ -300,51 +269,6 @@ def _by_level(
     return (stages[0], *anew[1:]), told
 
 
-def _foretold(
-    stage: Stage,
-    present: Fit,
-    judged: Judged,
-    better: Fit,
-    test: tuple[int, ...],
-    limits: Thresholds,
-    n_named: int,
-    tell: Tell,
-) -> tuple[Step | None, str]:
-    """The step to a better model if it holds; else why it does not."""
-    least = _LEAST_BESIDE if n_named else _LEAST_EXPLAINED
-    if _explains_too_little(stage, present, better, limits, least):
-        return None, "is the best of the library, but leaves most of what is missing"
-    tell(f"held-out postures: {better.hypothesis.name}")
-    without = held_out(stage, present, test)
-    with_it = held_out(stage, better, test)
-    gains = np.subtract(without.surprise, with_it.surprise)
-    # What the null has with a narrow prior foretells little more when that is widened.
-    wanted = -limits.held_out if _only_relaxes(better) else limits.held_out
-    if gains.sum() < wanted * judged.phi:
-        return None, "fits better but does not foretell postures it was not fitted to"
-    step = Step(
-        without=present,
-        fit=better,
-        foretold_without=without,
-        foretold_with=with_it,
-        judged=judged,
-    )
-    return step, ""
-
-
-def _explains_too_little(
-    stage: Stage, present: Fit, better: Fit, limits: Thresholds, least: float
-) -> bool:
-    """Whether most of what ordinary errors do not leave is still there."""
-    before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
-    explained = (before - after) / max(before - limits.ordinary_misfit, 1e-9)
-    return after > outside_misfit(stage, limits) and explained < least
-
-
-def _only_relaxes(fit: Fit) -> bool:
-    return bool(fit.last.relaxes) and not fit.last.parameters
-
-
 def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:
     return [
         f"{named.last.title}: between {other.last.place} it would tell as much"
@@ -374,22 +298,3 @@ def _gates(
         )
         for finding in check_session(session, frfs, superset)
     )
-
-
-def _test_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int, ...]:
-    """Held out: the plan's validation postures, without any the last third; and changed states.
-
-    A known mass that was bolted on changes what every effect does, by an amount that is known: a
-    model that is right foretells it.
-    """
-    changed = {i for i, posture in enumerate(lines) if posture.known_mass is not None}
-    if len(changed) == len(lines):
-        changed = set()
-    planned = {p.name for p in session.header.plan.postures if p.validation}
-    test = {i for i, posture in enumerate(lines) if posture.name in planned}
-    if not test or len(test | changed) == len(lines):
-        names = list(dict.fromkeys(p.name for i, p in enumerate(lines) if i not in changed))
-        last = names[-max(len(names) // 3, 1) :]
-        test = {i for i, posture in enumerate(lines) if posture.name in last}
-    held = test | changed
-    return tuple(sorted(held if len(held) < len(lines) else test))

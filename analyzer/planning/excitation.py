@@ -8,6 +8,7 @@ wanted mode is set against those of all others.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +17,22 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import PostureDynamics, Superset
 from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
 
-__all__ = ["HitChoice", "PostureModes", "best_hits", "posture_modes", "seeing_points"]
+__all__ = [
+    "HitChoice",
+    "PostureModes",
+    "best_hits",
+    "joints_shown",
+    "posture_modes",
+    "seeing_points",
+]
 
 Array = npt.NDArray[np.float64]
 
 _NORMAL = 2  # sensor z is the surface's normal
 SEEN = 0.2  # of the largest motion: points that move less say little
+EXCITED = 0.05  # of a hit's driving-point peaks: a mode that shows
+APART = 3.0  # half-power half-widths between modes that do not hide each other
+FAINT = 0.1  # of the mode's own peak: a neighbour that hides nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,3 +156,22 @@ def _elastic_jacobian(
     columns = [superset.joint_column(joint) for joint in elastic.joints]
     moving = [i for i, link in enumerate(superset.point_link) if link >= 0]
     return dynamics.point_jacobian[:, :3][:, :, columns], moving
+
+
+def joints_shown(
+    elastic: ElasticJoints, modes: PostureModes, joints: Sequence[int], hit: HitChoice
+) -> tuple[int, ...]:
+    """Of some joints, those whose own mode a hit excites and no other excited mode hides.
+
+    `joints` are 0-based among the arm's, all of them elastic.
+    """
+    half_width = modes.damping_ratio * modes.f_hz
+    shown = []
+    for joint in joints:
+        mode = modes.mode_of(elastic.joints.index(joint))
+        apart = np.abs(modes.f_hz - modes.f_hz[mode]) > APART * (half_width + half_width[mode])
+        hidden = ~apart & (hit.share > FAINT * hit.share[mode])
+        hidden[mode] = False
+        if hit.share[mode] >= EXCITED and not hidden.any():
+            shown.append(joint)
+    return tuple(shown)

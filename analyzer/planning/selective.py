@@ -14,6 +14,7 @@ from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
     best_hits,
+    joints_shown,
     posture_modes,
     seeing_points,
 )
@@ -31,9 +32,6 @@ __all__ = ["GravityCheck", "PlannedTest", "SelectivePlan", "describe_tests", "pl
 Array = npt.NDArray[np.float64]
 
 DOMINATED = 0.8  # of a mode's strain energy: the joint's own mode
-EXCITED = 0.05  # of a hit's driving-point peaks: a mode that shows
-APART = 3.0  # half-power half-widths between modes that do not hide each other
-FAINT = 0.1  # of the mode's own peak: a neighbour that hides nothing
 N_OTHERS = 40  # random postures from which further tests are taken
 ANOTHER_RAD = 0.35  # 20 degrees of any joint
 
@@ -203,7 +201,7 @@ def describe_tests(
             joints_rad=joints_rad,
             target=target,
             isolates=tuple(own),
-            serves=_served(elastic, modes, own, hit),
+            serves=joints_shown(elastic, modes, own, hit),
             separable=separable,
             coupling=coupling_ratios(modes.mass[..., None])[number, :, 0],
             modes=modes,
@@ -263,22 +261,6 @@ def _coupling(batch: ArmBatch, elastic: ElasticJoints, number: int, joints_rad: 
     chosen = np.array(elastic.joints)
     mass = batch.mass(joints_rad[None])[chosen[:, None], chosen]
     return float(worst_coupling(mass)[number, 0])
-
-
-def _served(
-    elastic: ElasticJoints, modes: PostureModes, own: list[int], hit: HitChoice
-) -> tuple[int, ...]:
-    """Joints whose own mode the hit excites and no other excited mode hides."""
-    half_width = modes.damping_ratio * modes.f_hz
-    served = []
-    for joint in own:
-        mode = modes.mode_of(elastic.joints.index(joint))
-        apart = np.abs(modes.f_hz - modes.f_hz[mode]) > APART * (half_width + half_width[mode])
-        hidden = ~apart & (hit.share > FAINT * hit.share[mode])
-        hidden[mode] = False
-        if hit.share[mode] >= EXCITED and not hidden.any():
-            served.append(joint)
-    return tuple(served)
 
 
 def _merit(test: PlannedTest) -> float:

@@ -42,7 +42,7 @@ def test_a_command_whose_reply_was_lost_is_sent_again(link, board):
 
 def test_a_start_whose_reply_was_lost_is_none_the_worse(link, board, plan):
     link.hello()
-    answer = board._answer
+    answer = board.answer
     starts: list[int] = []
 
     def twice(frame):
@@ -54,7 +54,7 @@ def test_a_start_whose_reply_was_lost_is_none_the_worse(link, board, plan):
                 return
         answer(frame)
 
-    board._answer = twice
+    board.answer = twice
     board.drop = lambda kind, first: kind is FrameType.START_REPLY and len(starts) == 1
     link.start()
     assert len(starts) == 2
@@ -63,7 +63,7 @@ def test_a_start_whose_reply_was_lost_is_none_the_worse(link, board, plan):
 def test_a_refusal_carries_the_boards_reason(link, board):
     link.hello()
     reply = encode_reply(ReplyCode.CAPACITY, "2048 samples do not fit")
-    board._answer = lambda frame: board.send(FrameType.STOP_REPLY, reply, tag=frame.header.tag)
+    board.answer = lambda frame: board.send(FrameType.STOP_REPLY, reply, tag=frame.header.tag)
     with pytest.raises(BoardRefusedError, match="CAPACITY: 2048 samples do not fit"):
         link.stop()
 
@@ -93,7 +93,7 @@ def test_data_that_came_while_waiting_is_not_lost(link, board):
 def test_a_repeated_frame_is_dropped(link, board):
     link.hello()
     board.send(FrameType.BLOCK_READY, b"once")
-    board._sequence -= 1
+    board.sequence -= 1
     board.send(FrameType.BLOCK_READY, b"once")
     link.status()
     assert [frame.payload for frame in link.pump()] == [b"once"]

@@ -144,8 +144,7 @@ def test_a_hit_whose_sync_was_refused_is_written_again_when_resumed(record, lab)
     again = encode_hit(dataclasses.replace(session.hits[-1], number=9))
     with lab.journal.open("ab") as file:
         file.write(again)
-    disk = RecordingDisk()
-    disk._of_name[NAME] = 1  # a file of an earlier process
+    disk = RecordingDisk(there=(NAME,))
     writer, journal = JournalWriter.resume(lab.journal, files=disk)
     writer.close()
     assert journal.hits[-1].number == 9

@@ -172,10 +172,20 @@ def test_another_interface_is_opened_silent_and_asked_for_nothing(
     assert opened[0].asked == []
 
 
-def test_even_the_bus_behind_the_listener_refuses_to_send():
-    source: Any = open_can("virtual:armodal-refuses", 500_000)
+def test_even_the_bus_behind_the_listener_refuses_to_send(monkeypatch):
+    opened: list[can.BusABC] = []
+    own = can.Bus
+
+    def bus(**options: Any) -> can.BusABC:
+        opened.append(own(**options))
+        return opened[0]
+
+    monkeypatch.setattr(can, "Bus", bus)
+    source = open_can("virtual:armodal-refuses", 500_000)
     try:
         with pytest.raises(CanError, match="only listens"):
-            source._receive.__self__.send(can.Message(arbitration_id=1))
+            opened[0].send(can.Message(arbitration_id=1))
+        with pytest.raises(CanError, match="only listens"):
+            opened[0].send_periodic(can.Message(arbitration_id=1), 0.1)
     finally:
         source.close()

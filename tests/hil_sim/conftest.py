@@ -38,6 +38,7 @@ class Bench:
         self.clock = LabClock(monotonic=self.time)
         self.faults = FaultSet(faults)
         self.source = None
+        self.make_source = KnownSource
         self.cell = Cell(self._make, joints_rad=np.zeros(6), point="1")
         self.device_clock = DeviceClock(
             lab=self.clock, boot_s=self.time(), error_ppm=50.0, offset_ticks=1000
@@ -60,7 +61,7 @@ class Bench:
         self.listener = Line(self.can_port.name, self.controller.step)
 
     def _make(self, rate_hz):
-        self.source = KnownSource()
+        self.source = self.make_source()
         return self.source
 
     def close(self):

@@ -249,11 +249,11 @@ def test_an_unknown_command_is_answered_and_so_is_a_hello_of_another_version(ben
     bench.host.until(lambda: hello(bench, 6) is not None)
 
 
-def test_what_goes_wrong_in_the_converter_is_not_lost_in_c(bench, monkeypatch):
+def test_what_goes_wrong_in_the_converter_is_not_lost_in_c(bench):
     connect(bench)
     configure(bench)
     # The source is unknown until the converter starts: making it fails.
-    monkeypatch.setattr(bench.cell, "_make_source", lambda rate_hz: 1 / 0)
+    bench.make_source = lambda: 1 / 0
     bench.host.send(FrameType.START)
     with pytest.raises(ZeroDivisionError):
         bench.board.step()

@@ -130,7 +130,7 @@ class FakeBoard(Line):
         self.drop: Callable[[FrameType, int], bool] = lambda kind, first: False
         self.mute = False
         self._decoder = FrameDecoder()
-        self._sequence = 0
+        self.sequence = 0
         self._last_block = 0
         self._started_s = 0.0
         self.scale = 1.0
@@ -144,13 +144,13 @@ class FakeBoard(Line):
             header = Header(
                 type=kind,
                 session=self.session,
-                sequence=self._sequence,
+                sequence=self.sequence,
                 dictionary_hash=dictionary_hash(self.dictionary_bytes),
                 tag=tag,
                 first_sample=first,
                 ticks=int(self.now_s() * TICK_HZ),
             )
-            self._sequence += 1
+            self.sequence += 1
             if not self.drop(kind, first):
                 self.write(encode_frame(header, payload))
 
@@ -172,10 +172,10 @@ class FakeBoard(Line):
                 trigger_ticks=int(trigger_s * TICK_HZ),
             )
             self.blocks[info.block_id] = Held(info=info, counts=counts)
-            self._send_block(info.block_id, 0, n)
+            self.send_block(info.block_id, 0, n)
             return info.block_id
 
-    def _send_block(self, block_id: int, start: int, count: int) -> None:
+    def send_block(self, block_id: int, start: int, count: int) -> None:
         held = self.blocks[block_id]
         self.send(FrameType.BLOCK_READY, encode_block_info(held.info))
         for at in range(start, start + count, 64):
@@ -188,9 +188,9 @@ class FakeBoard(Line):
         for frame in self._decoder.feed(data):
             if not self.mute:
                 with self.lock:
-                    self._answer(frame)
+                    self.answer(frame)
 
-    def _answer(self, frame: Frame) -> None:
+    def answer(self, frame: Frame) -> None:
         kind, tag = frame.header.type, frame.header.tag
         reply = encode_reply(ReplyCode.OK)
         if kind is FrameType.HELLO:
@@ -216,12 +216,12 @@ class FakeBoard(Line):
             wanted = decode_resend(frame.payload)
             self.resends.append(wanted)
             if wanted[0] in self.blocks:
-                self._send_block(*wanted)
+                self.send_block(*wanted)
 
     def status(self) -> BoardStatus:
         return BoardStatus(
             state=self.state,
-            next_sequence=self._sequence + 1,
+            next_sequence=self.sequence + 1,
             next_sample=0,
             buffered_blocks=len(self.blocks),
             oldest_block=min(self.blocks, default=0),

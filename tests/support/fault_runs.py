@@ -146,7 +146,7 @@ def _sessions(lab, settings, outcome):
         lab.operator.begin()
         lab.channel.said.clear()
         resumed = replace(settings, resume=settings.journal.exists())
-        session = lab.firmware._board.session
+        session = lab.firmware.session
         code = run_acquisition(resumed, lab.channel, lab.surroundings())
         last = lab.operator.events[-1][1]
         outcome.endings.append(last)
@@ -154,7 +154,7 @@ def _sessions(lab, settings, outcome):
             {
                 "epochs": lab.epochs[n_epochs:],
                 "ends": lab.ends[n_ends:],
-                "session": int(session),
+                "session": session,
                 "ending": last,
             }
         )
@@ -293,11 +293,11 @@ class Checker:
             self.wrong(f"{short} samples of blocks are missing, {reported} reported")
         last = self._lab.runs[-1]
         if isinstance(last["ending"], Finished):
-            missed = int(self._lab.firmware._board.triggers_missed)
+            missed = self._lab.firmware.triggers_missed
             told = self.reported("triggers the board missed")
             if told < missed:
                 self.wrong(f"the board missed {missed} triggers, {told} reported")
-            overruns = int(self._lab.firmware._board.adc_overruns)
+            overruns = self._lab.firmware.adc_overruns
             if self.reported("overruns of the converter") < overruns:
                 self.wrong(f"{overruns} overruns of the converter were not reported")
 

@@ -30,6 +30,7 @@ class FaultyDisk(RecordingDisk):
     def __init__(self, at: int, code: int, *, lasting: bool) -> None:
         super().__init__()
         self._left = at
+        self.words = os.strerror(code)  # that its refusals say
         self._code = code
         self._lasting = lasting
         self.healthy = False
@@ -44,7 +45,7 @@ class FaultyDisk(RecordingDisk):
         due = self._left < 0 if self._lasting else self._left == -1
         if due and not self.healthy:
             self.refused.append(kind)
-            raise OSError(self._code, os.strerror(self._code))
+            raise OSError(self._code, self.words)
         return change()
 
     def create(self, path: Path) -> int:
@@ -118,7 +119,7 @@ def wrong_with_faulty_disk(
     try:
         _recorded(disk, session, path, said)
     except (JournalError, SessionError) as error:
-        if os.strerror(disk._code) not in str(error):
+        if disk.words not in str(error):
             return f"the fault is not named: {error}"
     else:
         if not disk.refused:

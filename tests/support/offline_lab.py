@@ -68,7 +68,7 @@ def one_hit(source, plan, posture, where, hand, streams, number):
     sensor, hit, direction = where
     delay = 20
     at = SETTLE + plan.sampling.pretrigger - delay + streams("begin", number).uniform()
-    begin = source._next
+    begin = source.next_sample
     source.strike(begin + at, blow(hand, streams("swing", number), hit, direction))
     source.read(SETTLE)
     counts = source.read(plan.sampling.samples)

@@ -35,13 +35,16 @@ class Change:
 
 
 class RecordingDisk(Disk):
-    """The real disk, with a list of what was done to it."""
+    """The real disk, with a list of what was done to it.
 
-    def __init__(self) -> None:
+    `there` are names of files that an earlier process has left.
+    """
+
+    def __init__(self, *, there: tuple[str, ...] = ()) -> None:
         self.log: list[Change] = []
         self._inodes: dict[int, int] = {}  # open descriptor: inode
-        self._of_name: dict[str, int] = {}
-        self._made = 0
+        self._of_name = {name: inode for inode, name in enumerate(there, start=1)}
+        self._made = len(there)
 
     def announce(self, *hits: Hit) -> None:
         """Note that somebody has been told that hits are accepted."""

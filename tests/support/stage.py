@@ -7,15 +7,33 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 from support.made_run import ARM, PLAN
+from support.screen import Notices
 from textual.pilot import Pilot
 
+from armodal.daq.commands import Command
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.conductor import RunOptions
-from armodal.tui.screens.run.happenings import Happening
+from armodal.tui.screens.run.engine import Engine
+from armodal.tui.screens.run.happenings import Happening, Tick
 from armodal.tui.screens.run.place import SessionPlace
 from armodal.tui.screens.run.steps.step import Pane
 
 NOW_S = 100.0
+
+
+class StageEngine(Engine):
+    """A process of which there is only what it was told, and what it has to say."""
+
+    def __init__(self, tell: Callable[[Happening], None], stage: Stage) -> None:
+        super().__init__(tell)
+        self._tell_app, self._stage = tell, stage
+
+    def send(self, command: Command) -> None:
+        self._stage.sent.append(command)
+
+    def hear(self) -> None:
+        while self._stage.unheard:
+            self._tell_app(self._stage.unheard.pop(0))
 
 
 class Stage:
@@ -24,9 +42,14 @@ class Stage:
     def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
         place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
         self.now_s = NOW_S
-        self.app = RunApp(RunOptions(place=place, **options), clock=lambda: self.now_s)
-        self.sent: list[object] = []
-        self.app.conductor._engine.send = self.sent.append
+        self.sent: list[Command] = []
+        self.unheard: list[Happening] = []  # said, and not listened to yet
+        self.notices = Notices()
+        self.app = RunApp(
+            RunOptions(place=place, **options),
+            clock=lambda: self.now_s,
+            make_engine=lambda tell: StageEngine(tell, self),
+        )
 
     async def tell(self, pilot: Pilot[int], *events: Happening) -> None:
         for event in events:
@@ -36,7 +59,7 @@ class Stage:
     async def settle(self, pilot: Pilot[int]) -> None:
         self.app.redraw()
         await pilot.pause()
-        self.app._stale = True
+        self.app.conductor.tell(Tick(now_s=self.now_s))  # after which everything is drawn again
         self.app.redraw()
         await pilot.pause()
 
@@ -49,7 +72,7 @@ def play(
     stage: Stage, body: Callable[[Pilot[int]], Awaitable[None]], size: tuple[int, int] = (120, 36)
 ) -> None:
     async def run() -> None:
-        async with stage.app.run_test(size=size) as pilot:
+        async with stage.app.run_test(size=size, message_hook=stage.notices) as pilot:
             await body(pilot)
 
     asyncio.run(run())

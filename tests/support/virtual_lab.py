@@ -48,10 +48,10 @@ class MemoryLine:
 
     def __init__(self, name, fd):
         self.name = name
-        self._fd = fd
+        self.fd = fd
         self._outgoing = bytearray()
-        self._to_host = bytearray()
-        self._to_device = bytearray()
+        self.to_host = bytearray()
+        self.to_device = bytearray()
         self.generation = 0
         self.plugged = True
 
@@ -62,16 +62,16 @@ class MemoryLine:
         return len(self._outgoing)
 
     def read(self):
-        data = bytes(self._to_device[:4096])
-        del self._to_device[: len(data)]
+        data = bytes(self.to_device[:4096])
+        del self.to_device[: len(data)]
         return data
 
     def queue(self, data):
         self._outgoing += data
 
     def flush(self):
-        room = LINE_HOLDS - len(self._to_host)
-        self._to_host += self._outgoing[:room]
+        room = LINE_HOLDS - len(self.to_host)
+        self.to_host += self._outgoing[:room]
         del self._outgoing[:room]
         return not self._outgoing
 
@@ -79,8 +79,8 @@ class MemoryLine:
         self.plugged = False
         self.generation += 1
         self._outgoing.clear()
-        self._to_host.clear()
-        self._to_device.clear()
+        self.to_host.clear()
+        self.to_device.clear()
 
     def plug(self):
         self.plugged = True
@@ -91,7 +91,7 @@ class MemoryLine:
         return HostEnd(self)
 
     def is_readable(self):
-        return bool(self._to_host) or not self.plugged
+        return bool(self.to_host) or not self.plugged
 
 
 class HostEnd:
@@ -106,7 +106,7 @@ class HostEnd:
         self.heard = bytearray()
 
     def fileno(self):
-        return self._line._fd
+        return self._line.fd
 
     def _check(self):
         if self._line.generation != self._generation:
@@ -114,14 +114,14 @@ class HostEnd:
 
     def read(self):
         self._check()
-        data = bytes(self._line._to_host)
-        self._line._to_host.clear()
+        data = bytes(self._line.to_host)
+        self._line.to_host.clear()
         self.heard += data
         return data
 
     def write(self, data):
         self._check()
-        self._line._to_device += data
+        self._line.to_device += data
 
     def close(self):
         """Nothing is held."""
@@ -229,7 +229,7 @@ class VirtualLab:
     def step(self):
         self.board.step()
         self.controller.step()
-        joints_rad = self.controller._motion.joints_rad(self.wall_s)
+        joints_rad = self.controller.joints_rad
         if not self.joints or not np.array_equal(self.joints[-1][1], joints_rad):
             self.joints.append((self.wall_s, np.array(joints_rad)))
         self.operator.step()

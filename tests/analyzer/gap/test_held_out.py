@@ -8,16 +8,16 @@ import pytest
 from scipy.stats import multivariate_normal
 from support.made_gap_fits import made_fit
 
-from armodal.analyzer.gap import workflow
+from armodal.analyzer.gap import naming
 from armodal.analyzer.gap.effects import bearing, encoder_offset
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.fit import fit_hypothesis
 from armodal.analyzer.gap.held_out import held_out
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import Judged, Thresholds
+from armodal.analyzer.gap.naming import step_to
 from armodal.analyzer.gap.space import Parameter, Space
 from armodal.analyzer.gap.weigh import Quadratic
-from armodal.analyzer.gap.workflow import _foretold
 
 N_DATA = 8
 TEST = (1, 3)
@@ -114,17 +114,17 @@ def fit_that_leaves(misfit, *instances):
     return made_fit(Hypothesis(ordinary=None, instances=instances), cost=0.5 * 1000 * misfit)
 
 
-def step_to(better, present, gains, monkeypatch, n_named=0):
+def step_where(better, present, gains, monkeypatch, n_named=0):
     """The step with held-out postures that gain so much."""
     surprise = {id(present): np.full(len(gains), 40.0), id(better): 40.0 - np.array(gains)}
 
     def foretells(stage, fit, test):
         return SimpleNamespace(training=fit, postures=test, surprise=tuple(surprise[id(fit)]))
 
-    monkeypatch.setattr(workflow, "held_out", foretells)
+    monkeypatch.setattr(naming, "held_out", foretells)
     judged = Judged(named=better, standing=(better,), phi=PHI)
     test = tuple(range(len(gains)))
-    return _foretold(OF_1000, present, judged, better, test, Thresholds(), n_named, lambda _: None)
+    return step_to(OF_1000, present, judged, better, test, Thresholds(), n_named, lambda _: None)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil
 ):
     present, better = fit_that_leaves(0.7), fit_that_leaves(0.6, instance)
     # Together: one posture alone may speak against it.
-    step, doubt = step_to(better, present, [gain * PHI + 5.0, -5.0], monkeypatch)
+    step, doubt = step_where(better, present, [gain * PHI + 5.0, -5.0], monkeypatch)
     assert (step is not None) == is_taken
     if is_taken:
         assert (step.without, step.fit) == (present, better)
@@ -166,6 +166,6 @@ def test_what_leaves_most_of_what_is_missing_is_no_name(
     before, after, n_named, is_taken, monkeypatch
 ):
     present, better = fit_that_leaves(before), fit_that_leaves(after, TERM)
-    step, doubt = step_to(better, present, [100.0], monkeypatch, n_named)
+    step, doubt = step_where(better, present, [100.0], monkeypatch, n_named)
     assert (step is not None) == is_taken
     assert ("leaves most of what is missing" in doubt) != is_taken

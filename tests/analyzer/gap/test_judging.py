@@ -26,10 +26,10 @@ from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.intervals import intervals
 from armodal.analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
+from armodal.analyzer.gap.naming import judge_round
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.rivals import Rivals
 from armodal.analyzer.gap.space import Parameter, Space
-from armodal.analyzer.gap.workflow import _judged
 from armodal.protocols.arm.files import load_arm
 
 
@@ -96,10 +96,10 @@ def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_r
     def between(_sharp):
         pytest.fail("neither softens nor slips")
 
-    assert _judged(stage, found, between, limits, 2, 3, notes).named is better
+    assert judge_round(stage, found, between, limits, 2, 3, notes).named is better
     assert notes == []
     for n_named, rounds in ((3, 4), (2, 6)):
-        last = _judged(stage, found, between, limits, n_named, rounds, notes)
+        last = judge_round(stage, found, between, limits, n_named, rounds, notes)
         assert (last.named, last.standing) == (None, ())
         assert notes.pop() == f"{bearing.WORDS.title} (j0) earns a name too; no more are looked for"
 

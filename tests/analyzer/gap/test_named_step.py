@@ -13,11 +13,15 @@ from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import Judged, Thresholds
 from armodal.analyzer.gap.named_step import Step, with_step
+from armodal.analyzer.gap.space import Parameter, Space
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import draw_study, sealed
 from armodal.study.score import mark
 
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()))
+SPACE = Space(
+    [Parameter(name=name, unit="", mean=0.0, std=1e-6) for name in ("ordinary", "axis l1")]
+)
 
 
 def step_to(fit):
@@ -32,15 +36,23 @@ def step_to(fit):
 
 
 def fit_of(*instances):
-    return made_fit(Hypothesis(ordinary=ORDINARY, instances=instances), cost=100.0)
+    return fit_to(Hypothesis(ordinary=ORDINARY, instances=instances))
+
+
+def fit_to(hypothesis, cost=100.0):
+    """Every ordinary parameter as believed, an axis in l1 of one deviation."""
+    return made_fit(hypothesis, cost=cost, space=SPACE, u=[0.0, 1.0])
 
 
 @pytest.fixture
 def plain(monkeypatch):
-    """No joint may be released, and every effect earns its place."""
+    """No joint may be released, and every effect of the two earns its place."""
+
+    def fitted(stage, hypothesis, **_):
+        return fit_to(hypothesis, 100.0 if len(hypothesis.instances) > 1 else 1e6)
+
     monkeypatch.setattr(named_step, "all_instances", lambda _: ())
-    monkeypatch.setattr(named_step, "_begun_again", lambda stages, fit, begin: fit)
-    monkeypatch.setattr(named_step, "_still_earning", lambda stage, fit, limits, phi: (fit, []))
+    monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
 
 
 def test_a_turn_that_joins_one_of_the_arm_file_is_still_named(plain, monkeypatch):
@@ -76,19 +88,15 @@ def test_an_axis_of_the_arm_file_is_not_swapped_for_a_released_joint(plain, monk
     other = Instance(effect=SimpleNamespace(name="base", title=""), place="")
     monkeypatch.setattr(named_step, "all_instances", lambda _: (released,))
     monkeypatch.setattr(named_step, "spread_of", lambda axis, fit: None)
-    monkeypatch.setattr(
-        named_step, "_with_instead", lambda stage, fit, old, new, start: fit_of(new, other)
-    )
 
     def fit_and_names(*instances):
-        fit = made_fit(Hypothesis(ordinary=ordinary, instances=instances), cost=100.0)
-        monkeypatch.setattr(type(fit), "values", {"axis l1": 1e-6})
+        fit = fit_to(Hypothesis(ordinary=ordinary, instances=instances))
         found, named = with_step([None], [], step_to(fit), {}, Thresholds(), [])
         return found.hypothesis.instances, [step.fit.last for step in named]
 
     assert fit_and_names(axis, other) == ((axis, other), [other])
     # One that was named is: the same axis, as the last of its step.
-    assert fit_and_names(other, axis)[1] == [released]
+    assert fit_and_names(other, axis) == ((other, released), [released])
 
 
 def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_belief():

@@ -90,9 +90,7 @@ def test_postures_solved_together_are_each_alone(superset, lines, ordinary):
         np.testing.assert_allclose(dy[:, p] / (size + 1e-30), by_each / (size + 1e-30), atol=1e-6)
 
 
-def test_derivatives_in_single_precision_are_those_in_double(
-    superset, lines, ordinary, monkeypatch
-):
+def test_derivatives_in_single_precision_are_those_in_double(superset, lines, ordinary):
     """All effects at once, each beside any other: sums that cancel to a five-hundredth at most."""
     kinds = {instance.effect.name: instance for instance in all_instances(ordinary)}
     hypothesis = Hypothesis(ordinary=ordinary, instances=tuple(kinds.values()))
@@ -101,9 +99,7 @@ def test_derivatives_in_single_precision_are_those_in_double(
     y, dy = Postures([PosedModel(superset, ANGLES[0])], lines[:1]).derivatives(
         hypothesis, space, values
     )
-    # What is beyond all sense, here everything, is left as it is.
-    monkeypatch.setattr("armodal.analyzer.gap.response._SENSIBLE", 0.0)
-    exact = Postures([PosedModel(superset, ANGLES[0])], lines[:1]).derivatives(
+    exact = Postures([PosedModel(superset, ANGLES[0])], lines[:1], single=False).derivatives(
         hypothesis, space, values
     )
     assert (dy.dtype, exact[1].dtype) == (np.complex64, np.complex128)
@@ -113,6 +109,19 @@ def test_derivatives_in_single_precision_are_those_in_double(
     np.testing.assert_allclose(
         dy / (size + 1e-30), exact[1] / (size + 1e-30), rtol=0, atol=500 * np.finfo(np.float32).eps
     )
+
+
+@pytest.mark.parametrize(("largest", "dtype"), [(900.0, np.complex64), (1100.0, np.complex128)])
+def test_a_motion_beyond_all_sense_is_left_in_double_precision(
+    superset, lines, ordinary, largest, dtype
+):
+    """1000 m/N: squares of more, times masses and s^2, leave the range of single precision."""
+    hypothesis = Hypothesis(ordinary=ordinary)
+    space = hypothesis.space()
+    posed = Postures([PosedModel(superset, ANGLES[0])], lines[:1])
+    exact = posed.response(hypothesis, space.values(space.start()))
+    far = replace(exact, x=exact.x * (largest / np.abs(exact.x).max()))
+    assert far.for_derivatives.x.dtype == dtype
 
 
 def test_what_does_not_act_is_zero_whatever_memory_held_before(

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.gap.enough import notes_on
+from armodal.analyzer.gap.held_out import held_out_postures
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.workflow import _test_postures, find_gap
+from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import draw_study, make_case, sealed
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan import plan_from_text
@@ -118,9 +119,9 @@ def test_where_every_posture_carries_a_known_mass_the_planned_ones_are_held_out(
     lines = [SimpleNamespace(name=p.name, known_mass=body) for p in planned]
     held = [i for i, p in enumerate(planned) if p.validation]
     assert held
-    assert _test_postures(session, lines) == tuple(held)
+    assert held_out_postures(session, lines) == tuple(held)
     lines[0].known_mass = None  # one that is not for validation
-    assert _test_postures(session, lines) == tuple(range(1, len(lines)))
+    assert held_out_postures(session, lines) == tuple(range(1, len(lines)))
 
 
 @pytest.mark.parametrize("number", [218, 280])

@@ -12,6 +12,7 @@ from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
     best_hits,
+    joints_shown,
     posture_modes,
     seeing_points,
 )
@@ -164,7 +165,7 @@ def test_a_hit_serves_the_joints_whose_own_modes_show_apart(neighbour_hz, share,
     two = ElasticJoints(
         joints=(1, 3), stiffness_n_m_per_rad=np.ones(2), damping_n_m_s_per_rad=np.ones(2)
     )
-    assert selective._served(two, modes, [1, 3], hit) == served
+    assert joints_shown(two, modes, [1, 3], hit) == served
 
 
 def test_shares_of_a_mode_sum_to_one_and_name_the_joint(superset, elastic):

@@ -79,13 +79,13 @@ def test_a_block_that_stays_incomplete_is_rejected_and_never_filled(lab, start, 
     time.sleep(n / 1652.0)
     with lab.board.lock:
         # The third of four frames of the block about to be sent never arrives.
-        original = lab.board._send_block
+        original = lab.board.send_block
 
         def mark(block_id: int, start_at: int, count: int) -> None:
             lost.add(lab.board.blocks[block_id].info.first_sample + 128)
             original(block_id, start_at, count)
 
-        lab.board._send_block = mark
+        lab.board.send_block = mark
     lab.board.hit(fakes["record"]())
     hit = run.judged()
     assert "gap" in hit.verdict.reasons

@@ -21,6 +21,7 @@ from textual.widgets import Static, TabbedContent, TabPane
 from armodal.protocols.errors import ArmodalError
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.review.cmif_picture import CmifPicture
+from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.frf_picture import FrfPicture
 from armodal.tui.screens.review.gap_pane import GapPane, read_gap
 from armodal.tui.screens.review.identify_pane import IdentifyPane
@@ -66,6 +67,8 @@ class ReviewApp(App[int]):
         Seconds, for what moves.
     environment
         Where NO_COLOR is looked up.
+    command
+        How armodal is started for what takes long.
 
     Attributes
     ----------
@@ -108,6 +111,7 @@ class ReviewApp(App[int]):
         opened: OpenSession | None = None,
         clock: Callable[[], float] = monotonic,
         environment: Mapping[str, str] = os.environ,
+        command: tuple[str, ...] = ARMODAL,
     ) -> None:
         super().__init__()
         self.path, self.gap_file = path, gap
@@ -116,6 +120,7 @@ class ReviewApp(App[int]):
         self._opened = opened
         self._clock = clock
         self._environment = environment
+        self._command = command
         self.state: ReviewState | None = None
 
     def compose(self) -> Iterable[Widget]:
@@ -184,8 +189,8 @@ class ReviewApp(App[int]):
             ModesTable(state, id="modes-main"),
             MacPicture(state, id="mac-main"),
             ShapePicture(state, id="shape-main", clock=self._clock),
-            IdentifyPane(state, id="identify-main"),
-            GapPane(state, id="gap-main"),
+            IdentifyPane(state, id="identify-main", command=self._command),
+            GapPane(state, id="gap-main", command=self._command),
         )
         tabs = TabbedContent(initial="frf")
         for number, (tab, title, pane) in enumerate(zip(TABS, _TITLES, panes, strict=True), 1):

@@ -11,9 +11,9 @@ from typing import Any
 
 from armodal.protocols.errors import EstimateError
 
-__all__ = ["CommandRun"]
+__all__ = ["ARMODAL", "CommandRun"]
 
-_COMMAND = (sys.executable, "-m", "armodal.tui.cli")
+ARMODAL = (sys.executable, "-m", "armodal.tui.cli")
 _LINE_LIMIT = 64 * 1024 * 1024  # one JSON object may be one line
 
 
@@ -33,7 +33,7 @@ class CommandRun:
 
     arguments: tuple[str, ...]
     progress: Callable[[str], None]
-    command: tuple[str, ...] = _COMMAND
+    command: tuple[str, ...] = ARMODAL
     _process: asyncio.subprocess.Process | None = None
     _stopped: bool = False
 

@@ -15,7 +15,7 @@ from textual.message import Message
 from textual.widgets import Static
 
 from armodal.protocols.errors import ArmodalError
-from armodal.tui.screens.review.command_run import CommandRun
+from armodal.tui.screens.review.command_run import ARMODAL, CommandRun
 from armodal.tui.screens.review.state import ReviewState
 
 __all__ = ["RunPane"]
@@ -45,7 +45,7 @@ class RunPane(VerticalScroll, can_focus=True):
         *,
         id: str | None = None,  # noqa: A002
         clock: Callable[[], float] = monotonic,
-        command: tuple[str, ...] | None = None,
+        command: tuple[str, ...] = ARMODAL,
     ) -> None:
         super().__init__(id=id)
         self.state = state
@@ -107,10 +107,7 @@ class RunPane(VerticalScroll, can_focus=True):
         """Start the command, unless it runs."""
         if self._run is None:
             self._lines, self.problem, self._began_s = [], "", self._clock()
-            run = CommandRun(self.arguments(), self._lines.append)
-            if self._command is not None:
-                run.command = self._command
-            self._run = run
+            run = self._run = CommandRun(self.arguments(), self._lines.append, self._command)
             self.redraw()
             self._wait_for(run)
 

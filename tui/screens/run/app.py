@@ -24,6 +24,7 @@ from armodal.daq.session_machine import PromptKind
 from armodal.tui.screens.run.ask_mass import MassScreen
 from armodal.tui.screens.run.collector import CalmCollector
 from armodal.tui.screens.run.conductor import CONFIRMED, Conductor, RunOptions
+from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import HandIdle, Happening, SensorsConfirmed
 from armodal.tui.screens.run.help import HelpScreen
 from armodal.tui.screens.run.keys import ACTIONS, works
@@ -49,7 +50,9 @@ class RunApp(App[int]):
     options
         Ports, session, simulation.
     clock
-        Wall seconds; passed in by tests.
+        Wall seconds.
+    make_engine
+        Makes the line to the processes from what is to be told of every event.
     """
 
     TITLE = "armodal run"
@@ -71,9 +74,14 @@ class RunApp(App[int]):
         Binding("ctrl+q", "leave", "Leave", show=False),
     ]
 
-    def __init__(self, options: RunOptions, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        options: RunOptions,
+        clock: Callable[[], float] = time.monotonic,
+        make_engine: Callable[[Callable[[Happening], None]], Engine] = Engine,
+    ) -> None:
         super().__init__()
-        self.conductor = Conductor(options, self._changed, clock)
+        self.conductor = Conductor(options, self._changed, clock, make_engine)
         self._clock = clock
         self._collector = CalmCollector()
         self._steps: dict[Step, StepScreen] = {}

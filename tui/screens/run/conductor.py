@@ -76,6 +76,8 @@ class Conductor:
         Told of every event, after the state has taken it in.
     clock
         Wall seconds.
+    make_engine
+        Makes the line to the processes from what is to be told of every event.
     """
 
     def __init__(
@@ -83,12 +85,13 @@ class Conductor:
         options: RunOptions,
         changed: Callable[[Happening], None],
         clock: Callable[[], float],
+        make_engine: Callable[[Callable[[Happening], None]], Engine] = Engine,
     ) -> None:
         self._clock = clock
         self.options = options
         self.place = options.place
         self._changed = changed
-        self._engine = Engine(self.tell)
+        self._engine = make_engine(self.tell)
         self._lab: SimulatedLab | None = None
         place = options.place
         ended = (place.ended or "it was interrupted") if place.begun else None

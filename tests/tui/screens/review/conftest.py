@@ -3,8 +3,10 @@ from dataclasses import dataclass, replace
 
 import pytest
 from support.offline_lab import simulate_session
+from support.screen import Notices
 
 from armodal.tui.screens.review.app import ReviewApp
+from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.posture_view import fit_automatic, opened_session
 
 
@@ -34,10 +36,16 @@ def clock():
 
 
 @pytest.fixture
-def drive(opened, tmp_path, clock):
+def notices():
+    """What the app has told in notices, one text each."""
+    return Notices()
+
+
+@pytest.fixture
+def drive(opened, tmp_path, clock, notices):
     """Runs a coroutine function of (app, pilot) on the app with every posture fitted."""
 
-    def run(steps, *, size=(100, 30), environment=None, prepare=None):
+    def run(steps, *, size=(100, 30), environment=None, prepare=None, command=ARMODAL):
         path = tmp_path / "s.h5"
         if prepare is not None:
             prepare(path)
@@ -48,8 +56,9 @@ def drive(opened, tmp_path, clock):
                 opened=replace(opened, path=path),
                 clock=clock,
                 environment=environment or {},
+                command=command,
             )
-            async with app.run_test(size=size) as pilot:
+            async with app.run_test(size=size, message_hook=notices) as pilot:
                 while app.state is None or any(
                     view.model is None and not view.problem for view in app.state.views
                 ):
@@ -61,16 +70,3 @@ def drive(opened, tmp_path, clock):
         return asyncio.run(main())
 
     return run
-
-
-@pytest.fixture
-def screen_text():
-    """Reads what the screen of an app shows, row by row."""
-
-    def read(app):
-        return "\n".join(
-            "".join(segment.text for segment in strip)
-            for strip in app.screen._compositor.render_strips()
-        )
-
-    return read

@@ -180,11 +180,11 @@ def test_nothing_runs_after_a_review_left_without_a_wish_or_with_a_problem():
         review_then_measure(LeftApp(None, SessionError("no")), run=run)
 
 
-def test_without_a_proposed_test_the_key_says_so_and_writes_nothing(drive):
+def test_without_a_proposed_test_the_key_says_so_and_writes_nothing(drive, notices):
     async def steps(app, pilot):
         await pilot.press("8", "n")
         await pilot.pause()
-        assert any("proposes none" in told.message for told in app._notifications)
+        assert any("proposes none" in told for told in notices)
         assert not app.query_one("#gap-main").plan_path().exists()
 
     drive(steps, prepare=lambda path: path.with_suffix(".gap.json").write_text(json.dumps(GAP)))

@@ -7,6 +7,7 @@ import sys
 import pytest
 from rich.console import Console
 from support.gap_results import made_result
+from support.screen import screen_text
 from support.shown_results import GAP
 
 from armodal.analyzer.report import gap_to_json
@@ -109,10 +110,10 @@ def test_brackets_in_a_gap_result_are_no_markup():
     assert "[/test]" in shown
 
 
-def test_a_damaged_gap_result_kept_beside_the_session_is_one_message(drive, screen_text):
+def test_a_damaged_gap_result_kept_beside_the_session_is_one_message(drive, notices):
     async def steps(app, pilot):
-        assert "s.gap.json: wanted the values" in last_told(app)
-        assert len(app._notifications) == 1
+        (told,) = notices
+        assert "s.gap.json: wanted the values" in told
         assert app.state.gap is None
         await pilot.press("8")
         assert "enter: find where" in screen_text(app)
@@ -170,15 +171,13 @@ def test_stiffness_stands_with_its_range_and_its_method():
     assert "…" not in shown
 
 
-def test_identify_runs_beside_the_app_and_its_result_stays(drive, screen_text):
+def test_identify_runs_beside_the_app_and_its_result_stays(drive):
     code = (
         "import json, sys; print('· modes', file=sys.stderr); "
         "print(json.dumps({'joints': [], 'structural': [], 'validation': [], 'notes': ['done']}))"
     )
 
     async def steps(app, pilot):
-        pane = app.query_one("#identify-main")
-        pane._command = python(code)
         await pilot.press("7", "enter")
         await app.workers.wait_for_complete()
         await pilot.pause()
@@ -190,10 +189,10 @@ def test_identify_runs_beside_the_app_and_its_result_stays(drive, screen_text):
         }
         assert "note: done" in screen_text(app)
 
-    drive(steps)
+    drive(steps, command=python(code))
 
 
-def test_identify_takes_the_poles_picked_by_hand_and_only_saved_ones(drive, screen_text):
+def test_identify_takes_the_poles_picked_by_hand_and_only_saved_ones(drive, notices):
     code = (
         "import json, sys; print(json.dumps({'joints': [], 'structural': [], 'validation': [], "
         "'notes': [' '.join(sys.argv[1:])]}))"
@@ -201,18 +200,17 @@ def test_identify_takes_the_poles_picked_by_hand_and_only_saved_ones(drive, scre
 
     async def steps(app, pilot):
         pane = app.query_one("#identify-main")
-        pane._command = python(code)
         await pilot.press("7")
         assert "the automatic modes of all postures" in screen_text(app)
         assert "--picked" not in pane.arguments()
         await pilot.press("3", "x")
         await pilot.press("7", "enter")
-        assert "refit the picks first" in last_told(app)
+        assert "refit the picks first" in notices[-1]
         await pilot.press("3", "r")
         await app.workers.wait_for_complete()
         await pilot.pause()
         await pilot.press("7", "enter")
-        assert "save the picks first" in last_told(app)
+        assert "save the picks first" in notices[-1]
         assert app.state.identification is None
         await pilot.press("s")
         await pilot.pause()
@@ -222,8 +220,4 @@ def test_identify_takes_the_poles_picked_by_hand_and_only_saved_ones(drive, scre
         await pilot.pause()
         assert str(picked_path(app.path)) in app.state.identification["notes"][0]
 
-    drive(steps, size=(160, 45))
-
-
-def last_told(app):
-    return list(app._notifications)[-1].message
+    drive(steps, size=(160, 45), command=python(code))

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.screen import screen_rows, screen_text
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.protocols.errors import SessionError
@@ -35,18 +36,13 @@ WORDS = {
 }
 
 
-def as_picture(app):
-    """Text of the exported SVG: what a screenshot would show."""
-    return app.export_screenshot().replace("&#160;", " ")
-
-
 @pytest.mark.parametrize("size", SIZES)
 def test_every_screen_shows_its_key_words_at_the_smallest_and_at_a_large_size(drive, size):
     async def steps(app, pilot):
         for number, tab in enumerate(TABS, start=1):
             await pilot.press(str(number))
             await pilot.pause()
-            shown = as_picture(app)
+            shown = screen_text(app)
             assert [word for word in WORDS[tab] if word not in shown] == []
             assert "posture 1/5 test 1" in shown
             assert "lost 0" in shown
@@ -114,7 +110,7 @@ def test_leaving_with_picks_not_saved_asks_first(drive):
         await app.workers.wait_for_complete()
         await pilot.pause()
         await pilot.press("q")
-        assert "not saved" in as_picture(app)
+        assert "not saved" in screen_text(app)
         await pilot.press("escape")
         assert app.return_code is None
         await pilot.press("q", "q")
@@ -124,14 +120,14 @@ def test_leaving_with_picks_not_saved_asks_first(drive):
     assert not picked_path(app.path).exists()
 
 
-def test_picks_of_another_session_are_refused_and_said(drive):
+def test_picks_of_another_session_are_refused_and_said(drive, notices):
     def prepare(path):
         picked_path(path).write_text(
             json.dumps({"format": "armodal-picked-poles-1", "session_id": "f" * 32, "postures": {}})
         )
 
     async def steps(app, pilot):
-        assert any("belongs to session" in told.message for told in app._notifications)
+        assert any("belongs to session" in told for told in notices)
         assert not app.state.view.by_hand
 
     drive(steps, prepare=prepare, size=(160, 45))
@@ -143,7 +139,7 @@ def test_a_mode_chosen_in_the_table_is_the_one_that_moves(drive):
         assert app.state.mode == 2
         await pilot.press("enter")
         await pilot.pause()
-        assert "mode 3/" in as_picture(app)
+        assert "mode 3/" in screen_text(app)
 
     drive(steps)
 
@@ -160,7 +156,7 @@ def test_keys_turn_zoom_amplify_slow_and_name_the_moving_arm(drive, clock):
         assert shape.camera.zoom > first.zoom
         assert shape.amplification > 1.0 > shape.speed
         await pilot.pause()
-        assert "•18" in as_picture(app)
+        assert "•18" in screen_text(app)
         await pilot.press("space")
         phase = shape.phase_rad
         clock.now += 0.3
@@ -191,7 +187,7 @@ def test_a_structural_mode_has_its_axis_drawn(drive):
         app.state.choose_mode(structural[0])
         await pilot.press("6")
         await pilot.pause()
-        assert "Mozzi axis" in as_picture(app)
+        assert "Mozzi axis" in screen_text(app)
 
     drive(steps, size=(160, 45))
 
@@ -203,7 +199,7 @@ def test_no_color_uses_the_theme_without_colour(drive):
     drive(steps, environment={"NO_COLOR": "1"})
 
 
-def test_a_window_too_small_says_so_and_comes_back(drive, screen_text):
+def test_a_window_too_small_says_so_and_comes_back(drive):
     async def steps(app, pilot):
         await pilot.resize_terminal(40, 10)
         await pilot.pause()
@@ -216,7 +212,7 @@ def test_a_window_too_small_says_so_and_comes_back(drive, screen_text):
     drive(steps)
 
 
-def test_help_on_the_screen_in_use_comes_and_goes(drive, screen_text):
+def test_help_on_the_screen_in_use_comes_and_goes(drive):
     async def steps(app, pilot):
         await pilot.press("3", "question_mark")
         await pilot.pause()
@@ -284,7 +280,7 @@ def _every_screen(opened, path):
             for number, tab in enumerate(TABS, start=1):
                 await pilot.press(str(number))
                 await pilot.pause()
-                shown[tab] = as_picture(app)
+                shown[tab] = screen_text(app)
         return shown
 
     return asyncio.run(main())
@@ -306,19 +302,17 @@ def test_a_posture_without_joint_angles_says_why_no_arm_is_drawn(opened, tmp_pat
     assert "no joint angles were measured" in shown["shape"]
 
 
-def test_a_wall_screen_is_filled(drive, screen_text):
+def test_a_wall_screen_is_filled(drive):
     async def steps(app, pilot):
         for key in "123":
             await pilot.press(key)
             await pilot.pause()
-            rows = screen_text(app).split("\n")
-            assert len(rows) == 90
-            assert rows[80].strip()
+            assert screen_rows(app)[80]
 
     drive(steps, size=(320, 90))
 
 
-def test_an_unreadable_session_is_said_on_the_screen_with_the_way_back(tmp_path, screen_text):
+def test_an_unreadable_session_is_said_on_the_screen_with_the_way_back(tmp_path):
     path = tmp_path / "broken.h5"
     path.write_bytes(b"not a session")
 
@@ -346,6 +340,29 @@ def test_a_session_without_accepted_hits_is_refused_with_what_to_do(session, tmp
 def test_a_file_that_is_not_there_is_a_session_error(tmp_path):
     with pytest.raises(SessionError):
         open_session(tmp_path / "none.h5")
+
+
+KEYS = {
+    "frf": "+/- zoom n mode ↑↓ FRF a all p phase y curve [] posture ? help q leave",
+    "cmif": "+/- zoom n mode g groups [] posture ? help q leave",
+    "poles": "+/- zoom n mode space pick x drop r refit a auto s save [] posture ? help q leave",
+    "modes": "⏎ shape s save picks [] posture ? help q leave",
+    "mac": "c compare with [] posture ? help q leave",
+    "shape": "n mode ←↑ turn +/- zoom </> amplitude f/d speed space stop l names [] posture ? help "
+    "q leave",
+    "identify": "⏎ start esc stop [] posture ? help q leave",
+    "gap": "⏎ start esc stop n next test → run [] posture ? help q leave",
+}
+
+
+def test_each_screen_says_on_its_last_row_what_the_keys_do(drive):
+    async def steps(app, pilot):
+        for number, tab in enumerate(TABS, start=1):
+            await pilot.press(str(number))
+            await pilot.pause()
+            assert screen_rows(app)[-1] == KEYS[tab]
+
+    drive(steps, size=(160, 45))
 
 
 def test_the_key_line_follows_the_screen_in_use_and_takes_clicks(drive):

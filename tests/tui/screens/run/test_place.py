@@ -101,8 +101,8 @@ def test_a_trigger_level_that_cannot_be_taken_is_one_notice(tmp_path):
         await stage.tell(pilot, *LAB_EVENTS, *[trial(90.0)] * FEWEST_TRIALS)
         await pilot.press("a")
         await pilot.pause()
-        (notice,) = stage.app._notifications
-        assert "wanted level_n" in notice.message
+        (notice,) = stage.notices
+        assert "wanted level_n" in notice
         assert stage.app.conductor.place.plan.trigger.level_n == 10.0
         assert stage.sent == []
 

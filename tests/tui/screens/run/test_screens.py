@@ -20,6 +20,7 @@ from support.made_run import (
     reading,
     trial,
 )
+from support.screen import screen_rows
 from support.stage import Stage, play
 
 from armodal.daq.commands import Note, Ready, Retake, Skip, Withdraw
@@ -279,8 +280,7 @@ def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tm
     stage = Stage(tmp_path)
 
     def rows() -> list[str]:
-        strips = stage.app.screen._compositor.render_strips()
-        return ["".join(segment.text for segment in strip) for strip in strips]
+        return screen_rows(stage.app)
 
     async def body(pilot):
         await stage.tell(pilot, *HIT_EVENTS)
@@ -320,11 +320,9 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
 
     async def body(pilot):
         await stage.tell(pilot, *HIT_EVENTS)
-        conductor = stage.app.conductor
-        waiting = [reading()] if told_meanwhile else []
-        conductor._engine.hear = lambda: [conductor.tell(event) for event in waiting]
+        stage.unheard += [reading()] if told_meanwhile else []
         stage.now_s += 5.0
-        stage.app._tick()
+        stage.app.conductor.tick()
         assert stage.app.state.safe is told_meanwhile
 
     play(stage, body)

@@ -5,40 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from support.made_run import (
-    AT_HIT,
-    AT_POINT,
-    HIT_EVENTS,
-    LAB_EVENTS,
-    SESSION_EVENTS,
-    judged,
-    prompted,
-    trial,
-)
+from support.run_screens import SCREENS, go_to
+from support.screen import screen_rows
 from support.screen_snapshot import assert_as_kept
 from support.stage import Stage, play
 
-from armodal.daq.events import Failed
-from armodal.daq.session_machine import hit_judged
-from armodal.tui.screens.run.happenings import SafeConfirmed, SensorsConfirmed
-
 KEPT = Path(__file__).parent / "snapshots"
-STOPPED = Failed(
-    message="cannot write the journal: No space left on device",
-    kind="JournalError",
-    journal="s.journal",
-)
-AFTER_A_HIT = (*HIT_EVENTS, judged(1), prompted(hit_judged(AT_HIT, accepted=True)))
-SCREENS = {
-    "lab-to-confirm": LAB_EVENTS,
-    "lab": (*LAB_EVENTS, SensorsConfirmed(), *[trial()] * 4),
-    "posture": SESSION_EVENTS,
-    "approach": (*SESSION_EVENTS, prompted(AT_POINT)),
-    "point": (*SESSION_EVENTS, prompted(AT_POINT), SafeConfirmed()),
-    "accepted": AFTER_A_HIT,
-    "rejected": (*HIT_EVENTS, judged(1, "double")),
-    "grid": AFTER_A_HIT,
-    "stopped": (*AFTER_A_HIT, STOPPED),
+KEYS = {
+    "lab-to-confirm": "⏎ Go on c Mass b Bell ? Help q Leave",
+    "lab": "⏎ Go on a Trigger c Mass b Bell ? Help q Leave",
+    "posture": "t Retake k Skip g Grid b Bell ? Help q Leave",
+    "approach": "⏎ Go on t Retake k Skip g Grid b Bell ? Help q Leave",
+    "point": "←→ Turn ⏎ Go on t Retake k Skip g Grid b Bell ? Help q Leave",
+    "accepted": "t Retake k Skip u Undo g Grid b Bell ? Help q Leave",
+    "rejected": "t Retake k Skip g Grid b Bell ? Help q Leave",
+    "grid": "←→ Choose ⏎ Go on u Undo g Grid b Bell ? Help q Leave",
+    "stopped": "←→ Choose r Try again b Bell ? Help q Leave",
 }
 
 
@@ -49,11 +31,18 @@ def test_the_screen_is_as_kept(tmp_path, monkeypatch, name, size):
     stage = Stage(tmp_path)
 
     async def body(pilot):
-        await stage.tell(pilot, *SCREENS[name])
-        if name == "grid":
-            await pilot.press("g")
-        await stage.settle(pilot)
-        await stage.settle(pilot)
+        await go_to(stage, pilot, name)
         assert_as_kept(stage.app, KEPT / f"{name}-{size[0]}x{size[1]}.txt")
 
     play(stage, body, size)
+
+
+@pytest.mark.parametrize("name", SCREENS)
+def test_the_keys_that_do_something_now_are_on_the_last_row_of_the_smallest_window(tmp_path, name):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await go_to(stage, pilot, name)
+        assert screen_rows(stage.app)[-1] == KEYS[name]
+
+    play(stage, body, (80, 24))
