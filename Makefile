@@ -2,6 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 BENCH_STAMP := $(VENV)/.installed-bench
 # The board's device library, compiled for this machine: the simulated board runs on it.
@@ -14,19 +15,32 @@ export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test test-all check bench torture sizes format clean setup
+.PHONY: demo test test-all check bench torture hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
+
+# With HASHED=1, for CI: every package the project needs, for its benches too, and none whose hash
+# is not in constraints-hashed.txt. setuptools first, since it builds what comes as source.
+ifdef HASHED
+define INSTALL
+sed -n '/^setuptools==/,/[^\\]$$/p' constraints-hashed.txt > $(VENV)/setuptools.txt
+$(PIP) --require-hashes --requirement $(VENV)/setuptools.txt
+$(PIP) --require-hashes --no-build-isolation --requirement constraints-hashed.txt
+$(PIP) --no-deps --no-build-isolation --editable .
+endef
+else
+INSTALL = $(PIP) --constraint constraints.txt --editable '.[dev]'
+endif
 
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "armodal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.12")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(INSTALL)
 	@touch $@
 
 # What the benches measure themselves against.
 $(BENCH_STAMP): $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[bench]'
+	$(PIP) --constraint constraints.txt --editable '.[bench]'
 	@touch $@
 
 $(DEVICE_LIBRARY): $(STAMP) $(DEVICE_SOURCES)
@@ -54,6 +68,13 @@ bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 # What docs/reliability.md promises, at length.
 torture: $(DEVICE_LIBRARY)
 	$(BIN)/python bench/torture.py
+
+# The versions of constraints.txt once more, with the hash of each of their files on any system.
+hashes:
+	$(PYTHON) -m venv build/hashes
+	build/hashes/bin/python -m pip install --quiet --disable-pip-version-check uv
+	build/hashes/bin/uv pip compile constraints.txt --quiet --no-config --no-deps --universal \
+		--python-version 3.11 --generate-hashes --no-header --no-annotate --output-file constraints-hashed.txt
 
 sizes: $(STAMP)
 	$(BIN)/python -m armodal.protocols.c.sizes
