@@ -79,6 +79,7 @@ __all__ = [
 ]
 
 __version__ = version("armodal")
+SOFTWARE = f"armodal {__version__}"  # what sessions and files say they were written by
 
 # Where each name comes from: what is not asked for is not loaded, so that a command starts at once.
 _HOME = {

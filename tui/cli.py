@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, MutableMapping
 from importlib import import_module
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from armodal import SOFTWARE
 from armodal.protocols.errors import ArmodalError, SessionError
-from armodal.tui.console import err
+from armodal.tui.console import err, out
 
 __all__ = ["app", "main"]
 
@@ -81,8 +82,18 @@ app = typer.Typer(
 )
 
 
+def _version(wanted: bool) -> None:
+    if wanted:
+        out.print(SOFTWARE)
+        raise typer.Exit
+
+
 @app.callback()
-def _armodal() -> None:
+def _armodal(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print it and end.")
+    ] = False,
+) -> None:
     """Test a robot arm with a hammer: from the hit to a model that explains the measurement."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from pathlib import Path
 
-from armodal import __version__
+from armodal import SOFTWARE
 from armodal.analyzer import modal
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
@@ -47,9 +47,8 @@ def import_session(manifest: str | Path) -> Session:
         If the manifest or a file it names cannot be read.
     """
     created = datetime.now(UTC).isoformat(timespec="seconds")
-    software = f"armodal {__version__}"
     session = foreign.import_session(
-        load_manifest(Path(manifest)), created=created, software=software
+        load_manifest(Path(manifest)), created=created, software=SOFTWARE
     )
     return with_variances(judged(session))
 
@@ -62,7 +61,7 @@ def save_session(session: Session, path: str | Path) -> None:
     SessionError
         If it cannot be written.
     """
-    provenance = Provenance(journal_sha256=None, software=f"armodal {__version__}")
+    provenance = Provenance(journal_sha256=None, software=SOFTWARE)
     write_session(session, Path(path), provenance=provenance)
 
 

@@ -1,7 +1,8 @@
 """Compile the device library for this machine: `python -m armodal.protocols.c.build`.
 
 The system's C compiler is taken (`CC`, then cc, gcc, clang), else the one of the package
-`ziglang`. The result lies beside the sources in `build/` and is made again when they change.
+`ziglang`. The result lies beside the sources in `build/`, or in the user's cache where an
+installation cannot be written, and is made again when they change.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import platformdirs
+
+from armodal import __version__
 from armodal.protocols.errors import ArmodalError
 
 __all__ = [
@@ -35,7 +39,12 @@ HERE = Path(__file__).resolve().parent
 INCLUDE = HERE / "include"
 HEADER = INCLUDE / "armodal_board.h"
 SOURCES = tuple(sorted((HERE / "src").glob("*.c")))
-LIBRARY = HERE / "build" / "libarmodal_board.so"
+NAME = "libarmodal_board.so"
+LIBRARY = (
+    HERE / "build" / NAME
+    if os.access(HERE, os.W_OK)
+    else platformdirs.user_cache_path("armodal") / __version__ / NAME
+)
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow", "-pedantic")
 _FAST = ("-O3", "-DAB_FAST_CRC=1", "-fPIC", "-shared")
 
@@ -98,13 +107,14 @@ def ensure_library() -> Path:
     tried = "\n".join(refused) or "none found: CC, cc, gcc, clang, ziglang"
     raise CompilerError(
         "wanted the board's device library compiled for this machine, and no C compiler does "
-        f"it. Run make setup, which takes one from the package registry. Tried: {tried}"
+        "it. Install gcc or clang, or the package ziglang with pip, and try again. Tried: "
+        f"{tried}"
     )
 
 
 def _compile(compiler: Sequence[str]) -> str:
     try:
-        LIBRARY.parent.mkdir(exist_ok=True)
+        LIBRARY.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=LIBRARY.parent) as folder:
             # Renamed when whole: another process may be loading the library now.
             made = Path(folder) / LIBRARY.name

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from armodal import SOFTWARE
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.daq.events import Event
@@ -15,7 +16,6 @@ from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.software import SOFTWARE
 from armodal.tui.console import Json, TimeScale, err, out, print_json
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
+from armodal import SOFTWARE
 from armodal.tui.commands.acquire import show_event
 from armodal.tui.commands.demo_run import DEMO_TIME_SCALE, run_demo
 from armodal.tui.commands.gap_results import gap_tables
 from armodal.tui.commands.identification_results import identification_tables
-from armodal.tui.commands.software import SOFTWARE
 from armodal.tui.console import Json, TimeScale, out, print_json, say
 
 __all__ = ["app"]

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from armodal import SOFTWARE
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
 from armodal.analyzer.identification.identify import estimate_frfs, identify
@@ -27,7 +28,6 @@ from armodal.protocols.session.hdf5 import Provenance, read_session, write_sessi
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
 from armodal.tui.commands.identification_results import identification_json
-from armodal.tui.commands.software import SOFTWARE
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
+from armodal import SOFTWARE
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.software import SOFTWARE
 from armodal.tui.console import Json, out, print_json
 
 __all__ = ["app"]

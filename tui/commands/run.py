@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
+from armodal import SOFTWARE
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.software import SOFTWARE
 from armodal.tui.console import TimeScale
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.conductor import RunOptions
