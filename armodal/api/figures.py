@@ -41,7 +41,7 @@ def figure(record: object, *, frf: FrequencyResponse | None = None) -> Any:
     Raises
     ------
     EstimateError
-        If there is no figure of such a record.
+        If there is no figure of such a record, or nothing in it to draw.
     """
     if isinstance(record, ModalModel):
         return modes_figure(record, frf)
@@ -73,7 +73,10 @@ def _(record: Prediction) -> Any:
 
 @_figure.register
 def _(record: GapResult) -> Any:
-    return gap_figure(record)
+    found = gap_figure(record)
+    if found is None:
+        raise EstimateError("the gap cannot be drawn: no posture was compared before and after")
+    return found
 
 
 @_figure.register

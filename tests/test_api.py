@@ -1,0 +1,84 @@
+"""What `armodal` offers to scripts does what the commands do."""
+
+from dataclasses import replace
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from support.foreign_samples import chain_file
+from support.gap_results import made_result
+from support.offline_lab import simulate_session
+
+import armodal
+from armodal.analyzer.gap.records import PostureGap
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    path = tmp_path_factory.mktemp("api") / "session.h5"
+    armodal.save_session(simulate_session(4), path)
+    return armodal.open_session(path)
+
+
+@pytest.fixture(scope="module")
+def identified(session):
+    return armodal.identify(session)
+
+
+def test_a_session_becomes_frfs_and_modes(session):
+    frf = armodal.frfs(session)[0]
+    model = armodal.fit_modes(frf, band_hz=(3.0, 100.0))
+    assert isinstance(model, armodal.ModalModel)
+    assert model.modes
+    drawn = armodal.figure(model, frf=frf)
+    assert [trace.name for trace in drawn.data] == ["measured", "model", "poles"]
+    measured, fitted = (np.asarray(trace.y) for trace in drawn.data[:2])
+    # The RMS of what a model explains differs from that measured by less than its own error.
+    assert np.sqrt(np.mean((measured - fitted) ** 2)) < model.synthesis_error * measured.max()
+
+
+def test_what_was_identified_predicts_and_is_drawn(session, identified):
+    posture = [0.0, 30.0, 30.0, 0.0, 90.0, 0.0]
+    prediction = armodal.predict(session, identified, posture)
+    drawn = armodal.figure(prediction)
+    assert len(drawn.data[0].x) == prediction.predicted.modes.f_hz.size
+    joints = armodal.figure(identified)
+    assert list(joints.data[0].x) == [joint.k_n_m_per_rad for joint in identified.joints]
+
+
+def test_a_report_is_written(session, identified, tmp_path):
+    armodal.report(session, identified, tmp_path / "report.html")
+    assert "<html" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_frfs_and_a_gap_are_drawn(session):
+    assert isinstance(armodal.figure(armodal.frfs(session)[0]), go.Figure)
+    before = PostureGap(posture="test 1", held_out=True, frf_error=0.2, floor=0.01)
+    nothing = made_result("named", ["payload"])
+    found = replace(nothing, gap_before=(before,), gap_after=(replace(before, frf_error=0.02),))
+    assert [list(bar.y) for bar in armodal.figure(found).data] == [[20.0], [2.0]]
+    with pytest.raises(armodal.ArmodalError, match="no posture was compared"):
+        armodal.figure(nothing)
+
+
+def test_what_cannot_be_drawn_is_refused_with_what_can():
+    with pytest.raises(armodal.ArmodalError, match=r"wanted a FrequencyResponse.*got dict"):
+        armodal.figure({})
+
+
+def test_files_of_another_program_become_a_session(tmp_path):
+    chain_file(tmp_path / "chain.uff", lines=200)
+    (tmp_path / "chain.toml").write_text(
+        'arm = "none"\nmode = "roving-response"\n[[postures]]\nname = "chain"\n'
+        'files = ["chain.uff"]\n',
+        encoding="utf-8",
+    )
+    session = armodal.import_session(tmp_path / "chain.toml")
+    (frf,) = armodal.frfs(session)
+    assert frf.values.shape[-1] > 100
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="fit_everything"):
+        armodal.fit_everything  # noqa: B018
+    assert set(armodal.__all__) <= set(dir(armodal))
