@@ -207,7 +207,6 @@ def _run(
         previews_dropped=outbox.previews_dropped,
         samples_taken=taken,
         samples_seen=board.stream.samples,
-        samples_missing=board.stream.missing,
     )
 
 

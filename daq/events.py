@@ -90,7 +90,6 @@ class HitJudged:
     verdict_s: float
     commit_s: float
     clock_uncertainty_s: float  # of the hit's trigger_host_s, lab seconds
-    committed_host_s: float  # when the record was durable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +118,6 @@ class JointsSeen:
     """Where the arm stands, a few times a second."""
 
     reading: JointReading
-    off_rad: float | None  # largest distance from the posture wanted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,8 +157,7 @@ class Finished:
     cpu_s: float  # processor time of the loop, with all threads of the process
     previews_dropped: int
     samples_taken: int | None  # by the board since START; None where it did not tell at the end
-    samples_seen: int  # of them came in the preview,
-    samples_missing: int  # did not come before the last that did
+    samples_seen: int  # of them came in the preview
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,7 +167,6 @@ class Failed:
     message: str
     kind: str  # name of the error's type
     journal: str | None
-    exit_code: int = 2
 
 
 Event = (

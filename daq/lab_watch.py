@@ -135,7 +135,6 @@ class _LabWatch:
                 previews_dropped=self._outbox.previews_dropped,
                 samples_taken=None,
                 samples_seen=0,
-                samples_missing=0,
             )
         )
         self._outbox.finish(FAREWELL_WALL_S)
@@ -242,7 +241,7 @@ class _LabWatch:
             if preview is not None:
                 self._outbox.put(preview)
         if self._is_due("joints", now_s) and self._joints is not None:
-            self._outbox.put(JointsSeen(reading=self._joints.reading(now_s), off_rad=None))
+            self._outbox.put(JointsSeen(reading=self._joints.reading(now_s)))
         if self._is_due("health", now_s):
             self._outbox.put(health_of(self._board, self._bus, self._joints))
             for loss in self._losses.take():

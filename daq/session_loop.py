@@ -25,7 +25,7 @@ from armodal.daq.events import (
 )
 from armodal.daq.geometry import hit_direction
 from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
-from armodal.daq.joint_state import JointState, largest_difference_rad
+from armodal.daq.joint_state import JointState
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import force_column, judge_record
 from armodal.daq.judge_posture import with_posture
@@ -335,7 +335,6 @@ class SessionLoop:
                 verdict_s=verdict_s,
                 commit_s=commit_s,
                 clock_uncertainty_s=self._board.clock_fit.uncertainty_s(block.info.trigger_ticks),
-                committed_host_s=self._clock.now_s(),
             )
         )
         if verdict.accepted:
@@ -352,12 +351,7 @@ class SessionLoop:
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
             self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
             self._board.count_losses(now_s)
-            reading = self._joints.reading(now_s)
-            posture, joints_rad = self._state.posture, reading.joints_rad
-            off_rad = None
-            if posture is not None and joints_rad is not None:
-                off_rad = largest_difference_rad(joints_rad, posture.joints_rad)
-            self._outbox.put(JointsSeen(reading=reading, off_rad=off_rad))
+            self._outbox.put(JointsSeen(reading=self._joints.reading(now_s)))
         if self._is_due("health", HEALTH_EVERY_WALL_S, now_s):
             self._outbox.put(health_of(self._board, self._bus, self._joints))
         if self._losses and self._is_due("losses", LOSSES_EVERY_WALL_S, now_s):

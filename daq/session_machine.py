@@ -73,8 +73,6 @@ class Prompt:
     wanted: int
     attempts: int
     exhausted: bool  # the plan's attempts are used up: retake, go on trying, or skip
-    points_done: int
-    points_total: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,8 +131,6 @@ class SessionState:
             wanted=here.wanted if here else 0,
             attempts=here.attempts if here else 0,
             exhausted=here is not None and here.attempts >= self.plan.max_attempts,
-            points_done=sum(p.complete for p in self.progress),
-            points_total=len(self.progress),
         )
 
 

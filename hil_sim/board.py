@@ -59,11 +59,6 @@ class Board:
         """Whether to be woken when the line has room."""
         return self.port.pending > 0
 
-    @property
-    def idle(self) -> bool:
-        """Whether nothing happens here unless the host asks."""
-        return self.firmware.samples_due() == 0 and not self.wants_write
-
     def step(self) -> None:
         """Do what is to be done now; never waits."""
         self._suffer()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib import resources
 from typing import Generic
 
@@ -20,7 +19,7 @@ from armodal.hil_sim.slcan_adapter import SlcanAdapter
 from armodal.hil_sim.streams import Streams
 from armodal.protocols.slcan import encode_slcan
 
-__all__ = ["Controller", "ControllerOptions", "JointMessages"]
+__all__ = ["Controller"]
 
 # Bytes that may wait for the adapter's line; beyond them frames are lost, as in an adapter.
 ADAPTER_BUFFER = 8192
@@ -31,25 +30,20 @@ TWITCH_RAD, MOVE_RAD = np.radians(2.0), np.radians(3.0)
 CORRUPT_SHARE = 0.01  # of the characters on the line: every third line or so
 
 HELD, MOVING = 2, 3  # DRIVE_STATE
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ControllerOptions:
-    """Figures of the controller."""
-
-    rate_hz: float = 125.0
-    bitrate: int = 500_000
-    max_speed_rad_s: float = 1.0
-    settle_s: float = 0.5  # from the end of a motion until the arm is said to be there
-    encoder_noise_rad: float = 2e-6
-    encoder_step_rad: float = 2.0 * np.pi / 2**20
+RATE_HZ = 125.0
+BITRATE = 500_000
+MAX_SPEED_RAD_S = 1.0
+SETTLE_S = 0.5  # from the end of a motion until the arm is said to be there
+ENCODER_NOISE_RAD = 2e-6
+ENCODER_STEP_RAD = 2.0 * np.pi / 2**20
+DATABASE = "armodal_controller.dbc"
 
 
 class JointMessages:
     """Lines of one cycle, encoded by the DBC shipped with the protocols."""
 
-    def __init__(self, database: str = "armodal_controller.dbc") -> None:
-        text = (resources.files("armodal.protocols") / "dbc" / database).read_text(encoding="utf-8")
+    def __init__(self) -> None:
+        text = (resources.files("armodal.protocols") / "dbc" / DATABASE).read_text(encoding="utf-8")
         can_database = cantools.database.can.Database()
         can_database.add_dbc_string(text)
         self._messages = [
@@ -99,11 +93,9 @@ class Controller(Generic[BlowT]):
         clock: LabClock,
         faults: FaultSet,
         streams: Streams,
-        options: ControllerOptions | None = None,
     ) -> None:
-        self.options = options or ControllerOptions()
         self.port = port
-        self.adapter = SlcanAdapter(bitrate=self.options.bitrate)
+        self.adapter = SlcanAdapter(bitrate=BITRATE)
         self.frames_lost = 0
         self._cell = cell
         self._clock = clock
@@ -135,11 +127,11 @@ class Controller(Generic[BlowT]):
             self.joints_rad,
             joints_rad,
             begin_s=now_s,
-            max_speed_rad_s=self.options.max_speed_rad_s,
+            max_speed_rad_s=MAX_SPEED_RAD_S,
         )
         self._moving = True
         self._cell.set_moving()
-        return self._motion.end_s + self.options.settle_s
+        return self._motion.end_s + SETTLE_S
 
     def step(self) -> None:
         """Do what is to be done now; never waits."""
@@ -177,7 +169,7 @@ class Controller(Generic[BlowT]):
         return bytes(noisy)
 
     def _tell(self, now_s: float) -> None:
-        due = int((now_s - self._begin_s) * self.options.rate_hz)
+        due = int((now_s - self._begin_s) * RATE_HZ)
         first = max(self._cycle, due - MOST_CYCLES)
         if self.adapter.forwards and Fault.CAN_SILENCE not in self._faults:
             self.frames_lost += self._messages.per_cycle * (first - self._cycle)
@@ -194,7 +186,7 @@ class Controller(Generic[BlowT]):
 
     def _cycle_s(self, cycle: int) -> float:
         """Lab time of a cycle."""
-        return self._begin_s + cycle / self.options.rate_hz
+        return self._begin_s + cycle / RATE_HZ
 
     def _told_deg(self, first: int, due: int) -> list[list[float]]:
         """Angles of the cycles `first` to `due` - 1 as the encoders read them."""
@@ -203,8 +195,7 @@ class Controller(Generic[BlowT]):
         true_rad = np.array(
             [self._motion.joints_rad(self._cycle_s(cycle)) for cycle in range(first, due)]
         )
-        noise_rad = self.options.encoder_noise_rad * self._encoders.standard_normal(true_rad.shape)
-        step_rad = self.options.encoder_step_rad
-        read_rad = step_rad * np.round((true_rad + noise_rad) / step_rad)
+        noise_rad = ENCODER_NOISE_RAD * self._encoders.standard_normal(true_rad.shape)
+        read_rad = ENCODER_STEP_RAD * np.round((true_rad + noise_rad) / ENCODER_STEP_RAD)
         told_deg: list[list[float]] = np.degrees(read_rad).tolist()
         return told_deg

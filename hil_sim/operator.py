@@ -20,7 +20,7 @@ from armodal.hil_sim.ledger import LedgerWriter
 from armodal.hil_sim.streams import Streams
 from armodal.protocols.errors import PlantError
 
-__all__ = ["Action", "Operator", "OperatorOptions", "Swing", "Workplace"]
+__all__ = ["Action", "Operator", "Swing", "Workplace"]
 
 Answer = dict[str, Any]
 Action = Generator[float, None, Answer]
@@ -47,13 +47,10 @@ class Swing(Protocol[BlowT_co]):
         """
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OperatorOptions:
-    """How long an operator takes, lab seconds."""
-
-    mount_s: tuple[float, float] = (3.0, 6.0)
-    swing_s: tuple[float, float] = (0.4, 1.0)
-    after_hit_s: float = 0.2
+# How long an operator takes, lab seconds.
+MOUNT_S = (3.0, 6.0)
+SWING_S = (0.4, 1.0)
+AFTER_HIT_S = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,13 +77,11 @@ class Operator(Generic[BlowT]):
         *,
         clock: LabClock,
         streams: Streams,
-        options: OperatorOptions | None = None,
     ) -> None:
         self._at = workplace
         self._clock = clock
         self._mounts, self._swings = streams("time to mount"), streams("time to swing")
         self._begins = streams("begin of a blow")
-        self._options = options or OperatorOptions()
 
     def begin(self, request: object) -> Action:
         """Begin what a request asks for.
@@ -124,13 +119,13 @@ class Operator(Generic[BlowT]):
         return {"done": True, "do": "posture", "name": name}
 
     def _mount(self, point: str) -> Action:
-        yield self._clock.now_s() + self._mounts.uniform(*self._options.mount_s)
+        yield self._clock.now_s() + self._mounts.uniform(*MOUNT_S)
         self._at.cell.mount(point)
         self._at.ledger.note("mount", self._clock.now_s(), point=point, **self._at.mounted())
         return {"done": True, "do": "mount", "point": point}
 
     def _hit(self, point: str, direction: Array, peak_n: float | None) -> Action:
-        yield self._clock.now_s() + self._swings.uniform(*self._options.swing_s)
+        yield self._clock.now_s() + self._swings.uniform(*SWING_S)
         blow, facts = self._at.swing(point, direction, peak_n)
         at_sample = self._at.cell.strike(self._begins.uniform(1.0, 2.0), blow)
         self._at.ledger.note(
@@ -143,7 +138,7 @@ class Operator(Generic[BlowT]):
             joints_rad=self._at.cell.joints_rad,
             **facts,
         )
-        yield self._clock.now_s() + self._options.after_hit_s
+        yield self._clock.now_s() + AFTER_HIT_S
         return {"done": True, "do": "hit", "point": point}
 
     def _hit_mass(self, mass_kg: object) -> Action:
@@ -151,12 +146,12 @@ class Operator(Generic[BlowT]):
         heavy = isinstance(mass_kg, int | float) and 1e-3 <= mass_kg <= 1e3
         if not heavy or swing_at_mass is None:
             raise PlantError(f"mass_kg: wanted 0.001 to 1000 and a mass to hit, got {mass_kg!r}")
-        yield self._clock.now_s() + self._swings.uniform(*self._options.swing_s)
+        yield self._clock.now_s() + self._swings.uniform(*SWING_S)
         blow, facts = swing_at_mass(float(str(mass_kg)))
         at_sample = self._at.cell.strike(self._begins.uniform(1.0, 2.0), blow)
         now_s = self._clock.now_s()
         self._at.ledger.note("hit-mass", now_s, mass_kg=mass_kg, at_sample=at_sample, **facts)
-        yield self._clock.now_s() + self._options.after_hit_s
+        yield self._clock.now_s() + AFTER_HIT_S
         return {"done": True, "do": "hit-mass"}
 
     def _fault(self, name: object, active: object) -> Action:

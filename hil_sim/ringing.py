@@ -14,7 +14,7 @@ from armodal.hil_sim.hand import Blow
 from armodal.hil_sim.nonlinear_motion import Drive, nonlinear_response
 from armodal.hil_sim.small_motion import SmallMotion
 
-__all__ = ["Strike", "force_history", "modal_response", "ring"]
+__all__ = ["Strike", "force_history", "modal_amplitudes", "modal_states", "ring"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -82,14 +82,6 @@ def modal_amplitudes(motion: SmallMotion, torque: Array) -> tuple[ComplexArray, 
     upper = motion.poles.imag >= 0.0
     twice = np.where(motion.poles[upper].imag > 0.0, 2.0, 1.0)
     return residues[:, upper].T * twice[:, None], direct
-
-
-def modal_response(motion: SmallMotion, torque: Array, force: Array, fine_hz: float) -> Array:
-    """Specific force (n, 3) at the sensor from a force history, mode by mode, from rest."""
-    amplitudes, direct = modal_amplitudes(motion, torque)
-    states = modal_states(motion, force, fine_hz)
-    response: Array = np.outer(force, direct) + (states.T @ amplitudes).real
-    return response
 
 
 def ring(

@@ -67,19 +67,6 @@ class SmallMotion:
     sensed_direct: Array  # (3, n) the same per unit of torque
     elements: tuple[Element, ...] = ()  # what is not linear
 
-    def natural_frequencies_hz(self) -> Array:
-        """|pole| / 2 pi of the oscillating modes, ascending."""
-        return self._oscillating()[0]
-
-    def damping_ratios(self) -> Array:
-        """-Re(pole) / |pole| of the oscillating modes, in the order of the frequencies."""
-        return self._oscillating()[1]
-
-    def _oscillating(self) -> tuple[Array, Array]:
-        upper = self.poles[self.poles.imag > 0.0]
-        upper = upper[np.argsort(np.abs(upper))]
-        return np.abs(upper) / (2.0 * np.pi), -upper.real / np.abs(upper)
-
     def residues(self, torque: Array) -> tuple[ComplexArray, Array]:
         """Transfer from a force to the sensor in partial fractions.
 

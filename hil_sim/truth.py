@@ -6,13 +6,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Inertia", "Interval", "NotNegative", "Positive", "Probability", "Truth", "Vector"]
+__all__ = ["Interval", "NotNegative", "Positive", "Probability", "Truth", "Vector"]
 
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
 Interval = Annotated[tuple[float, float], Field(strict=False)]
-Inertia = Annotated[  # xx, xy, xz, yy, yz, zz
-    tuple[float, ...], Field(strict=False, min_length=6, max_length=6)
-]
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Probability = Annotated[float, Field(ge=0.0, le=1.0)]

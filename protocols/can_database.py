@@ -95,11 +95,6 @@ class CanDecoder:
         self._counters: dict[str, int] = {}
         self._states: dict[str, int] = {}
 
-    @property
-    def frame_ids(self) -> tuple[tuple[int, bool], ...]:
-        """Identifier and extended flag of every mapped message, as for an adapter's filter."""
-        return tuple(self._messages)
-
     def decode(self, frame: CanFrame) -> CanUpdate | None:
         """Decode one frame; None for a frame the mapping does not name, or a remote frame.
 

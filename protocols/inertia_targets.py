@@ -35,8 +35,6 @@ __all__ = [
     "load_inertia_targets",
 ]
 
-FORMAT = "armodal-inertia-targets-1"
-BASE = "base"
 
 _LIMIT = 256 * 1024
 

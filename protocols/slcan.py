@@ -23,7 +23,6 @@ __all__ = [
     "LISTEN_ONLY",
     "MAX_LINE",
     "STATUS",
-    "VERSION",
     "CanFrame",
     "SlcanFault",
     "SlcanParser",
@@ -35,7 +34,6 @@ __all__ = [
 
 CLOSE = b"C\r"
 LISTEN_ONLY = b"L\r"  # opens the channel without acknowledging or sending anything
-VERSION = b"V\r"
 STATUS = b"F\r"  # reads and clears the adapter's error flags
 
 MAX_LINE = 32  # the longest frame line, T with 8 bytes and a timestamp, has 30 characters
@@ -51,7 +49,7 @@ _BITRATES = {
     800_000: b"S7\r",
     1_000_000: b"S8\r",
 }
-_CR, _BEL = 0x0D, 0x07
+_BEL = 0x07
 _SEPARATORS = re.compile(rb"[\r\x07]")
 _HEX = re.compile(rb"[0-9A-Fa-f]*")
 _REPLY = re.compile(rb"[zZ]|[VvN][0-9A-Za-z]{1,16}|F[0-9A-Fa-f]{2}")

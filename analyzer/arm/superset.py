@@ -91,11 +91,6 @@ class Superset:
         return 6 + 7 * joint
 
     @staticmethod
-    def base_columns() -> slice:
-        """Return the six columns, linear first, of the interface between floor and base."""
-        return slice(0, 6)
-
-    @staticmethod
     def interface_columns(link: int) -> slice:
         """Return the six columns, linear first, of the interface at the root of link `link`."""
         return slice(6 + 7 * link + 1, 6 + 7 * link + 7)

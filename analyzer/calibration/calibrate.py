@@ -42,7 +42,6 @@ class Calibration:
     arm: Arm
     base_mass_kg: float
     bodies: tuple[BelievedBody, ...]  # of the moving links, base outwards
-    base_mass_std: float
     u: Array  # (n,) ten numbers a link, then the base's mass
     covariance: Array  # (n, n) of u; about this solution, not its twin
     pulls: tuple[tuple[Target, Array], ...]  # deviation over margin, at the solution
@@ -158,7 +157,6 @@ def calibrate_inertia(
         arm=batch.with_links(linear.links(u)).arm,
         base_mass_kg=base_at(u),
         bodies=bodies,
-        base_mass_std=base_mass_std,
         u=u,
         covariance=np.asarray(np.linalg.inv(jacobian.T @ jacobian), dtype=np.float64),
         pulls=pulls,

@@ -38,7 +38,6 @@ class RigidDesign:
     rides on turns with `turning[i] @ x` (sensor axes). Points on the base have rows of zero.
     """
 
-    assembly: Assembly
     points: tuple[str, ...]
     link: tuple[int, ...]  # -1 is the base
     rows: Array  # (n_points, 3, n_unknown)
@@ -72,7 +71,6 @@ def rigid_design(superset: Superset, dynamics: PostureDynamics, assembly: Assemb
         rows[i] = rotation[i].T @ (linear + np.cross(angular.T, position[i]).T)
         turning[i] = rotation[i].T @ angular
     return RigidDesign(
-        assembly=assembly,
         points=tuple(point.id for point in superset.arm.points),
         link=link,
         rows=frozen_array(rows, np.float64),

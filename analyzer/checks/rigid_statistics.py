@@ -78,7 +78,6 @@ class RigidFit:
     nuisance: Array  # (n_patterns,)
     normal: Array  # (n_patterns, n_patterns), without the prior
     gradient: Array  # (n_patterns,)
-    constant: float
     prior_std: Array  # (n_patterns,)
 
 
@@ -228,7 +227,6 @@ def _solve(normal: Array, gradient: Array, constant: float, prior: Array) -> Rig
         nuisance=frozen_array(nuisance, np.float64),
         normal=frozen_array(normal, np.float64),
         gradient=frozen_array(gradient, np.float64),
-        constant=constant,
         prior_std=frozen_array(prior, np.float64),
     )
 

@@ -22,6 +22,8 @@ from armodal.protocols.session.records import Session
 
 __all__ = ["HeldOut", "held_out", "held_out_postures"]
 
+_MOST_STEPS = 6  # from a fit to all postures that to some is near
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeldOut:
@@ -51,7 +53,7 @@ def held_out_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[
     return tuple(sorted(held if len(held) < len(lines) else test))
 
 
-def held_out(stage: Stage, fit: Fit, test: Sequence[int], *, max_iterations: int = 6) -> HeldOut:
+def held_out(stage: Stage, fit: Fit, test: Sequence[int]) -> HeldOut:
     """Fit to all postures but `test`, and see how surprising those are.
 
     Parameters
@@ -67,7 +69,7 @@ def held_out(stage: Stage, fit: Fit, test: Sequence[int], *, max_iterations: int
         fit.hypothesis,
         start=_without(fit, stage, test),
         postures=training_postures,
-        max_iterations=max_iterations,
+        max_iterations=_MOST_STEPS,
     )
     parts = stage.quadratics(training.hypothesis, training.space, training.values, test)
     f = training.free

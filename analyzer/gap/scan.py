@@ -33,6 +33,7 @@ __all__ = ["Candidate", "beside", "scan_axes", "scan_instances"]
 
 Array = npt.NDArray[np.float64]
 
+_KEPT = 2  # lines of each link's interface
 _N_DIRECTIONS = 60
 _LEVERS_M = (0.0, 0.1, 0.25)
 _PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
@@ -130,16 +131,14 @@ def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space,
     return space, whole.gradient, whole.curvature
 
 
-def scan_axes(
-    stage: Stage, fit: Fit, *, keep: int = 2, exclude: Sequence[str] = ()
-) -> list[Candidate]:
+def scan_axes(stage: Stage, fit: Fit, *, exclude: Sequence[str] = ()) -> list[Candidate]:
     """The most promising lines of every link's interface, best first."""
     ordinary = fit.hypothesis.ordinary
     links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
     found: list[Candidate] = []
     for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
         gains, lines = _best_lines(gram, slope, ordinary, link)
-        for gain, (direction, point) in list(zip(gains, lines, strict=True))[:keep]:
+        for gain, (direction, point) in list(zip(gains, lines, strict=True))[:_KEPT]:
             instance = link_axis.at_axis(ordinary, link, direction, point)
             found.append(Candidate(instance=instance, gain=gain))
     return sorted(found, key=lambda c: -c.gain)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from armodal.analyzer.gap.effects import gravity_compensator
 from armodal.analyzer.gap.effects.effect import Instance
@@ -19,15 +18,13 @@ from armodal.analyzer.gap.scan import Candidate
 
 __all__ = ["scan_compensators"]
 
-Array = npt.NDArray[np.float64]
 
 _ANGLES = np.linspace(-np.pi, np.pi, 36, endpoint=False)
 _RATIOS = (1.2, 1.5, 2.2)
+_KEPT = 2  # angles at each joint
 
 
-def scan_compensators(
-    stage: Stage, fit: Fit, instances: Sequence[Instance], *, keep: int = 2
-) -> list[Candidate]:
+def scan_compensators(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """The most promising angles of a compensator at every joint that lifts, best first."""
     here = [i for i in instances if i.effect is gravity_compensator.WORDS]
     if not here:
@@ -59,7 +56,7 @@ def scan_compensators(
         gain = np.where(slope < 0.0, 0.5 * slope**2 / left, 0.0)
         chosen: list[int] = []
         for i in np.argsort(-gain):
-            if len(chosen) < keep and all(_apart(grid[i][0], grid[j][0]) for j in chosen):
+            if len(chosen) < _KEPT and all(_apart(grid[i][0], grid[j][0]) for j in chosen):
                 chosen.append(int(i))
         stiff, _, angle, ratio = gravity_compensator.names_at(instance.place)
         for i in chosen:

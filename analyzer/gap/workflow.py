@@ -51,8 +51,6 @@ def find_gap(
     session: Session,
     *,
     more: Sequence[Session] = (),
-    frfs: Sequence[FrequencyResponse] | None = None,
-    thresholds: Thresholds | None = None,
     gates: bool = True,
     modes: bool = True,
     advice: bool = True,
@@ -67,8 +65,6 @@ def find_gap(
     more
         Further tests of the same arm, such as a proposed one: their postures count with its own,
         in the state their plans tell (brakes, known masses).
-    frfs
-        FRFs of the session's postures if they are at hand.
     gates, modes, advice
         Run the checks without a model; pair modes in the comparison before and after; propose the
         next test.
@@ -81,14 +77,13 @@ def find_gap(
         If the session cannot carry the judgement: fewer than two postures with known angles, too
         few points, an arm without an elastic joint.
     """
-    limits = thresholds or Thresholds()
+    limits = Thresholds()
     session, more, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
     check_enough(session)
     check_tests(session, more)
     single_hits = bool(session.hits)
-    if frfs is None or replaced:
-        frfs = estimate_frfs(session, superset) if single_hits else session.frfs
+    frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     gate_rows = _gates(session, frfs, superset, tell) if gates and single_hits else ()
     of_first = stages_of(superset, session, frfs)
     stages = with_tests(of_first, superset, more)

@@ -11,7 +11,6 @@ K. Levenberg, Q. Appl. Math. 2 (1944) 164.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,15 +42,14 @@ class FrfFit:
     parameters: ParameterNames
     scatter: ParameterScatter  # of the parameters, from measurement scatter and priors
     cost: float  # half the weighted sum of squares, priors included
-    n_data: int  # real numbers fitted
     relative_residual: Array  # (n_postures,) rms residual over rms FRF, measured noise taken off
     iterations: int
 
 
-def line_weights(data: PostureData, allowance: float = MOUNTING_ALLOWANCE) -> Array:
+def line_weights(data: PostureData) -> Array:
     """Return 1/variance of every FRF value, (n_mountings, n_refs, 3, n_lines)."""
     motion = (np.abs(data.values) ** 2).sum(axis=2, keepdims=True)
-    variance = data.variance + allowance**2 * motion
+    variance = data.variance + MOUNTING_ALLOWANCE**2 * motion
     # A point that does not move (the base) still has its noise; nothing has none at all.
     floor = 1e-12 * float(motion.max())
     return np.asarray(1.0 / np.maximum(variance, floor))
@@ -127,7 +125,6 @@ def fit_frfs(
     start: FitState,
     *,
     max_iterations: int = 60,
-    progress: Callable[[int, float], None] | None = None,
 ) -> FrfFit:
     """Fit the model's parameters to the FRFs of several postures.
 
@@ -145,8 +142,6 @@ def fit_frfs(
     iteration = 0
     while not converged and iteration < max_iterations:
         iteration += 1
-        if progress:
-            progress(iteration, cost)
         H = normal.H + np.diag(precision)
         gradient = normal.gradient - precision * parameter_vector(state)
         step = np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
@@ -166,7 +161,7 @@ def fit_frfs(
             damping *= 10
             if damping > 1e12:
                 break
-    fit = _finish(names, normal, state, cost, postures, iteration)
+    fit = _finish(names, normal, state, cost, iteration)
     if not converged:
         raise EstimateError(
             f"the model fit did not converge in {iteration} iterations "
@@ -182,7 +177,6 @@ def _finish(
     normal: _Normal,
     state: FitState,
     cost: float,
-    postures: tuple[PostureData, ...],
     iterations: int,
 ) -> FrfFit:
     return FrfFit(
@@ -190,7 +184,6 @@ def _finish(
         parameters=names,
         scatter=ParameterScatter.of(normal.cluster_hessian, normal.cluster_g, names.prior_std),
         cost=cost,
-        n_data=int(sum(2 * data.values.size for data in postures)),
         relative_residual=normal.relative_residual,
         iterations=iterations,
     )

@@ -26,6 +26,8 @@ __all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape", "shape_at"]
 
 Array = npt.NDArray[np.float64]
 
+_MOST_STEPS = 30
+
 
 class MeasuredModes:
     """Modes of a posture with the rows of the model that belong to their shapes.
@@ -93,7 +95,6 @@ def fit_to_frequencies(
     structure: Structure,
     postures: tuple[MeasuredModes, ...],
     *,
-    iterations: int = 30,
     prior_std: float = 0.4,
 ) -> Structure:
     """Fit ln k of all springs of a structure to measured frequencies (file 002, Eq. 13).
@@ -108,7 +109,7 @@ def fit_to_frequencies(
     """
     first = np.log(structure.all_stiffness())
     log_k = first.copy()
-    for _ in range(iterations):
+    for _ in range(_MOST_STEPS):
         rows, rest = [np.eye(len(log_k)) / prior_std], [(first - log_k) / prior_std]
         for posture in postures:
             model = reduce_model(superset, posture.dynamics, _with_stiffness(structure, log_k))

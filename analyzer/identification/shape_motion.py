@@ -18,7 +18,6 @@ from armodal.protocols.arm.records import Arm, Point
 
 __all__ = ["ShapeMotion", "measured_motion"]
 
-Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
 _INTERFACE_EFFORT = 10.0  # of an interface turning, against a joint

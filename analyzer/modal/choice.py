@@ -22,6 +22,7 @@ _RADIUS_OF_BANDWIDTH = 0.3  # of the half bandwidth |Re p|: a pole scatters in p
 _RADIUS_LEAST = 0.001  # of |pole|, added
 _RADIUS_MOST = 0.01  # of |pole|
 _LEAST_PARTICIPATION_MAC = 0.8
+_LEAST_SHARE = 0.25  # of the orders at which a pole must be present
 _ZOOM_RATIO = 3.0  # highest over lowest frequency of a zoomed band
 _ZOOM_STEP = 2.0  # between the starts of neighbouring bands, so that they overlap
 _ZOOM_LEAST_LINES = 24
@@ -78,7 +79,7 @@ def _radius(poles: npt.NDArray[np.complex128]) -> npt.NDArray[np.float64]:
 
 
 def candidate_poles(
-    table: Stabilisation, band_hz: tuple[float, float], *, least_share: float = 0.25
+    table: Stabilisation, band_hz: tuple[float, float]
 ) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.float64]]:
     """Places where poles gather over the orders.
 
@@ -88,8 +89,6 @@ def candidate_poles(
         Poles over orders.
     band_hz
         Band the frequencies must lie in.
-    least_share
-        Share of the orders at which the pole must be present.
 
     Returns
     -------
@@ -107,7 +106,7 @@ def candidate_poles(
         near &= np.abs(w.conj() @ w.T) ** 2 > _LEAST_PARTICIPATION_MAC
     alive = np.ones(pole.size, dtype=bool)
     closeness = np.where(near, 1.0 - distance, 0.0)
-    wanted = max(3, int(np.ceil(least_share * len(table.orders))))
+    wanted = max(3, int(np.ceil(_LEAST_SHARE * len(table.orders))))
     chosen: list[complex] = []
     share: list[float] = []
     while True:

@@ -236,8 +236,6 @@ def fit_modes_at(
     frf: FrequencyResponse,
     poles_rad_s: npt.ArrayLike,
     stabilisation: Stabilisation,
-    *,
-    band_hz: tuple[float, float] | None = None,
 ) -> ModalModel:
     """Shapes, refined poles and residual terms from poles picked by hand.
 
@@ -251,15 +249,13 @@ def fit_modes_at(
         (n,) starting poles, imaginary parts above zero.
     stabilisation
         The poles over model orders they were picked from; carried into the result.
-    band_hz
-        Lines used; all by default.
 
     Raises
     ------
     EstimateError
         If a pole is unstable or outside the band, or the FRFs cannot be fitted.
     """
-    lines = _fitted_lines(frf, band_hz)
+    lines = _fitted_lines(frf, None)
     poles = np.asarray(poles_rad_s, dtype=np.complex128).reshape(-1)
     f_hz = np.abs(poles) / (2.0 * np.pi)
     low, high = lines.band_hz

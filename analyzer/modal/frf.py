@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -13,34 +12,15 @@ from armodal.analyzer.modal.estimators import single_reference
 from armodal.analyzer.modal.hit_selection import coherence_of_all
 from armodal.analyzer.modal.noise import hit_scatter_variance, independent_line_share
 from armodal.analyzer.modal.sensor_axes import sensor_axes
-from armodal.analyzer.modal.spectra import HitSpectra, active_channels, hit_frfs, hit_spectra
+from armodal.analyzer.modal.spectra import HitSpectra, active_channels, hit_spectra
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfEstimator, FrfForm
 from armodal.protocols.session.records import Hit, Session
 
-__all__ = ["HitFrfs", "SensorAxes", "posture_frf", "posture_hit_frfs"]
+__all__ = ["SensorAxes", "posture_frf"]
 
 SensorAxes = Callable[[str], npt.NDArray[np.float64]] | Mapping[str, npt.NDArray[np.float64]]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HitFrfs:
-    """Accelerance of every single hit of a posture, on the lines s = decay + j w.
-
-    Their average weighted by `force_power`, per sensor point and reference, is the H1 estimate.
-    """
-
-    posture: str
-    form: FrfForm
-    freq_hz: npt.NDArray[np.float64]  # (n_freq,)
-    decay_rad_s: float
-    hit_number: tuple[int, ...]  # n_hits
-    sensor_point: tuple[str, ...]  # n_hits
-    labels: tuple[str, ...]  # n_axes
-    reference: tuple[Dof, ...]  # n_hits
-    values: npt.NDArray[np.complex128]  # (n_hits, n_axes, n_freq)
-    force_power: npt.NDArray[np.float64]  # (n_hits, n_freq), |F|^2
 
 
 def _axes(directions: SensorAxes, point: str) -> npt.NDArray[np.float64]:
@@ -58,43 +38,6 @@ def _axes(directions: SensorAxes, point: str) -> npt.NDArray[np.float64]:
             f"got shape {axes.shape}"
         )
     return axes
-
-
-def posture_hit_frfs(
-    session: Session, posture: str, *, band_hz: tuple[float, float] | None = None
-) -> HitFrfs:
-    """Accelerance of every accepted hit of a posture.
-
-    Parameters
-    ----------
-    session
-        The measured session.
-    posture
-        Name of the posture.
-    band_hz
-        Lines kept; see `hit_spectra`.
-
-    Raises
-    ------
-    EstimateError
-        If the posture has no accepted hits, their records cannot be compared, or the channels'
-        names do not tell their axes.
-    """
-    hits = accepted_hits(session, posture)
-    spectra = hit_spectra(session, hits, band_hz=band_hz)
-    pairs = hit_pairs(hits)
-    return HitFrfs(
-        posture=posture,
-        form=FrfForm.ACCELERANCE,
-        freq_hz=frozen_array(spectra.freq_hz, np.float64),
-        decay_rad_s=spectra.decay_rad_s,
-        hit_number=tuple(hit.number for hit in hits),
-        sensor_point=tuple(hit.sensor_point for hit in hits),
-        labels=tuple("xyz"[axis] for axis in sensor_axes(active_channels(session)[1])),
-        reference=tuple(pairs.references[i % len(pairs.references)] for i in pairs.pair_of),
-        values=frozen_array(hit_frfs(spectra), np.complex128),
-        force_power=frozen_array(np.abs(spectra.force) ** 2, np.float64),
-    )
 
 
 def posture_frf(

@@ -14,7 +14,7 @@ from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.frf_records import Dof, FrfForm
 
-__all__ = ["ModalModel", "Mode", "mode_receptance", "synthesise"]
+__all__ = ["ModalModel", "Mode", "synthesise"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,13 +84,6 @@ class ModalModel:
     def damping_ratio(self) -> npt.NDArray[np.float64]:
         """Damping ratios of all modes: (n_modes,)."""
         return frozen_array([mode.damping_ratio for mode in self.modes], np.float64)
-
-
-def mode_receptance(mode: Mode, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
-    """Receptance of one mode on the Laplace points `s` (n,): (n_resp, n_ref, n)."""
-    pole = mode.pole_rad_s
-    residues = mode.residues[..., None]
-    return residues / (s - pole) + residues.conj() / (s - pole.conjugate())
 
 
 def synthesise(

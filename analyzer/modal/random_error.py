@@ -1,35 +1,16 @@
-"""Random error of an averaged FRF: from its coherence, and from the scatter between hits."""
+"""Random error of averaged FRFs: from coherence, and from the scatter between hits."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
-from scipy import special
 
-from armodal.analyzer.modal.noise import smooth_lines
 from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
 
-__all__ = ["RandomError", "coherence_random_error", "scatter_random_error"]
+__all__ = ["coherence_random_error", "typical_random_errors"]
 
 _Real = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RandomError:
-    """Standard deviation of an FRF's magnitude on every line, from few hits.
-
-    The phase in radians has the same standard deviation as the magnitude has relatively.
-    """
-
-    std: _Real  # (n_axes, n_freq), in the FRF's unit
-    dof: float  # Student-t degrees of freedom of `std`
-
-    def half_width(self, level: float = 0.95) -> _Real:
-        """Half of the two-sided interval: (n_axes, n_freq)."""
-        result: _Real = float(special.stdtrit(self.dof, 0.5 + 0.5 * level)) * self.std
-        return result
 
 
 def coherence_random_error(coherence: npt.ArrayLike, n_averages: int) -> _Real:
@@ -75,42 +56,20 @@ def coherence_random_error(coherence: npt.ArrayLike, n_averages: int) -> _Real:
     return result
 
 
-def scatter_random_error(
-    frfs: npt.NDArray[np.complex128],
-    force_power: _Real,
-    *,
-    half_width_lines: int = 4,
-    independent_share: float = 1.0,
-) -> RandomError:
-    """Standard deviation of |H1| from the scatter of its single hits.
+def typical_random_errors(frf: FrequencyResponse) -> tuple[float | None, float | None]:
+    """Median relative random error of |H|, by the scatter between hits and by coherence.
 
-    n hits leave 2 (n - 1) real degrees of freedom a line: four for three hits. The variance is
-    the mean over neighbouring lines, which multiplies them by the independent lines among these.
-
-    Parameters
-    ----------
-    frfs
-        (n_hits, n_axes, n_freq) of one sensor point and reference.
-    force_power
-        (n_hits, n_freq), |F|^2, the weights of the average.
-    half_width_lines
-        Lines on either side that are averaged over.
-    independent_share
-        Independent lines per line, see `independent_line_share`.
-
-    Raises
-    ------
-    EstimateError
-        If there are fewer than two hits.
+    None where the FRFs do not tell it. Half of E|error|² lies along an FRF, half across it.
     """
-    n = frfs.shape[0]
-    if n < 2:
-        raise EstimateError(f"the scatter between hits needs two hits or more, got {n}; hit again")
-    weight = force_power[:, None, :]
-    total = weight.sum(axis=0)
-    mean = (weight * frfs).sum(axis=0) / total
-    scatter = (weight * np.abs(frfs - mean) ** 2).sum(axis=0) / ((n - 1) * total)
-    # Half of E|error|^2 lies along the FRF, half across it.
-    std = np.sqrt(0.5 * smooth_lines(scatter, half_width_lines))
-    lines = 1.0 + 2.0 * half_width_lines * independent_share
-    return RandomError(std=std, dof=2.0 * (n - 1) * lines)
+    size = np.abs(frf.values)
+    told = (frf.variance > 0.0) & (size > 0.0)
+    scatter = np.sqrt(0.5 * frf.variance[told]) / size[told]
+    coherence = [
+        coherence_random_error(frf.coherence[i, j], int(n))
+        for (i, j), n in np.ndenumerate(frf.n_hits)
+        if n > 1 and np.isfinite(frf.coherence[i, j]).all()
+    ]
+    return (
+        float(np.median(scatter)) if scatter.size else None,
+        float(np.median(coherence)) if coherence else None,
+    )

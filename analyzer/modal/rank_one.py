@@ -26,6 +26,7 @@ __all__ = ["RankOneFit", "refine_rank_one"]
 _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
 _RIDGE = 1e-13
+_MOST_STEPS = 12  # accepted or not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,7 +209,6 @@ def refine_rank_one(
     poles: _Complex,
     residues: _Complex,
     *,
-    max_steps: int = 12,
     tolerance: float = 1e-5,
 ) -> RankOneFit:
     """Least weighted sum of squares of the model with one shape and participation a mode.
@@ -221,8 +221,6 @@ def refine_rank_one(
         (n_modes,) to start from, rad/s.
     residues
         (n_resp, n_ref, n_modes) to start from, in the FRFs' own form.
-    max_steps
-        Steps tried, accepted or not.
     tolerance
         Stop when no pole moves by more than this share of its half bandwidth and no
         participation by more than this share of the mode's largest.
@@ -243,7 +241,7 @@ def refine_rank_one(
     n = 2 * poles.size
     free = _free(residues.shape[1], held)
     damping, total = 1e-6, float(current.cost.sum())
-    for _ in range(max_steps):
+    for _ in range(_MOST_STEPS):
         A, g = current.information.sum(axis=0), current.score.sum(axis=0)
         scale = 1.0 / np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
         lhs = A * scale[:, None] * scale + damping * np.eye(g.size)

@@ -16,6 +16,8 @@ from armodal.analyzer.modal.regression import ModalData, Regression, regress
 __all__ = ["admissible", "refine_poles"]
 
 _MOST_DAMPING = 0.6
+_MOST_STEPS = 12  # accepted or not
+_TOLERANCE = 1e-5  # of its half bandwidth, that a pole still moves by at the end
 
 
 def admissible(poles: npt.NDArray[np.complex128]) -> bool:
@@ -31,8 +33,6 @@ def refine_poles(
     data: ModalData,
     start: npt.NDArray[np.complex128],
     *,
-    max_steps: int = 12,
-    tolerance: float = 1e-5,
     enough: Callable[[float, float], bool] | None = None,
 ) -> Regression:
     """Move the poles to the least weighted sum of squares.
@@ -43,10 +43,6 @@ def refine_poles(
         FRFs weighted by one over their variance.
     start
         (n_modes,) poles in rad/s.
-    max_steps
-        Steps tried, accepted or not.
-    tolerance
-        Stop when no pole moves by more than this share of its own half bandwidth.
     enough
         Told the cost before and after each step taken; True stops there.
 
@@ -60,7 +56,7 @@ def refine_poles(
         return current
     damping = 1e-6
     total = float(current.cost.sum())
-    for _ in range(max_steps):
+    for _ in range(_MOST_STEPS):
         A = current.information.sum(axis=0)
         g = current.score.sum(axis=0)
         diagonal = np.maximum(np.diag(A), np.finfo(float).tiny)
@@ -77,10 +73,10 @@ def refine_poles(
         if reached <= total * (1.0 + 1e-12):
             before, current, total = total, trial, reached
             damping = max(damping / 10.0, 1e-9)
-            if share < tolerance or (enough is not None and enough(before, total)):
+            if share < _TOLERANCE or (enough is not None and enough(before, total)):
                 break
         else:
-            if share < tolerance:
+            if share < _TOLERANCE:
                 break
             damping = min(max(damping * 30.0, 1e-3), 1e6)
     return current

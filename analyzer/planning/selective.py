@@ -51,8 +51,7 @@ class PlannedTest:
 
     joints_rad: Array  # (n_joints,)
     target: int  # elastic joint (0-based among the arm's joints) it is for
-    isolates: tuple[int, ...]  # joints whose own mode it shows, of the arm's
-    serves: tuple[int, ...]  # of these, the ones its hit shows
+    serves: tuple[int, ...]  # joints whose own mode its hit shows, of the arm's
     separable: tuple[int, ...]  # smallest set of joints around the target that is tied together
     coupling: Array  # (n,) |M_ij| / M_ii of the target to each elastic joint
     modes: PostureModes
@@ -200,7 +199,6 @@ def describe_tests(
         PlannedTest(
             joints_rad=joints_rad,
             target=target,
-            isolates=tuple(own),
             serves=joints_shown(elastic, modes, own, hit),
             separable=separable,
             coupling=coupling_ratios(modes.mass[..., None])[number, :, 0],

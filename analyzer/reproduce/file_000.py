@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from armodal.analyzer.reproduce.records import Figure, Status, compared, not_derivable
 from armodal.analyzer.workspace.batch import ArmBatch
@@ -12,7 +11,6 @@ from armodal.protocols.arm.records import Arm
 
 __all__ = ["figures_000"]
 
-Array = npt.NDArray[np.float64]
 
 PAPER = "000"
 # Table 2, degrees.
@@ -32,7 +30,7 @@ AVERAGE = (-0.29, 195.5, 18.2)
 STRUCTURAL_HZ, STRUCTURAL_DAMPING = 79.0, 0.026
 STRUCTURAL_INERTIA, STRUCTURAL_K, STRUCTURAL_C = 0.55, 135511.0, 14.2
 REACH_M = 0.649  # manufacturer, wrist from joint 2
-PRINTED_UPPER_ARM_M, UPPER_ARM_M = 0.350, 0.310
+PRINTED_UPPER_ARM_M = 0.350
 
 
 def figures_000(arm: Arm) -> list[Figure]:

@@ -17,7 +17,7 @@ from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.errors import ArmError
 
-__all__ = ["Deflections", "JointLine", "cartesian_compliance", "deflect", "joint_lines"]
+__all__ = ["Deflections", "JointLine", "deflect", "joint_lines"]
 
 Array = npt.NDArray[np.float64]
 
@@ -100,18 +100,6 @@ def deflect(
         rotation_rad=motion[3:].T,
         joint_share=share.T,
     )
-
-
-def cartesian_compliance(
-    batch: ArmBatch,
-    elastic: ElasticJoints,
-    joints_rad: npt.ArrayLike,
-    *,
-    tool_m: npt.ArrayLike = (0.0, 0.0, 0.0),
-) -> Array:
-    """Compliance J K⁻¹ Jᵀ of the tool point, (n_postures, 6, 6), linear first (file 001, Eq. 1)."""
-    J, _ = _tool_jacobian(batch, elastic, joints_rad, tool_m)
-    return np.asarray(np.einsum("ijn,j,kjn->nik", J, 1.0 / elastic.stiffness_n_m_per_rad, J))
 
 
 def joint_lines(

@@ -14,6 +14,8 @@ __all__ = ["CouplingSweep", "sweep_coupling"]
 
 Array = npt.NDArray[np.float64]
 
+_N_ANGLES = 1441  # of the sweep, before the zeros are refined
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CouplingSweep:
@@ -32,25 +34,20 @@ def sweep_coupling(
     *,
     joint: int,
     limits_rad: tuple[float, float],
-    at_rad: npt.ArrayLike | None = None,
-    n: int = 1441,
 ) -> CouplingSweep:
-    """Sweep one joint and follow the coupling of two.
+    """Sweep one joint, the others at zero, and follow the coupling of two.
 
     Parameters
     ----------
     joint
         The joint swept (0-based), over `limits_rad`; its own range does not limit it, as in the
         paper, whose zeros lie outside it.
-    at_rad
-        (n_joints,) angles of the others; zero when omitted.
     """
-    angle = np.linspace(*limits_rad, n)
-    others = np.zeros(len(arm.joints)) if at_rad is None else np.asarray(at_rad, dtype=float)
+    angle = np.linspace(*limits_rad, _N_ANGLES)
     batch = ArmBatch(arm)
 
     def coupling(angles: Array) -> Array:
-        q = np.tile(others, (len(angles), 1))
+        q = np.zeros((len(angles), len(arm.joints)))
         q[:, joint] = angles
         return batch.mass(q)
 

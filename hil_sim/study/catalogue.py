@@ -17,7 +17,6 @@ from armodal.hil_sim.study.places import ArmPlaces, Hidden
 
 __all__ = [
     "FIRST",
-    "LEVELLED",
     "LIBRARY",
     "MAGNITUDES",
     "MORE",
@@ -71,9 +70,6 @@ OUTSIDE: dict[str, Maker] = {
 
 FIRST = tuple(LIBRARY)[:15]
 """The first library of the gap workflow."""
-
-LEVELLED = frozenset({"friction", "microslip", "softening", "backlash", "one_sided"})
-"""Effects that show in how the response depends on the hit's level."""
 
 SIZED = frozenset(
     {

@@ -21,9 +21,8 @@ from armodal.hil_sim.study.arms import StudyArm
 from armodal.hil_sim.study.model_error import Tables, plant_of_tables
 from armodal.hil_sim.study.nuisances import WIDEST, Nuisance, nuisances
 from armodal.protocols.plan_records import PlannedPosture
-from armodal.protocols.session.records import Session
 
-__all__ = ["Bystander", "frfs_of"]
+__all__ = ["Bystander"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -53,27 +52,6 @@ class _Posture:
         """What the posture's own nuisances leave of a column or of columns."""
         result: Array = y - self.local @ (self.gain @ y)
         return result
-
-
-def frfs_of(session: Session) -> ComplexArray:
-    """H1 on Laplace lines, (n_postures, n_points, 3, n_lines) in m/s^2 per N as certified."""
-    plan = session.header.plan
-    n, rate_hz = plan.sampling.samples, float(plan.sampling.rate_hz)
-    s, lines = _lines(n, rate_hz)
-    weight = np.exp(-s[0].real * np.arange(n) / rate_hz)[:, None]
-    scale = np.array([channel.scale for channel in session.header.dictionary.channels])
-    points = plan.postures[0].points
-    cross = np.zeros((len(plan.postures), len(points), 3, len(lines)), dtype=np.complex128)
-    power = np.zeros((*cross.shape[:2], 1, len(lines)))
-    order = {posture.name: i for i, posture in enumerate(plan.postures)}
-    for hit in session.hits:
-        i, j = order[hit.posture], points.index(hit.sensor_point)
-        record = hit.counts * scale
-        record = record - record[: plan.sampling.pretrigger // 2].mean(axis=0)
-        spectra = np.fft.rfft(record * weight, axis=0)[lines].T
-        cross[i, j] += spectra[1:] * np.conj(spectra[0])
-        power[i, j] += np.abs(spectra[0]) ** 2
-    return cross / power
 
 
 class Bystander:
@@ -281,7 +259,7 @@ def _lines_and_noise(study: StudyArm, plant: Plant) -> tuple[ComplexArray, Array
     """Laplace lines, and (n_lines,) what unit noise a sample makes of H1 after middle hits."""
     sampling, hand = study.plan.sampling, plant.truth.hand
     rate_hz = float(sampling.rate_hz)
-    s, _ = _lines(sampling.samples, rate_hz)
+    s = _lines(sampling.samples, rate_hz)
     t = np.arange(sampling.samples) / rate_hz
     width = float(np.mean(hand.width_s))
     phase = (t - sampling.pretrigger / rate_hz) / width
@@ -292,9 +270,9 @@ def _lines_and_noise(study: StudyArm, plant: Plant) -> tuple[ComplexArray, Array
     return s, noise
 
 
-def _lines(n: int, rate_hz: float) -> tuple[ComplexArray, npt.NDArray[np.intp]]:
-    """Laplace variable in rad/s of the lines looked at, and their numbers in the record's FFT."""
+def _lines(n: int, rate_hz: float) -> ComplexArray:
+    """Laplace variable in rad/s of the lines looked at, a part of those of the record's FFT."""
     f_hz = np.fft.rfftfreq(n, 1.0 / rate_hz)
     lines = np.flatnonzero((f_hz > BAND_HZ[0]) & (f_hz < BAND_HZ[1]))[::EVERY]
     s: ComplexArray = DECAY_RAD_S + 2j * np.pi * f_hz[lines].astype(np.complex128)
-    return s, lines
+    return s

@@ -12,7 +12,6 @@ from armodal.protocols.arm.effect_section import EffectTable
 from armodal.protocols.toml_reader import FileModel, Name, Vector3, not_wanted
 
 __all__ = [
-    "FORMAT",
     "ArmFile",
     "CanSection",
     "JointTable",
@@ -21,7 +20,6 @@ __all__ = [
     "PointTable",
 ]
 
-FORMAT = "armodal-arm-1"
 
 # How far from unit length and from perpendicular a direction may be written: three decimals.
 _DIRECTION = 2e-3

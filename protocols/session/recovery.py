@@ -25,7 +25,6 @@ class Recovery:
 
     session: Session
     frfs: tuple[FrequencyResponse, ...]
-    session_path: Path
     journal_bytes: int
     recovered_bytes: int
     accepted: int
@@ -83,7 +82,6 @@ def rebuild(
     return Recovery(
         session=session,
         frfs=frfs,
-        session_path=Path(session_path),
         journal_bytes=journal.size,
         recovered_bytes=journal.good_end,
         accepted=accepted,

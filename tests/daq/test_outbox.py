@@ -16,7 +16,7 @@ def note(k: int) -> Noted:
 
 def joints(k: int) -> JointsSeen:
     reading = JointReading(joints_rad=None, drive_state=None, held=False, age_s=0.0, host_s=k)
-    return JointsSeen(reading=reading, off_rad=None)
+    return JointsSeen(reading=reading)
 
 
 def test_events_arrive_in_order():

@@ -6,7 +6,13 @@ from cantools.database import load_string
 from hypothesis import given
 from hypothesis import strategies as st
 
-from armodal.hil_sim.controller import HELD, MOVING
+from armodal.hil_sim.controller import (
+    ENCODER_NOISE_RAD,
+    ENCODER_STEP_RAD,
+    HELD,
+    MAX_SPEED_RAD_S,
+    MOVING,
+)
 from armodal.hil_sim.slcan_adapter import SlcanAdapter
 from armodal.protocols.slcan import CanFrame, SlcanParser, listen_only_commands
 
@@ -62,9 +68,8 @@ def test_angles_are_true_but_for_encoder_noise_and_step(bench):
     bench.controller.move_to(np.radians([10.0, -20.0, 30.0, -40.0, 50.0, -60.0]))
     told(bench, 5.0)
     q = angles(told(bench, 2.0))
-    options = bench.controller.options
     # Encoder step and half a bit of the frame (1e-4 deg) each round once, noise within 5 sigma.
-    allowed = np.degrees(options.encoder_step_rad / 2 + 5 * options.encoder_noise_rad) + 5e-5
+    allowed = np.degrees(ENCODER_STEP_RAD / 2 + 5 * ENCODER_NOISE_RAD) + 5e-5
     np.testing.assert_allclose(
         q, np.broadcast_to([10.0, -20.0, 30.0, -40.0, 50.0, -60.0], q.shape), atol=allowed
     )
@@ -78,13 +83,13 @@ def test_a_motion_takes_time_and_says_moving_meanwhile(bench):
     signals = told(bench, settled_s - begin_s + 0.1)
     moving = [s["DRIVE_STATE"] == MOVING for s in signals[::3]]
     # Peak speed is 15/8 of the mean; one cycle at either end.
-    expected = 1.875 * np.pi / 2 / bench.controller.options.max_speed_rad_s * 125
+    expected = 1.875 * np.pi / 2 / MAX_SPEED_RAD_S * 125
     assert sum(moving) == pytest.approx(expected, abs=2)
     assert not bench.cell.moving
     np.testing.assert_allclose(bench.cell.joints_rad, np.radians([90.0, 0, 0, 0, 0, 0]))
     steps = np.abs(np.diff(np.radians(angles(signals)[:, 0])))
     # Noise and steps of the encoder beside the way in one cycle.
-    assert steps.max() < bench.controller.options.max_speed_rad_s / 125 * 1.05
+    assert steps.max() < MAX_SPEED_RAD_S / 125 * 1.05
 
 
 def test_silence_is_a_fault_that_can_be_switched(bench):

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.modal_response import modal_response
 from support.plain_plants import LENGTH, MASS, OWN, K, chain, motion_of
 
 from armodal.hil_sim.elements import Gap, OneSided, Sliders, Softening
 from armodal.hil_sim.nonlinear_motion import Drive, nonlinear_response
-from armodal.hil_sim.ringing import modal_response
 
 FINE_HZ = 13_000.0
 INERTIA = OWN + MASS * LENGTH**2

@@ -4,6 +4,7 @@ from hashlib import sha256
 
 import numpy as np
 import pytest
+from support.laplace_frfs import laplace_frfs
 
 from armodal.hil_sim.plant_file import PlantFile, load_plant_file
 from armodal.hil_sim.small_motion import Mounting, linearise
@@ -24,7 +25,7 @@ from armodal.hil_sim.study.hiding import hide
 from armodal.hil_sim.study.measure import measured
 from armodal.hil_sim.study.model_error import erring_plant_tables, plant_of_tables
 from armodal.hil_sim.study.places import ArmPlaces
-from armodal.hil_sim.study.prominence import Bystander, frfs_of
+from armodal.hil_sim.study.prominence import Bystander
 from armodal.protocols.errors import PlantError
 from armodal.protocols.session.hdf5 import read_session
 
@@ -164,9 +165,9 @@ def test_a_clear_effect_stands_three_times_above_the_floor():
     bystander = Bystander(study_arm("bench57"), nothing.plant_tables())
     # Noise, tilts and swings of the measurement itself leave the floor near one allowance; the
     # search without measuring is right to a fifth.
-    floor = bystander.held_out(frfs_of(nothing.session()))
+    floor = bystander.held_out(laplace_frfs(nothing.session(), bystander.s))
     assert 0.8 < floor < 1.3
-    assert bystander.held_out(frfs_of(session)) > 0.8 * 3.0
+    assert bystander.held_out(laplace_frfs(session, bystander.s)) > 0.8 * 3.0
 
 
 def test_medium_and_faint_are_half_and_a_quarter_of_clear():

@@ -23,7 +23,6 @@ def made_fit(superset, structure, covariance=None, postures=("test 1",)):
             cluster_share=np.broadcast_to(np.eye(n) / N_CLUSTERS, (N_CLUSTERS, n, n)),
         ),
         cost=1.0,
-        n_data=1,
         relative_residual=np.zeros(len(postures)),
         iterations=1,
     )

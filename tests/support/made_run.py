@@ -74,7 +74,6 @@ def reading(joints_rad: Any = PLAN.postures[0].joints_rad, *, held: bool = True)
     known = None if joints_rad is None else np.asarray(joints_rad, dtype=np.float64)
     return JointsSeen(
         reading=JointReading(joints_rad=known, drive_state=2, held=held, age_s=0.01, host_s=1.0),
-        off_rad=None,
     )
 
 
@@ -129,9 +128,7 @@ def judged(
             width_s=1.2e-3,
         ),
     )
-    return HitJudged(
-        hit=hit, verdict_s=0.01, commit_s=0.002, clock_uncertainty_s=1e-4, committed_host_s=at_s
-    )
+    return HitJudged(hit=hit, verdict_s=0.01, commit_s=0.002, clock_uncertainty_s=1e-4)
 
 
 def finished(**changes: Any) -> Finished:
@@ -147,7 +144,6 @@ def finished(**changes: Any) -> Finished:
             previews_dropped=0,
             samples_taken=None,
             samples_seen=0,
-            samples_missing=0,
         ),
         **changes,
     )

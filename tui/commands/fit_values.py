@@ -15,13 +15,13 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
-    coherence_random_error,
     fit_modes,
     hit_choices,
     mass_scaling,
     missing_mode_hints,
     real_modes,
     stable_poles,
+    typical_random_errors,
 )
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
@@ -158,6 +158,7 @@ def _posture(
     """How the FRFs were made, how well the model repeats them, what may be missing."""
     plan = session.header.plan
     choices = hit_choices(session, frf.posture) if averaged_here else ()
+    errors = typical_random_errors(frf)
     return {
         "form": str(frf.form),
         "lines": len(frf.freq_hz),
@@ -178,7 +179,7 @@ def _posture(
             for choice in choices
             for hit in choice.dropped
         ],
-        "random_error": _random_error(frf),
+        "random_error": dict(zip(("from_scatter", "from_coherence"), errors, strict=True)),
         "lack_of_fit": model.lack_of_fit,
         "frfs": [
             {
@@ -199,22 +200,6 @@ def _posture(
             }
             for hint in missing_mode_hints(frf, model)
         ],
-    }
-
-
-def _random_error(frf: FrequencyResponse) -> dict[str, float | None]:
-    """Typical relative random error of |H|, from the scatter between hits and from coherence."""
-    size = np.abs(frf.values)
-    told = (frf.variance > 0.0) & (size > 0.0)
-    scatter = np.sqrt(0.5 * frf.variance[told]) / size[told]
-    coherence = [
-        coherence_random_error(frf.coherence[i, j], int(n))
-        for (i, j), n in np.ndenumerate(frf.n_hits)
-        if n > 1 and np.isfinite(frf.coherence[i, j]).all()
-    ]
-    return {
-        "from_scatter": float(np.median(scatter)) if scatter.size else None,
-        "from_coherence": float(np.median(coherence)) if coherence else None,
     }
 
 

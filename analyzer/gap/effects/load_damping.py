@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from armodal.analyzer.gap.assembly import Assembly
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
@@ -16,7 +15,6 @@ from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["WORDS", "gravity_load", "instances"]
 
-Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="load_damping",

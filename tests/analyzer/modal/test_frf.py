@@ -5,7 +5,7 @@ import pytest
 from support import hammer
 from support.simulated_frfs import modal_frf, poles_of
 
-from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf, posture_hit_frfs
+from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf
 from armodal.analyzer.modal.spectra import active_channels
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
@@ -197,11 +197,6 @@ def test_a_channels_letter_tells_its_axis_whatever_the_order(names):
         same = rows.index((dof.point, dof.label))
         np.testing.assert_array_equal(dof.direction, turned[dof.point][:, "xyz".index(dof.label)])
         np.testing.assert_array_equal(part.values[i], whole.values[same])
-    single = posture_hit_frfs(recorded(session, names), "p")
-    assert single.labels == tuple(sorted(name[-1] for name in names))
-    of_all = posture_hit_frfs(session, "p")
-    columns = ["xyz".index(label) for label in single.labels]
-    np.testing.assert_array_equal(single.values, of_all.values[:, columns])
 
 
 def test_three_channels_without_letters_are_x_y_z_in_order():

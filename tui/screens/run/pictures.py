@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from rich.text import Text
 
 from armodal.daq.geometry import hit_direction
@@ -26,7 +25,6 @@ from armodal.tui.screens.run.state import RunState
 
 __all__ = ["HitPictures", "live_picture", "point_picture"]
 
-Array = npt.NDArray[np.float64]
 
 LEAST_COLUMNS, LEAST_ROWS = 16, 4
 FROM_THE_SIDE_RAD = np.deg2rad(35.0)  # the eye stands beside the surface's normal, not on it

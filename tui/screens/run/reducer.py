@@ -162,7 +162,6 @@ def _hand_idle(state: RunState, event: HandIdle) -> RunState:
         state,
         hand_doing=None,
         hand_did=did,
-        hand_trouble=event.trouble,
         lab_starting=state.lab_starting and event.trouble is None,
     )
 
@@ -213,7 +212,7 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
     SessionFileReady: lambda state, event: replace(
         state, session_file=event.path, file_problem=event.problem
     ),
-    HandAtWork: lambda state, event: replace(state, hand_doing=event.doing, hand_trouble=None),
+    HandAtWork: lambda state, event: replace(state, hand_doing=event.doing),
     HandIdle: _hand_idle,
 }
 

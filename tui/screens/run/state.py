@@ -98,7 +98,6 @@ class RunState:
     # the simulated operator
     hand_doing: str | None = None
     hand_did: str | None = None  # what it finished last
-    hand_trouble: str | None = None
 
     @property
     def joints(self) -> JointReading | None:
