@@ -31,7 +31,7 @@ from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.hil_sim.streams import stream
 
-__all__ = ["LEDGER_NAME", "SOCKET_NAME", "ArmInCell", "LabOptions", "LabProcess"]
+__all__ = ["ArmInCell", "LabOptions", "LabProcess"]
 
 SOCKET_NAME = "operator.sock"
 LEDGER_NAME = "ledger.jsonl"

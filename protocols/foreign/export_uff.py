@@ -32,7 +32,7 @@ from armodal.protocols.foreign.uff_records import (
 from armodal.protocols.foreign.uff_write import SI_UNITS
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
-__all__ = ["ExportedMode", "node_numbers", "posture_uff"]
+__all__ = ["ExportedMode", "posture_uff"]
 
 _ALIGNED = 1e-9
 _ORTHOGONAL = 1e-6

@@ -15,7 +15,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 
-__all__ = ["VERSION_5", "plain_variables"]
+__all__ = ["plain_variables"]
 
 HEADER_BYTES = 128
 VERSION_5 = 0x0100

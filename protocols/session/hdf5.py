@@ -45,14 +45,7 @@ from armodal.protocols.session.journal_payloads import hit_model, loss_model
 from armodal.protocols.session.membership import check_frf_membership, check_membership
 from armodal.protocols.session.records import Session
 
-__all__ = [
-    "FORMAT_VERSION",
-    "Provenance",
-    "read_frfs",
-    "read_provenance",
-    "read_session",
-    "write_session",
-]
+__all__ = ["Provenance", "read_frfs", "read_provenance", "read_session", "write_session"]
 
 DEFINITION = "armodal-session"
 FORMAT_VERSION = 1

@@ -32,7 +32,7 @@ from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
 
-__all__ = ["app", "export_model", "export_session", "import_manifest"]
+__all__ = ["app", "export_model"]
 
 app = typer.Typer(add_completion=False)
 
