@@ -16,6 +16,7 @@ __all__ = [
     "ForeignFileError",
     "FrameError",
     "JournalError",
+    "MissingPackageError",
     "PlanError",
     "PlantError",
     "PortError",
@@ -61,6 +62,10 @@ class PlanError(ArmodalError, ValueError):
 
 class JournalError(ArmodalError, ValueError):
     """A journal that is not one, or that belongs to something else."""
+
+
+class MissingPackageError(ArmodalError, ImportError):
+    """A package that this needs is not installed, or cannot be loaded."""
 
 
 class SessionError(ArmodalError, ValueError):
