@@ -21,6 +21,7 @@ __all__ = [
     "PlantError",
     "PortError",
     "SessionError",
+    "WrongSystemError",
 ]
 
 
@@ -78,6 +79,10 @@ class ForeignFileError(ArmodalError, ValueError):
 
 class PlantError(ArmodalError, ValueError):
     """A plant file of the simulated laboratory that cannot be used."""
+
+
+class WrongSystemError(ArmodalError, OSError):
+    """The operating system has not what this needs."""
 
 
 class EstimateError(ArmodalError, ValueError):

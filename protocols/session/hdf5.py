@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import glob
 import os
+import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -202,6 +203,8 @@ def _runs(pid: int) -> bool:
     """Whether there is another process with this number."""
     if pid == os.getpid() or not 0 < pid < _NO_PID:
         return False
+    if sys.platform == "win32":
+        return True  # unknown: to ask for it as below would end it
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
