@@ -7,22 +7,25 @@ read back here and stay readable words to everybody else.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.frf_units import KIND_OF_FORM, frf_form, frf_scale
+from armodal.protocols.foreign.hit_variables import MOST_TRIMMED
 from armodal.protocols.foreign.measured import (
     Content,
     ForeignFrf,
     ForeignHit,
     Hints,
+    NotToldError,
     ToldDof,
     axis_direction,
-    check_coherence,
     check_frf_values,
+    clipped_coherence,
     exact_rate,
 )
 from armodal.protocols.foreign.uff_records import (
@@ -33,27 +36,18 @@ from armodal.protocols.foreign.uff_records import (
     UffNodes,
     UffUnits,
 )
-from armodal.protocols.foreign.units import (
-    Scale,
-    frf_form,
-    frf_scale,
-    length_scale,
-    signal_scale,
-    unit,
-)
+from armodal.protocols.foreign.uff_words import listed_uff, skipped_words
+from armodal.protocols.foreign.units import Scale, length_scale, signal_scale, unit
+from armodal.protocols.foreign.variables import listing
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = ["direction_words", "estimate_words", "uff_content"]
 
 _SIX_DIGITS = 5e-6  # relative: E13.5
+_SAME_LINE = 1e-3  # of a line's spacing
 _FORCES = {DataKind.EXCITATION_FORCE, DataKind.REACTION_FORCE}
 _DIRECTION = re.compile(r"armodal (response|reference) direction (\S+) (\S+) (\S+)")
 _ESTIMATE = re.compile(r"armodal averages (\d{1,6}), window decay (\S{1,30}) rad/s")
-_KIND_OF_FORM = {
-    FrfForm.RECEPTANCE: DataKind.DISPLACEMENT,
-    FrfForm.MOBILITY: DataKind.VELOCITY,
-    FrfForm.ACCELERANCE: DataKind.ACCELERATION,
-}
 
 
 def direction_words(what: str, direction: npt.NDArray[np.float64]) -> str:
@@ -93,16 +87,30 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
     ForeignFileError
         If a form or unit is contradictory or unknown, or a function is none a fit could use.
     """
+    found = listed_uff(file)
+    try:
+        content = _content(file, hints, origin)
+    except NotToldError as error:
+        raise NotToldError(f"{error}; {listing(found)}", key=error.key) from error
+    except ForeignFileError as error:
+        raise ForeignFileError(f"{error}; {listing(found)}") from error
+    return replace(content, found=found)
+
+
+def _content(file: UffFile, hints: Hints, origin: str) -> Content:
     said = _Said([])
-    if file.skipped:
-        kinds = ", ".join(str(kind) for kind in sorted(set(file.skipped)))
-        said.add(f"{origin}: datasets of type {kinds} are not read")
+    for text in (*file.notes, *skipped_words(file.skipped)):
+        said.add(f"{origin}: {text}")
     frfs = [f for f in file.functions if f.kind == FunctionKind.FREQUENCY_RESPONSE]
     times = [f for f in file.functions if f.kind == FunctionKind.TIME_RESPONSE]
     coherences = [f for f in file.functions if f.kind == FunctionKind.COHERENCE]
     others = {f.kind for f in file.functions} - {1, 4, 6}
     if others:
         said.add(f"{origin}: functions of type {sorted(others)} are not used")
+    if frfs and times:
+        is_hit = hints.kind == "hit"
+        said.add(f"{origin}: {'FRFs' if is_hit else 'time records'} are not used")
+        frfs, times = ([], times) if is_hit else (frfs, [])
     measured: list[ForeignFrf] = []
     averages: set[int | None] = set()
     decays: set[float | None] = set()
@@ -121,6 +129,7 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
         )
     if len(averages) > 1:
         said.add(f"{origin}: FRFs differ in their number of averages; the smallest holds for all")
+    measured = _named(measured, hints, origin)
     nodes = file.nodes
     if nodes is not None:
         factor = length_scale(file.units, origin)
@@ -138,6 +147,23 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
         decay_rad_s=decays.pop() if decays else None,
         said=tuple(said.sentences),
     )
+
+
+def _named(measured: list[ForeignFrf], hints: Hints, origin: str) -> list[ForeignFrf]:
+    """Return the FRFs with the degrees of freedom that the manifest tells before the file."""
+    if hints.responses and len(hints.responses) != len(measured):
+        raise ForeignFileError(
+            f"{origin}: wanted {len(hints.responses)} FRFs, as `responses` in the manifest says, "
+            f"got {len(measured)}"
+        )
+    if hints.responses:
+        measured = [
+            replace(frf, response=dof) for frf, dof in zip(measured, hints.responses, strict=True)
+        ]
+    reference = hints.reference
+    if reference is None:
+        return measured
+    return [replace(frf, reference=reference) for frf in measured]
 
 
 def _fewest(averages: set[int | None]) -> int | None:
@@ -162,7 +188,9 @@ def _frf(
     values = np.asarray(function.values, dtype=np.complex128) * scale
     freq = np.asarray(function.abscissa)
     keep = check_frf_values(freq, values, where)
-    coherence = _coherence_of(function, coherences, where)
+    if freq[0] == 0.0:
+        said.add(f"{where.split(':', maxsplit=1)[0]}: the line at 0 Hz is left out")
+    coherence = _coherence_of(function, coherences, where, said)
     return ForeignFrf(
         origin=where,
         form=form,
@@ -180,10 +208,11 @@ def _form(function: UffFunction, hints: Hints, where: str, said: _Said) -> FrfFo
         said.add(f"{where}: the file tells {told}, the manifest {hints.form}, which holds")
     form = hints.form or told
     if form is None:
-        raise ForeignFileError(
+        raise NotToldError(
             f"{where}: form unknown: wanted displacement, velocity or acceleration over force "
             f"(data types 8, 11, 12 over 13), got {function.numerator} over "
-            f"{function.denominator}; say `form` in the manifest"
+            f"{function.denominator}; say `form` in the manifest",
+            key="form",
         )
     return form
 
@@ -197,7 +226,7 @@ def _frf_scale(
     said: _Said,
 ) -> float:
     if hints.response_unit is not None and hints.force_unit is not None:
-        kind = _KIND_OF_FORM[form]
+        kind = KIND_OF_FORM[form]
         return (
             signal_scale(kind, hints.response_unit, None, where).factor
             / signal_scale(DataKind.EXCITATION_FORCE, hints.force_unit, None, where).factor
@@ -218,9 +247,9 @@ def _say_assumed(scale: Scale, units: UffUnits | None, where: str, said: _Said) 
 
 
 def _coherence_of(
-    function: UffFunction, coherences: list[UffFunction], where: str
+    function: UffFunction, coherences: list[UffFunction], where: str, said: _Said
 ) -> npt.NDArray[np.float64] | None:
-    """Return the coherence of the same two degrees of freedom, or None."""
+    """Return the coherence of the same two degrees of freedom on the FRF's lines, or None."""
     response = (function.response_node, abs(function.response_direction))
     reference = (function.reference_node, abs(function.reference_direction))
     same = [
@@ -235,13 +264,34 @@ def _coherence_of(
     values = np.asarray(np.real(same[0].values), dtype=np.float64)
     if len(same) > 1:
         raise ForeignFileError(f"{where}: wanted one coherence, got {len(same)}; export one")
-    if not np.array_equal(same[0].abscissa, function.abscissa):
-        raise ForeignFileError(
-            f"{where}: wanted the coherence on the FRF's own lines, got others; export it again"
-        )
-    check_coherence(values[function.abscissa > 0.0], f"{where}, its coherence")
-    result: npt.NDArray[np.float64] = np.clip(values, 0.0, 1.0)
-    return result
+    on_lines = _on_lines(same[0].abscissa, values, function.abscissa)
+    if on_lines is None:
+        said.add(f"{where}: its coherence is on other lines: it is left out")
+        return None
+    sentences: list[str] = []
+    zero = function.abscissa <= 0.0
+    clipped = clipped_coherence(np.where(zero, 1.0, on_lines), where, sentences)
+    for sentence in sentences:
+        said.add(sentence)
+    return clipped
+
+
+def _on_lines(
+    freq: npt.NDArray[np.float64],
+    values: npt.NDArray[np.float64],
+    wanted: npt.NDArray[np.float64],
+) -> npt.NDArray[np.float64] | None:
+    """Return values on the wanted lines, NaN on a few that are missing; None for other lines."""
+    if np.array_equal(freq, wanted):
+        return values
+    if len(freq) < 2 or len(wanted) < 2 or (np.diff(freq) <= 0.0).any():
+        return None
+    nearest = np.clip(np.searchsorted(freq, wanted), 1, len(freq) - 1)
+    nearest = nearest - (wanted - freq[nearest - 1] < freq[nearest] - wanted)
+    near = np.abs(freq[nearest] - wanted) <= _SAME_LINE * float(np.min(np.diff(wanted)))
+    if np.count_nonzero(~near) > MOST_TRIMMED:
+        return None
+    return np.where(near, values[nearest], np.nan)
 
 
 def _hits(
@@ -274,11 +324,15 @@ def _hit(
             f"and {len(others)}; export both channels"
         )
     first = force[0]
+    length = min(len(function.values) for function in group)
     for function in others:
-        if not np.array_equal(function.abscissa, first.abscissa):
+        few = abs(len(function.values) - len(first.values)) <= MOST_TRIMMED
+        if not few or not np.array_equal(function.abscissa[:length], first.abscissa[:length]):
             raise ForeignFileError(
                 f"{where}: wanted the same times in every channel, got others; export it again"
             )
+    if any(len(function.values) > length for function in group):
+        said.add(f"{where}: channels differ in length: the first {length} samples are used")
     signals = []
     for function in (first, *others):
         kind = DataKind.EXCITATION_FORCE if function is first else DataKind.ACCELERATION
@@ -293,17 +347,22 @@ def _hit(
         else:
             scale = signal_scale(kind, function.numerator_unit, units, where)
             _say_assumed(scale, units, where, said)
-        values = np.asarray(function.values)
+        values = np.asarray(function.values)[:length]
         if np.iscomplexobj(values) or not np.isfinite(values).all():
             raise ForeignFileError(f"{where}: wanted finite real samples, got others")
         signals.append(values * scale.factor)
+    if hints.responses and len(hints.responses) != len(others):
+        raise ForeignFileError(
+            f"{where}: wanted {len(hints.responses)} responses, as the manifest says, got "
+            f"{len(others)}"
+        )
     return ForeignHit(
         origin=where,
-        rate_hz=exact_rate(np.asarray(first.abscissa), where, rounding=_SIX_DIGITS),
+        rate_hz=exact_rate(np.asarray(first.abscissa)[:length], where, rounding=_SIX_DIGITS),
         force_n=frozen_array(signals[0], np.float64),
         acceleration_m_s2=frozen_array(np.stack(signals[1:]), np.float64),
-        hit=_response(first),
-        responses=tuple(_response(function) for function in others),
+        hit=hints.reference or _response(first),
+        responses=hints.responses or tuple(_response(function) for function in others),
     )
 
 

@@ -17,8 +17,8 @@ from support.fuzz_material import decoders_in
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign import mat_elements
-from armodal.protocols.foreign.arrays_measured import npy_array
 from armodal.protocols.foreign.mat_elements import plain_variables
+from armodal.protocols.foreign.numpy_files import npy_array
 
 NAMES = (
     "board frames", "slcan", "journal", "arm", "arm without files", "urdf", "dbc", "plan",

@@ -28,8 +28,7 @@ from support.mutate import mutated, mutated_text
 
 from armodal.protocols.arm.files import arm_from_texts, load_arm
 from armodal.protocols.errors import ArmodalError
-from armodal.protocols.foreign.arrays_measured import array_content
-from armodal.protocols.foreign.mat import mat_content
+from armodal.protocols.foreign.content import read_content
 from armodal.protocols.foreign.measured import Hints
 from armodal.protocols.inertia_targets import load_inertia_targets
 from armodal.protocols.plan import plan_from_text
@@ -142,12 +141,12 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
         Decoder(
             "mat",
             (mat_bytes(rng, hit=True), mat_bytes(rng, hit=False)),
-            FileDecoder(folder, "f.mat", lambda p: mat_content(p, hints)),
+            FileDecoder(folder, "f.mat", lambda p: read_content(p, hints)),
             mutate_mat,
         ),
-        Decoder("npy", npy, FileDecoder(folder, "f.npy", lambda p: array_content(p, hints)), plain),
-        Decoder("npz", npz, FileDecoder(folder, "f.npz", lambda p: array_content(p, hints)), plain),
-        Decoder("csv", csv, FileDecoder(folder, "f.csv", lambda p: array_content(p, hints)), text),
+        Decoder("npy", npy, FileDecoder(folder, "f.npy", lambda p: read_content(p, hints)), plain),
+        Decoder("npz", npz, FileDecoder(folder, "f.npz", lambda p: read_content(p, hints)), plain),
+        Decoder("csv", csv, FileDecoder(folder, "f.csv", lambda p: read_content(p, hints)), text),
         Decoder(
             "hdf5",
             (session_path.read_bytes(),),

@@ -22,7 +22,7 @@ from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
 from armodal.protocols.foreign.import_session import import_session
 from armodal.protocols.foreign.manifest import load_manifest
-from armodal.protocols.foreign.mat import write_mat
+from armodal.protocols.foreign.mat_write import write_mat
 from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
