@@ -25,6 +25,7 @@ MODULES = {
     "acquire": "acquire",
     "run": "run",
     "recover": "recover",
+    "inspect": "inspect_files",
     "import": "exchange",
     "export": "exchange",
     "review": "review",

@@ -82,8 +82,7 @@ def _of_texts(part: Variables, what: str) -> list[ToldDof]:
     dofs = [parse_dof(name, part.origin) for name in part.texts.get(f"{what}s", ())]
     name = f"{what}_directions"
     D = next((v.values for v in part.variables if v.name == name), None)
-    listed = {v.name for v in part.variables} | set(part.texts)
-    if name in listed:
+    if name in {listed.name for listed in part.listed}:
         real = D is not None and not np.iscomplexobj(D) and D.shape == (len(dofs), 3)
         length = np.linalg.norm(D, axis=-1) if real and D is not None else np.zeros(1)
         if D is None or not real or not np.allclose(length, 1.0, atol=_UNIT_LENGTH):

@@ -20,7 +20,7 @@ from armodal.protocols.foreign.measured import (
     check_frf_values,
     clipped_coherence,
 )
-from armodal.protocols.foreign.roles import Role, tokens
+from armodal.protocols.foreign.roles import Role, role_of, tokens
 from armodal.protocols.foreign.uff_records import DataKind
 from armodal.protocols.foreign.units import SI, hertz, signal_scale
 from armodal.protocols.foreign.variables import Variable, Variables
@@ -73,6 +73,8 @@ def frfs_of(part: Variables, found: Found, hints: Hints, words: Words) -> tuple[
     responses = response_dofs(part, names, hints, words.read_as)
     references = reference_dofs(part, names, values.shape[1], hints)
     coherence = _coherence(found, values.shape, freq, part.origin, words.said)
+    if coherence is None and not found.get(Role.COHERENCE):
+        words.said += _empty_coherence(part)
     if freq[0] == 0.0:
         words.said.append(f"{part.origin}: the line at 0 Hz is left out")
     frfs = []
@@ -215,6 +217,17 @@ def _coherence(
             said.append(f"{origin}: one coherence for several references: it is left out")
             return None
     raise _other_coherence(told[0], shape, origin)
+
+
+def _empty_coherence(part: Variables) -> list[str]:
+    """Return a word about a coherence that is text, or empty."""
+    names = {variable.name for variable in part.variables}
+    rest = [one for one in part.listed if one.name not in names]
+    return [
+        f"{part.origin}: wanted numbers as coherence, got {one.words}: it is left out"
+        for one in rest
+        if role_of(one.name, "", is_complex=False) is Role.COHERENCE
+    ]
 
 
 def _real_lines_last(

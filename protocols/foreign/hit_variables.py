@@ -19,7 +19,7 @@ from armodal.protocols.foreign.measured import (
 )
 from armodal.protocols.foreign.roles import Role, tokens
 from armodal.protocols.foreign.uff_records import DataKind
-from armodal.protocols.foreign.units import seconds, signal_scale
+from armodal.protocols.foreign.units import SI, seconds, signal_scale, unit
 from armodal.protocols.foreign.variables import Variable, Variables
 
 __all__ = ["MOST_TRIMMED", "hit_of"]
@@ -27,6 +27,9 @@ __all__ = ["MOST_TRIMMED", "hit_of"]
 MOST_TRIMMED = 8  # samples: what channels and blocks are apart that one device recorded
 _MOST_CHANNELS = 64
 _FEWEST_SAMPLES = 64
+_PLAIN_TIMES = frozenset(
+    {"time", "t", "zeit", "temps", "domain", "axis", "elapsed", "vector", "values", "column"}
+)
 _SIGNALS = (Role.RESPONSE, Role.UNKNOWN, Role.MAGNITUDE)
 
 Found = Mapping[Role, Sequence[Variable]]
@@ -155,7 +158,7 @@ def _rate(part: Variables, found: Found, length: int, hints: Hints) -> Fraction:
 
 def _seconds(time: Variable, origin: str) -> float:
     """Return seconds per unit of a time column: `time`, `time [ms]`, `t_us`."""
-    if not time.unit and tokens(time.name) & {"time", "t", "zeit", "temps"}:
+    if not time.unit and all(word in _PLAIN_TIMES or word.isdigit() for word in tokens(time.name)):
         return 1.0
     factor = seconds(time.unit)
     if factor is None:
@@ -182,4 +185,11 @@ def _in_si(
             "Say `units` in the manifest"
         )
         return values
+    if unit(label) is None and label != SI:
+        raise NotToldError(
+            f"{part.origin}: wanted {signal.name[:40]} in a unit such as N or m/s^2, got "
+            f"{label!r}; say `units`, or `scale` with the N and m/s^2 per unit, in the manifest, "
+            "such as scale = { force = 22.4, response = 98.1 }",
+            key="scale",
+        )
     return values * signal_scale(kind, label, None, part.origin).factor

@@ -36,6 +36,7 @@ __all__ = [
     "Manifest",
     "ManifestFile",
     "PostureTable",
+    "Reading",
     "load_manifest",
 ]
 
@@ -77,13 +78,9 @@ class ScaleTable(FileModel):
     response: Factor = 1.0
 
 
-class FileTable(FileModel):
-    """A file with what it does not tell itself."""
+class Reading(FileModel):
+    """How a file is read: what it does not tell itself."""
 
-    path: PathText
-    responses: Annotated[list[Dof], Field(max_length=1000)] | None = None
-    reference: Dof | None = None
-    references: Annotated[list[Dof], Field(max_length=100)] | None = None
     kind: Kind | None = None
     variables: dict[RoleName, VariableName | list[VariableName]] | None = None
     form: Form | None = None
@@ -92,6 +89,15 @@ class FileTable(FileModel):
     rate_hz: Annotated[float, Field(gt=0.0, le=1e7)] | None = None
     first_line_hz: Annotated[float, Field(ge=0.0, le=1e6)] | None = None
     line_spacing_hz: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+
+
+class FileTable(Reading):
+    """A file with what holds for it alone."""
+
+    path: PathText
+    responses: Annotated[list[Dof], Field(max_length=1000)] | None = None
+    reference: Dof | None = None
+    references: Annotated[list[Dof], Field(max_length=100)] | None = None
 
 
 class PostureTable(FileModel):
@@ -115,15 +121,13 @@ class PostureTable(FileModel):
         return value
 
 
-class ManifestFile(FileModel):
-    """The whole file."""
+class ManifestFile(Reading):
+    """The whole file; what it says of reading holds where a file's own entry says nothing."""
 
     format: Literal["armodal-import-1"] = "armodal-import-1"
     arm: PathText
     mode: Literal["roving-response", "roving-hammer"]
     axes: Literal["base", "link"] = "base"
-    form: Form | None = None
-    units: Units | None = None
     nodes: Annotated[dict[str, PointId], Field(max_length=10_000)] = Field(default={})
     links: Annotated[dict[str, Name], Field(max_length=10_000)] = Field(default={})
     sensor_mass_kg: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
@@ -154,30 +158,35 @@ class Manifest:
         found = []
         for entry in posture.files:
             table = entry if isinstance(entry, FileTable) else FileTable(path=entry)
-            units = table.units or self.file.units
-            form = table.form or self.file.form
-            response, force = _unit_names(units)
-            references = table.references or ([table.reference] if table.reference else [])
-            scale = table.scale
-            hints = Hints(
-                form=None if form is None else FrfForm(form),
-                response_unit=response,
-                force_unit=force,
-                responses=tuple(parse_dof(text, self.origin) for text in table.responses or ()),
-                references=tuple(parse_dof(text, self.origin) for text in references),
-                first_line_hz=table.first_line_hz,
-                line_spacing_hz=table.line_spacing_hz,
-                kind=table.kind,
-                variables={
-                    role: (names,) if isinstance(names, str) else tuple(names)
-                    for role, names in (table.variables or {}).items()
-                },
-                rate_hz=table.rate_hz,
-                force_scale=None if scale is None else scale.force,
-                response_scale=None if scale is None else scale.response,
-            )
-            found.append((self.folder / table.path, hints))
+            found.append((self.folder / table.path, _hints(table, self.file, self.origin)))
         return found
+
+
+def _hints(table: FileTable, general: Reading, origin: str) -> Hints:
+    def told(key: str) -> Any:
+        own = getattr(table, key)
+        return getattr(general, key) if own is None else own
+
+    response, force = _unit_names(told("units"))
+    form, scale, variables = told("form"), told("scale"), told("variables")
+    references = table.references or ([table.reference] if table.reference else [])
+    return Hints(
+        form=None if form is None else FrfForm(form),
+        response_unit=response,
+        force_unit=force,
+        responses=tuple(parse_dof(text, origin) for text in table.responses or ()),
+        references=tuple(parse_dof(text, origin) for text in references),
+        first_line_hz=told("first_line_hz"),
+        line_spacing_hz=told("line_spacing_hz"),
+        kind=told("kind"),
+        variables={
+            role: (names,) if isinstance(names, str) else tuple(names)
+            for role, names in (variables or {}).items()
+        },
+        rate_hz=told("rate_hz"),
+        force_scale=None if scale is None else scale.force,
+        response_scale=None if scale is None else scale.response,
+    )
 
 
 def _unit_names(units: Units | None) -> tuple[str | None, str | None]:

@@ -45,7 +45,7 @@ def content_of(parts: Sequence[Variables], hints: Hints, origin: str) -> Content
             averages += _scalar(part, "averages")
             decays += _scalar(part, "window_decay_rad_s")
     except NotToldError as error:
-        raise NotToldError(f"{error}; {listing(listed)}", key=error.key) from error
+        raise NotToldError(error.why, key=error.key, found=listing(listed)) from error
     except ForeignFileError as error:
         raise ForeignFileError(f"{error}; {listing(listed)}") from error
     return Content(

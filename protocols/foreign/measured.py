@@ -42,10 +42,14 @@ _LARGEST_COHERENCE = 1.5  # above, it is something else: quantised ones of analy
 
 
 class NotToldError(ForeignFileError):
-    """A file leaves open what only a person can say; `key` is the manifest's key for it."""
+    """A file leaves open what only a person can say.
 
-    def __init__(self, message: str, *, key: str) -> None:
-        super().__init__(message)
+    `key` is the manifest's key for it, `found` what is in the file.
+    """
+
+    def __init__(self, why: str, *, key: str, found: str = "") -> None:
+        super().__init__(f"{why}; {found}" if found else why)
+        self.why = why
         self.key = key
 
 

@@ -124,7 +124,7 @@ def role_of(name: str, label: str, *, is_complex: bool) -> Role:
     words = tokens(name)
     for role, known in _WORD_SETS:
         found = bool(words & known)
-        if is_complex and role is not Role.OTHER:
+        if is_complex and role not in {Role.OTHER, Role.COHERENCE}:
             continue
         if role in {Role.FREQUENCY, Role.RESPONSE} and {"frequency", "response"} <= words:
             continue

@@ -23,6 +23,7 @@ _MOST_LINES_BEFORE = 20  # a title, or a page's heading
 HEADER_LINES_58 = 11  # id lines 1-5, records 6-11
 
 _MARK = re.compile(rb"[ \t]*-1[ \t]*\r?\n?")
+_WORDS = re.compile(rb"[ \t]*[A-Za-z]{3}")
 _TYPE = re.compile(rb"[ \t]*(\d{1,6})(b?)[ \t]*(.*)", re.IGNORECASE | re.DOTALL)
 _VALUES = {2: (1, 4), 4: (1, 8), 5: (2, 4), 6: (2, 8)}  # numbers a point, bytes a number
 
@@ -84,7 +85,7 @@ def split_blocks(data: bytes, origin: str) -> tuple[list[Block], list[str]]:
         if at >= len(data):
             break
         line, after = _line(data, at)
-        if not _MARK.fullmatch(line) and blocks and not _mark_behind(data, at):
+        if blocks and _WORDS.match(line) and not _mark_behind(data, at):
             notes.append("lines behind the last dataset are passed over")
             break
         if not _MARK.fullmatch(line):

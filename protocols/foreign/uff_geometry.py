@@ -34,8 +34,8 @@ def nodes_15(block: Block, origin: str) -> UffNodes:
         parts = row.split()
         if len(parts) != 7:  # numbers that touch
             parts = [row[i : i + 10] for i in range(0, 40, 10)]
-            parts += [row[i : i + 13] for i in range(40, 79, 13)]
-        if len(parts) != 7 or not all(part.strip() for part in parts):
+            parts += [row[i : i + 13] for i in (40, 53, 66)]
+        if any(len(part.split()) != 1 for part in parts):
             raise block.refuse(origin, "seven numbers for each node", "another number of them")
         table.append(" ".join(parts))
     values = floats(block, table, 13, origin, "node").reshape(-1, 7)
