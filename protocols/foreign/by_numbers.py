@@ -13,16 +13,17 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.even import is_counter, is_even
 from armodal.protocols.foreign.frf_variables import Words
 from armodal.protocols.foreign.measured import Hints, NotToldError
 from armodal.protocols.foreign.roles import Role
+from armodal.protocols.foreign.units import hertz, seconds
 from armodal.protocols.foreign.variables import Variable, Variables
 
-__all__ = ["roles_by_numbers"]
+__all__ = ["parts_by_numbers", "roles_by_numbers"]
 
 _LONGEST_SAMPLE_S = 2e-3
 _FINEST_LINE_HZ = 5e-3
-_EVEN = 0.5  # of a step: a column printed with few digits jumps, but does not drift
 _PULSE_SIDES = 5.0  # a pulse over the largest swing to its other side
 _MOST_COHERENCE = 1.5
 _ROUND = 1.001
@@ -39,7 +40,7 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
         If the numbers do not tell; the message says how to.
     """
     columns = list(part.variables)
-    if len(columns) > 2 and _is_index(columns[0]) and _is_even(columns[1]):
+    if len(columns) > 2 and is_counter(columns[0].values) and is_even(columns[1].values):
         columns = columns[1:]  # a counter before the axis
     if any(column.is_complex for column in columns):
         return _complex_columns(columns)
@@ -47,9 +48,11 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
         kind = hints.kind or ("frf" if hints.line_spacing_hz is not None else "hit")
         if part.axis is not None and part.axis.unit == "Hz":
             kind = "frf"
-        if not (kind == "hit" and _is_even(columns[0]) and len(columns) > 2):
-            return _parts(columns, part, words) if kind == "frf" else _signals(columns, part)
-    if len(columns) < 3 or not _is_even(columns[0]):
+        if not (kind == "hit" and is_even(columns[0].values) and len(columns) > 2):
+            return (
+                parts_by_numbers(columns, part, words) if kind == "frf" else _signals(columns, part)
+            )
+    if len(columns) < 3 or not is_even(columns[0].values):
         raise NotToldError(
             f"{part.origin}: wanted rows of time, force and at least one acceleration, or of "
             "frequency, real and imaginary part, the first rising evenly, got "
@@ -60,12 +63,16 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
     axis, rest = columns[0], columns[1:]
     kind = hints.kind or ("frf" if hints.form is not None else _kind(axis, rest, part, words))
     if kind == "frf":
-        return {Role.FREQUENCY: [axis], **_parts(rest, part, words)}
+        return {Role.FREQUENCY: [axis], **parts_by_numbers(rest, part, words)}
     return {Role.TIME: [_named(axis, "time")], **_signals(rest, part)}
 
 
 def _kind(axis: Variable, rest: Sequence[Variable], part: Variables, words: Words) -> str:
     """Return "hit" or "frf" by the step of the axis, if the columns agree."""
+    if hertz(axis.unit) is not None:
+        return "frf"
+    if seconds(axis.unit) is not None:
+        return "hit"
     values = axis.values
     step = float(values[-1] - values[0]) / (len(values) - 1)
     pulse = _is_pulse(rest[0].values) and not _like_polar(rest[0].values, rest[1].values)
@@ -89,15 +96,21 @@ def _kind(axis: Variable, rest: Sequence[Variable], part: Variables, words: Word
 def _complex_columns(columns: Sequence[Variable]) -> Found:
     """Complex columns are FRFs, a real and rising one before them the frequency."""
     first = columns[0]
-    is_axis = len(columns) > 1 and not np.any(np.imag(first.values)) and _is_even(first)
+    is_axis = len(columns) > 1 and not np.any(np.imag(first.values)) and is_even(first.values)
     found: dict[Role, Sequence[Variable]] = {Role.FRF: columns[1:] if is_axis else columns}
     if is_axis:
         found[Role.FREQUENCY] = [first]
     return found
 
 
-def _parts(rest: Sequence[Variable], part: Variables, words: Words) -> Found:
-    """Columns behind a frequency: pairs of parts, and a coherence where one is left over."""
+def parts_by_numbers(rest: Sequence[Variable], part: Variables, words: Words) -> Found:
+    """Return columns behind a frequency as pairs of parts, and a coherence where one is left over.
+
+    Raises
+    ------
+    NotToldError
+        If the columns do not pair.
+    """
     coherence: list[Variable] = []
     if len(rest) == 3 and _like_coherence(rest[2].values):
         words.said.append(f"{part.origin}: the last column is from 0 to 1: taken as coherence")
@@ -112,9 +125,10 @@ def _parts(rest: Sequence[Variable], part: Variables, words: Words) -> Found:
     first, second = list(rest[::2]), list(rest[1::2])
     polar = all(_like_polar(a.values, b.values) for a, b in zip(first, second, strict=True))
     names = (Role.MAGNITUDE, Role.PHASE) if polar else (Role.REAL, Role.IMAGINARY)
+    how = "by their signs and range" if polar else "part"
     words.said.append(
-        f"{part.origin}: the columns have no names: they are taken as {names[0]} and {names[1]} "
-        + ("part" if not polar else "by their signs and range")
+        f"{part.origin}: the columns are not named after their parts: they are taken as "
+        f"{names[0]} and {names[1]} {how}"
     )
     return {names[0]: first, names[1]: second, Role.COHERENCE: coherence}
 
@@ -129,23 +143,6 @@ def _signals(rest: Sequence[Variable], part: Variables) -> Found:
 
 def _named(variable: Variable, name: str) -> Variable:
     return Variable(name=name, values=variable.values, unit=variable.unit)
-
-
-def _is_index(variable: Variable) -> bool:
-    values = np.asarray(np.real(variable.values))
-    return bool(np.array_equal(values, values[0] + np.arange(len(values)))) and values[0] in {0, 1}
-
-
-def _is_even(variable: Variable) -> bool:
-    values = np.asarray(np.real(variable.values), dtype=np.float64)
-    if values.ndim != 1 or len(values) < 3 or not np.isfinite(values).all():
-        return False
-    steps = np.diff(values)
-    mean = float(values[-1] - values[0]) / (len(values) - 1)
-    if mean <= 0.0 or (steps <= 0.0).any():
-        return False
-    off = values - values[0] - mean * np.arange(len(values))
-    return bool(np.max(np.abs(off)) <= _EVEN * mean)
 
 
 def _is_pulse(values: npt.NDArray[np.float64]) -> bool:

@@ -20,13 +20,14 @@ from armodal.protocols.foreign.measured import (
 from armodal.protocols.foreign.roles import Role, tokens
 from armodal.protocols.foreign.uff_records import DataKind
 from armodal.protocols.foreign.units import SI, seconds, signal_scale, unit
-from armodal.protocols.foreign.variables import Variable, Variables
+from armodal.protocols.foreign.variables import Axis, Variable, Variables
 
 __all__ = ["MOST_TRIMMED", "hit_of"]
 
 MOST_TRIMMED = 8  # samples: what channels and blocks are apart that one device recorded
 _MOST_CHANNELS = 64
 _FEWEST_SAMPLES = 64
+_COARSE = 1e-5  # relative: a step printed with fewer than five digits
 _PLAIN_TIMES = frozenset(
     {"time", "t", "zeit", "temps", "domain", "axis", "elapsed", "vector", "values", "column"}
 )
@@ -61,7 +62,7 @@ def hit_of(part: Variables, found: Found, hints: Hints, said: list[str]) -> Fore
             f"{part.origin}: wanted at most {_MOST_CHANNELS} channels, got {len(responses) + 1}; "
             "name those to read in `variables` in the manifest"
         )
-    rate = _rate(part, found, length, hints)
+    rate = _rate(part, found, length, hints, said)
     rows = [_in_si(force[0], DataKind.EXCITATION_FORCE, part, hints, said)]
     rows += [_in_si(one, DataKind.ACCELERATION, part, hints, said) for one in responses]
     signals = np.stack([row[:length] for row in rows])
@@ -125,7 +126,7 @@ def _common_length(
     return length, alike
 
 
-def _rate(part: Variables, found: Found, length: int, hints: Hints) -> Fraction:
+def _rate(part: Variables, found: Found, length: int, hints: Hints, said: list[str]) -> Fraction:
     rates = []
     for time in found.get(Role.TIME, ()):
         times = np.asarray(np.real(time.values), dtype=np.float64).reshape(-1)
@@ -138,22 +139,28 @@ def _rate(part: Variables, found: Found, length: int, hints: Hints) -> Fraction:
         )
     if rates:
         return rates[0]
-    step = None if part.axis is None or part.axis.unit != "s" else part.axis.step
+    axis = part.axis if part.axis is not None and part.axis.unit == "s" else None
     if hints.rate_hz is not None:
-        step = 1.0 / hints.rate_hz
-    if step is None:
+        axis = Axis(unit="s", first=0.0, step=1.0 / hints.rate_hz)
+    if axis is None:
         raise NotToldError(
             f"{part.origin}: wanted the times of {length} samples, the file does not tell them; "
             "say `rate_hz` in the manifest, or name their array in `variables`",
             key="rate_hz",
         )
-    if length < _FEWEST_SAMPLES or not (np.isfinite(step) and 1e-9 < step < 1e3):
+    if length < _FEWEST_SAMPLES or not (np.isfinite(axis.step) and 1e-9 < axis.step < 1e3):
         raise ForeignFileError(
             f"{part.origin}: wanted {_FEWEST_SAMPLES} samples or more at a rate above 0, got "
-            f"{length} samples {step:g} s apart; export the whole record"
+            f"{length} samples {axis.step:g} s apart; export the whole record"
         )
-    times = step * np.arange(length, dtype=np.float64)
-    return exact_rate(times, part.origin)
+    times = axis.step * np.arange(length, dtype=np.float64)
+    rate = exact_rate(times, part.origin, rounding=axis.rounding)
+    if axis.rounding > _COARSE:
+        said.append(
+            f"{part.origin}: samples are {axis.step:g} s apart by few digits: the rate is taken as "
+            f"{float(rate):g} Hz; say `rate_hz` in the manifest if it is another"
+        )
+    return rate
 
 
 def _seconds(time: Variable, origin: str) -> float:

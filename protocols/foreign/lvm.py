@@ -185,16 +185,32 @@ def _by_channel(values: Sequence[str], names: Sequence[str]) -> dict[int, str]:
 
 
 def _axis(header: dict[str, list[str]], decimal: str, origin: str) -> Axis:
-    steps = [_number(text, decimal) for text in header.get("Delta_X", []) if text]
+    printed = [text for text in header.get("Delta_X", []) if text]
+    steps = [_number(text, decimal) for text in printed]
     firsts = [_number(text, decimal) for text in header.get("X0", []) if text]
     if not steps or not np.isfinite(steps[0]) or steps[0] <= 0.0 or len(set(steps)) > 1:
         raise ForeignFileError(
             f"{origin}: wanted one Delta_X above 0 for all channels, got "
-            f"{', '.join(map(str, steps[:4])) or 'none'}; save the channels at one rate"
+            f"{', '.join(printed[:4]) or 'none'}; save the channels at one rate"
         )
-    first = firsts[0] if firsts and np.isfinite(firsts[0]) else 0.0
     dimension = header.get("X_Dimension", [""])[0].strip().lower()
-    return Axis(unit="s" if dimension in _TIMES else "Hz", first=first, step=steps[0])
+    return Axis(
+        unit="s" if dimension in _TIMES else "Hz",
+        first=firsts[0] if firsts and np.isfinite(firsts[0]) else 0.0,
+        step=steps[0],
+        rounding=_rounding(printed[0], steps[0]),
+    )
+
+
+def _rounding(printed: str, value: float) -> float:
+    """Return half of the last digit printed, relative to the value.
+
+    >>> round(_rounding("0.000977", 0.000977), 6)
+    0.000512
+    """
+    mantissa, _, exponent = printed.upper().replace(",", ".").partition("E")
+    decimals = len(mantissa.partition(".")[2])
+    return float(0.5 * 10.0 ** (int(exponent or 0) - decimals) / value)
 
 
 def _number(text: str, decimal: str) -> float:

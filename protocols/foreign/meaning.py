@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.by_numbers import roles_by_numbers
+from armodal.protocols.foreign.by_numbers import parts_by_numbers, roles_by_numbers
 from armodal.protocols.foreign.complex_arrays import has_frf
+from armodal.protocols.foreign.even import is_even
 from armodal.protocols.foreign.frf_variables import Words, frfs_of
 from armodal.protocols.foreign.hit_variables import hit_of
 from armodal.protocols.foreign.measured import Content, ForeignFrf, ForeignHit, Hints, NotToldError
@@ -72,7 +73,26 @@ def _found(part: Variables, hints: Hints, words: Words) -> Found:
         found.setdefault(role, []).append(variable)
     for axis in (Role.TIME, Role.FREQUENCY):
         _only_rising(found, axis)
+    _first_column(part, found)
+    rest = found.get(Role.UNKNOWN, ())
+    is_frf = bool(found.get(Role.FREQUENCY)) and not found.get(Role.TIME)
+    if part.is_table and is_frf and not has_frf(found) and len(rest) > 1:
+        return {**found, **parts_by_numbers(rest, part, words)}
     return found
+
+
+def _first_column(part: Variables, found: dict[Role, list[Variable]]) -> None:
+    """Take the first column of a table for its axis if it rises evenly and is not named."""
+    first = part.variables[0]
+    unknown = found.get(Role.UNKNOWN, [])
+    has_axis = found.get(Role.TIME) or found.get(Role.FREQUENCY)
+    if has_axis or not part.is_table or first not in unknown or not is_even(first.values):
+        return
+    signals = found.get(Role.FORCE) or found.get(Role.RESPONSE)
+    if signals or has_frf(found):
+        axis = Role.FREQUENCY if has_frf(found) else Role.TIME
+        found[axis] = [Variable(name=axis, values=first.values)]
+        unknown.remove(first)
 
 
 def _mapped(part: Variables, hints: Hints) -> Found:

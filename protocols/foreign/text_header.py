@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from armodal.protocols.foreign.roles import is_unit, split_unit
+from armodal.protocols.foreign.roles import Role, is_unit, role_of, split_unit
 from armodal.protocols.foreign.text_dialect import Dialect, is_number
 from armodal.protocols.foreign.units import hertz, seconds
 
@@ -49,21 +49,20 @@ def read_header(lines: Sequence[str], columns: Sequence[int], dialect: Dialect) 
         How rows are written.
     """
     clean = [_COMMENT.sub("", line).rstrip("\r\n") for line in lines]
-    names: tuple[str, ...] = ()
+    rows: list[tuple[str, ...]] = []
     units = ("",) * len(columns)
     for line in reversed(clean):
         row = _row(line, columns, dialect)
         if row is None:
             continue
-        first, rest = row[0].strip("[]:. ").lower(), row[1:]
-        label_of_units = first in _LABELS
-        if all(not cell or is_unit(_bare(cell)) for cell in (rest if label_of_units else row)):
+        label_of_units = row[0].strip("[]:. ").lower() in _LABELS
+        if all(not cell or is_unit(_bare(cell)) for cell in row[label_of_units:]):
             if not any(units):
-                told = ["" if label_of_units else row[0], *rest]
+                told = ["" if label_of_units else row[0], *row[1:]]
                 units = tuple(_bare(cell) for cell in told)
         elif _are_names(row, dialect):
-            names = ("" if first in _NAME_LABELS else row[0], *rest)
-            break
+            rows.append(row)
+    names = _best(rows)
     parted = [split_unit(name) for name in names]
     if names:
         units = tuple(own or below for (_, own), below in zip(parted, units, strict=True))
@@ -76,6 +75,18 @@ def read_header(lines: Sequence[str], columns: Sequence[int], dialect: Dialect) 
         y_unit=facts.get("y", ""),
         rate_hz=_rate(clean),
     )
+
+
+def _best(rows: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the row of names: one that is called so or begins with an axis, else the last."""
+    for row in rows:
+        first = row[0].strip("[]:. ").lower()
+        if first in _NAME_LABELS:
+            return ("", *row[1:])
+        bare, label = split_unit(row[0])
+        if role_of(bare, label, is_complex=False) in {Role.TIME, Role.FREQUENCY}:
+            return row
+    return rows[0] if rows else ()
 
 
 def _bare(cell: str) -> str:

@@ -15,12 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.even import is_counter, is_even
 from armodal.protocols.foreign.text_dialect import (
     HEAD_BYTES,
     Dialect,
     cells,
     dialect_of,
     encoding_of,
+    is_row,
 )
 from armodal.protocols.foreign.text_header import Header, read_header
 from armodal.protocols.foreign.units import hertz, seconds
@@ -107,6 +109,15 @@ def _section(rows: _Rows, head: list[str], dialect: Dialect, origin: str) -> Var
         raise ForeignFileError(
             f"{origin}: wanted at most {_MOST_COLUMNS} columns, got {len(columns)}; export fewer"
         )
+    for i, line in enumerate(head):
+        if (
+            is_row(line, dialect)
+            and [j for j, c in enumerate(cells(line, dialect)) if c] == columns
+        ):
+            raise ForeignFileError(
+                f"{origin}: wanted rows alike, line {i + 1} is followed by one that is not: "
+                f"{head[i + 1][:40].strip()!r}; truncated or damaged?"
+            )
     header = read_header(head, columns, dialect)
     table = numbers_of_rows(_until_words(rows), first, columns, dialect, origin)
     return _variables(table, header, origin)
@@ -170,10 +181,14 @@ def _changed(line: str, changes: list[tuple[str, str]]) -> str:
 def _variables(
     table: npt.NDArray[np.float64] | npt.NDArray[np.complex128], header: Header, origin: str
 ) -> Variables:
-    n = table.shape[1]
+    columns = _columns(table)
+    n = len(columns)
     units = list(header.units) if header.units else [""] * n
-    names = list(header.names) or [f"column {i + 1}" for i in range(n)]
-    names = [name or f"column {i + 1}" for i, name in enumerate(names)]
+    names = list(header.names) or [""] * n
+    if n > 2 and not names[0] and is_counter(columns[0]) and is_even(columns[1]):
+        columns, units, names = columns[1:], units[1:], names[1:]
+    named = any(names) or any(units)
+    names = [name or f"column {n - len(names) + i + 1}" for i, name in enumerate(names)]
     repeated = {name for name in names if names.count(name) > 1}
     seen: dict[str, int] = {}
     for i, name in enumerate(names):
@@ -183,7 +198,6 @@ def _variables(
     units[0] = units[0] or header.x_unit
     if header.y_unit:
         units[1:] = [unit or header.y_unit for unit in units[1:]]
-    named = bool(header.names) or any(units)
     if named and not header.names:
         names[0] = _axis_name(units[0]) or names[0]
     axis = None
@@ -194,9 +208,10 @@ def _variables(
         format="text table",
         variables=tuple(
             Variable(name=name, values=column, unit=unit)
-            for name, column, unit in zip(names, _columns(table), units, strict=True)
+            for name, column, unit in zip(names, columns, units, strict=True)
         ),
         named=named,
+        is_table=True,
         axis=axis,
         words=header.words,
     )

@@ -32,7 +32,7 @@ class Listed:
         return f"{self.name[:40]} ({f'{size} {self.type}'.strip()}{unit})"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Variable:
     """An array of numbers under the file's own name and in its own unit."""
 
@@ -48,11 +48,15 @@ class Variable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
-    """An even axis told by its first value and its step, in s or Hz."""
+    """An even axis told by its first value and its step, in s or Hz.
+
+    `rounding` is relative: 0.000977 s stands for anything from 0.0009765 to 0.0009775 s.
+    """
 
     unit: str
     first: float
     step: float
+    rounding: float = 1e-7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +67,7 @@ class Variables:
     format: str  # in words: "text table", "MATLAB 5"
     variables: tuple[Variable, ...]
     named: bool = True  # False where names are places: "column 1"
+    is_table: bool = False  # whether the order of the variables is that of columns
     axis: Axis | None = None
     texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     words: str = ""  # of a header

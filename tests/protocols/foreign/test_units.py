@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
 from armodal.protocols.foreign.frf_units import frf_form, frf_scale
+from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
 from armodal.protocols.foreign.units import signal_scale, unit
 from armodal.protocols.frf_records import FrfForm
 
