@@ -14,7 +14,7 @@ from armodal.protocols.foreign.frf_variables import Words, frfs_of
 from armodal.protocols.foreign.hit_variables import hit_of
 from armodal.protocols.foreign.measured import Content, ForeignFrf, ForeignHit, Hints, NotToldError
 from armodal.protocols.foreign.roles import Role, role_of
-from armodal.protocols.foreign.variables import Variable, Variables, listing
+from armodal.protocols.foreign.variables import Variable, Variables, listing, one_line
 
 __all__ = ["content_of"]
 
@@ -46,9 +46,9 @@ def content_of(parts: Sequence[Variables], hints: Hints, origin: str) -> Content
             averages += _scalar(part, "averages")
             decays += _scalar(part, "window_decay_rad_s")
     except NotToldError as error:
-        raise NotToldError(error.why, key=error.key, found=listing(listed)) from error
+        raise NotToldError(one_line(error.why), key=error.key, found=listing(listed)) from error
     except ForeignFileError as error:
-        raise ForeignFileError(f"{error}; {listing(listed)}") from error
+        raise ForeignFileError(f"{one_line(str(error))}; {listing(listed)}") from error
     return Content(
         origin=origin,
         frfs=tuple(frfs),
@@ -83,10 +83,12 @@ def _found(part: Variables, hints: Hints, words: Words) -> Found:
 
 def _first_column(part: Variables, found: dict[Role, list[Variable]]) -> None:
     """Take the first column of a table for its axis if it rises evenly and is not named."""
+    has_axis = found.get(Role.TIME) or found.get(Role.FREQUENCY)
+    if has_axis or not part.is_table or not part.variables:
+        return
     first = part.variables[0]
     unknown = found.get(Role.UNKNOWN, [])
-    has_axis = found.get(Role.TIME) or found.get(Role.FREQUENCY)
-    if has_axis or not part.is_table or first not in unknown or not is_even(first.values):
+    if first not in unknown or not is_even(first.values):
         return
     signals = found.get(Role.FORCE) or found.get(Role.RESPONSE)
     if signals or has_frf(found):

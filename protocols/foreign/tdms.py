@@ -7,6 +7,10 @@ read, so that nothing larger than the file is ever made.
 from __future__ import annotations
 
 import io
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +22,7 @@ __all__ = ["tdms_variables"]
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit")
 _MOST_CHANNELS = 1000
+_CUT = ("Last segment", "Data size")  # how npTDMS begins to tell of a file that is cut off
 
 
 def tdms_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
@@ -36,7 +41,7 @@ def tdms_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
             "`pip install 'armodal[files]'`"
         ) from error
     try:
-        with TdmsFile.open(io.BytesIO(data)) as file:
+        with _heard() as words, TdmsFile.open(io.BytesIO(data)) as file:
             groups = [_group(group, len(data), origin) for group in file.groups()]
     except ForeignFileError:
         raise
@@ -49,7 +54,36 @@ def tdms_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
     filled = tuple(group for group in groups if group.variables)
     if not filled:
         raise ForeignFileError(f"{origin}: wanted channels with samples, got none; save it again")
+    if any(word.startswith(_CUT) for word in words):
+        said = (f"{origin}: the file ends within its samples: what is there is read",)
+        filled = (replace(filled[0], said=said), *filled[1:])
     return filled
+
+
+class _Heard(logging.Filter):
+    """What npTDMS logs, kept instead of shown."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.words: list[str] = []
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        self.words.append(str(record.msg))
+        return False
+
+
+@contextmanager
+def _heard() -> Iterator[list[str]]:
+    heard = _Heard()
+    known = list(logging.Logger.manager.loggerDict)
+    loggers = [logging.getLogger(name) for name in known if name.startswith("nptdms")]
+    for logger in loggers:
+        logger.addFilter(heard)
+    try:
+        yield heard.words
+    finally:
+        for logger in loggers:
+            logger.removeFilter(heard)
 
 
 def _group(group: Any, limit: int, origin: str) -> Variables:

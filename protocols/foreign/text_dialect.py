@@ -12,6 +12,7 @@ __all__ = ["Dialect", "cells", "dialect_of", "encoding_of", "is_number", "is_row
 
 HEAD_BYTES = 2**20  # where a header and the first numbers are looked for
 _MOST_HEADER_LINES = 2000
+_LONGEST_NUMBER = 100  # characters, of a complex one
 _ROWS_TOLD = 4  # rows alike that make the numbers begin
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -143,7 +144,7 @@ def is_row(line: str, dialect: Dialect) -> bool:
 
 def is_number(cell: str, dialect: Dialect) -> bool:
     """Return whether a cell is a number of this dialect."""
-    if dialect.decimal == "," and "." in cell:
+    if len(cell) > _LONGEST_NUMBER or (dialect.decimal == "," and "." in cell):
         return False
     text = _pointed(cell, dialect)
     if _NUMBER.fullmatch(text):

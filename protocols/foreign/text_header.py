@@ -17,10 +17,11 @@ from armodal.protocols.foreign.units import hertz, seconds
 __all__ = ["Header", "read_header"]
 
 _COMMENT = re.compile(r"^\s*(?:[#%!*]|//)+\s?")
-_FACT = re.compile(r'^"?([^:=\t;,"]{2,60}?)"?\s*[:=\t;,]+\s*"?([^"\t;]*?)"?\s*$')
+_SEPARATOR = re.compile(r"[:=\t;,]")
 _NUMBER_AND_UNIT = re.compile(r"([+-]?[\d.,]+(?:[eE][+-]?\d+)?)\s*(\S*)")
 _LABELS = {"unit", "units", "einheit", "einheiten", "unité", "y_unit_label", "dimension"}
 _NAME_LABELS = {"ch no", "ch no.", "ch name", "channel", "channels", "name", "kanal", "no", "ch"}
+_LONGEST_FACT, _LONGEST_NAME = 400, 200  # characters
 _LETTERS = re.compile(r"[^\W\d_]")
 
 
@@ -102,7 +103,7 @@ def _row(line: str, columns: Sequence[int], dialect: Dialect) -> tuple[str, ...]
         return None
     n = columns[-1] + 1
     for parts in _splits(line, dialect):
-        row = [part.strip().strip('"').strip() for part in parts]
+        row = [part.strip().strip('"').strip()[:_LONGEST_NAME] for part in parts]
         if len(row) == len(columns) != n and all(row):
             return tuple(row)
         while len(row) > n and not row[-1]:
@@ -137,10 +138,8 @@ def _facts(lines: Sequence[str]) -> dict[str, str]:
     """Return the units of the axes that lines such as `X-Axis unit: Hz` tell."""
     found: dict[str, str] = {}
     for line in lines:
-        match = _FACT.match(line)
-        if match is None:
-            continue
-        key, value = match[1].lower(), _bare(match[2])
+        key, value = _fact(line)
+        value = _bare(value)
         if "unit" not in key or not value:
             continue
         axis = "x" if re.search(r"\bx\b|x-axis|x axis", key) else "y"
@@ -151,16 +150,20 @@ def _facts(lines: Sequence[str]) -> dict[str, str]:
     return found
 
 
+def _fact(line: str) -> tuple[str, str]:
+    """Part a line such as `X-Axis unit: Hz` into a key, in small letters, and its value."""
+    key, *value = _SEPARATOR.split(line[:_LONGEST_FACT], maxsplit=1)
+    return key.strip(' "').lower(), value[0].strip(' "\t:=;,') if value else ""
+
+
 def _rate(lines: Sequence[str]) -> float | None:
     """Return the sampling rate that a line tells, Hz."""
     for line in lines:
-        match = _FACT.match(line)
-        if match is None or not re.search(r"sampl|abtast", match[1].lower()):
+        key, value = _fact(line)
+        number = _NUMBER_AND_UNIT.match(value)
+        if number is None or not re.search(r"sampl|abtast", key):
             continue
-        number = _NUMBER_AND_UNIT.match(match[2].strip())
-        if number is None:
-            continue
-        _, unit_of_key = split_unit(match[1])
+        _, unit_of_key = split_unit(key)
         factor = hertz(number[2] or unit_of_key or "")
         try:
             rate = float(number[1].replace(",", ".")) * (factor or 0.0)

@@ -77,7 +77,7 @@ def text_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
 def _sections(data: bytes, encoding: str, origin: str) -> Iterator[Variables]:
     rows = _Rows(io.TextIOWrapper(io.BytesIO(data), encoding=encoding), origin)
     count = 0
-    while count < _MOST_SECTIONS:
+    while True:
         head = _head(rows)
         found = dialect_of(head)
         if found is None:
@@ -87,6 +87,10 @@ def _sections(data: bytes, encoding: str, origin: str) -> Iterator[Variables]:
         dialect, at = found
         rows.give_back(head[at:])
         count += 1
+        if count > _MOST_SECTIONS:
+            raise ForeignFileError(
+                f"{origin}: wanted at most {_MOST_SECTIONS} tables, got more; split the file"
+            )
         yield _section(rows, head[:at], dialect, origin if count == 1 else f"{origin}: {count}")
 
 

@@ -7,7 +7,9 @@ columns.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -58,12 +60,11 @@ def floats(
     text = "\n".join(lines)
     if "D" in text or "d" in text:
         text = text.replace("D", "E").replace("d", "E")
-    parts: list[str] = text.split()
-    try:
-        return np.array(parts, dtype=np.float64)
-    except ValueError:
-        rows = [line.rstrip() for line in text.split("\n")]
-        parts = [row[i : i + width] for row in rows for i in range(0, len(row), width)]
+    with suppress(ValueError, DeprecationWarning), warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # of numpy before 2.3, for a bad number
+        return np.asarray(np.fromstring(text, sep=" "), dtype=np.float64)
+    rows = [line.rstrip() for line in text.split("\n")]
+    parts = [row[i : i + width] for row in rows for i in range(0, len(row), width)]
     try:
         return np.array(parts, dtype=np.float64)
     except ValueError as error:

@@ -14,6 +14,7 @@ from armodal.protocols.foreign.uff_records import UffFunction
 
 __all__ = ["function_58"]
 
+_LONGEST_RECORD = 200  # characters, of 80
 _MOST_SURPLUS = 5  # numbers that may pad the last record
 _KINDS = {2, 4, 5, 6}  # real or complex, single or double
 # Record 6 where a program shifted its columns: numbers, a name, numbers, a name, numbers.
@@ -98,7 +99,7 @@ def _record_7(block: Block, origin: str) -> tuple[int, int, int, float, float]:
 
 def _record_6(block: Block, origin: str) -> tuple[int, int, tuple[int, int], tuple[int, int]]:
     """Return function type, version, and node and direction of response and reference."""
-    line = record(block, 5)
+    line = record(block, 5)[:_LONGEST_RECORD]
     columns = ((0, 5), (15, 20), (41, 51), (51, 55), (66, 76), (76, 80))
     try:
         cut = [line[a:b].strip() for a, b in columns]

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Axis", "Listed", "Variable", "Variables", "listing"]
+__all__ = ["Axis", "Listed", "Variable", "Variables", "listing", "one_line"]
 
 _MOST_LISTED = 24
+_LONGEST = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,8 +29,8 @@ class Listed:
     def words(self) -> str:
         """Return name, size, type and unit: `Hf (1601 x 1 complex)`."""
         size = " x ".join(map(str, self.shape))
-        unit = f", {self.unit}" if self.unit else ""
-        return f"{self.name[:40]} ({f'{size} {self.type}'.strip()}{unit})"
+        unit = f", {self.unit[:20]}" if self.unit else ""
+        return one_line(f"{self.name[:40]} ({f'{size} {self.type}'.strip()}{unit})")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -91,6 +92,15 @@ class Variables:
             for name, words in self.texts.items()
         )
         return (*arrays, *texts, *self.others)
+
+
+def one_line(text: str) -> str:
+    r"""Return text that may hold a file's own bytes as a message may show it.
+
+    >>> one_line("a\nb")
+    'a?b'
+    """
+    return "".join(c if c.isprintable() else "?" for c in text[:_LONGEST])
 
 
 def listing(listed: Sequence[Listed]) -> str:
