@@ -116,7 +116,7 @@ def _file_json(looked: LookedAt) -> dict[str, Any]:
     return {
         "file": str(looked.path),
         "format": looked.format,
-        "contents": [] if content is None else [_row_json(row) for row in content.found],
+        "contents": [_row_json(row) for row in looked.found],
         "holds": _holds(looked),
         "said": [] if content is None else list(content.said),
         "needs": [{"key": doubt.key, "why": doubt.why} for doubt in looked.doubts],
@@ -158,7 +158,7 @@ def _asks(looked: LookedAt, key: str) -> bool:
 def _show(looked: LookedAt) -> None:
     out.print(f"{looked.path}: {looked.format}, {_holds(looked)}")
     content = looked.content
-    for row in () if content is None else content.found[:_MOST_ROWS]:
+    for row in looked.found[:_MOST_ROWS]:
         out.print(f"  {row.words}")
     for text in () if content is None else content.said:
         out.print(f"  note: {text}")

@@ -83,6 +83,8 @@ def _of_texts(part: Variables, what: str) -> list[ToldDof]:
     name = f"{what}_directions"
     D = next((v.values for v in part.variables if v.name == name), None)
     if name in {listed.name for listed in part.listed}:
+        if D is not None and D.size == 3 and len(dofs) == 1:
+            D = D.reshape(1, 3)
         real = D is not None and not np.iscomplexobj(D) and D.shape == (len(dofs), 3)
         length = np.linalg.norm(D, axis=-1) if real and D is not None else np.zeros(1)
         if D is None or not real or not np.allclose(length, 1.0, atol=_UNIT_LENGTH):

@@ -88,11 +88,9 @@ class _Reader:
                 shape = tuple(dataset.shape or ())
                 others.append(Listed(name=name, shape=shape, type=str(dataset.dtype)[:40]))
                 continue
-            bare, unit = split_unit(name)
             told = dataset.attrs.get("units", dataset.attrs.get("unit", b""))
-            unit = unit or (told if isinstance(told, str) else "")
-            keep = name if values.size == 1 or values.ndim > 2 else bare
-            variables.append(Variable(name=keep or name, values=values, unit=unit))
+            unit = told if isinstance(told, str) else split_unit(name)[1]
+            variables.append(Variable(name=name, values=values, unit=unit))
         return Variables(
             origin=self._origin,
             format="HDF5",

@@ -10,6 +10,7 @@ from typing import Any
 from armodal.protocols.foreign.content import format_of, read_content
 from armodal.protocols.foreign.manifest import FILL_IN
 from armodal.protocols.foreign.measured import Content, Hints, NotToldError, parse_dof
+from armodal.protocols.foreign.variables import Listed
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = ["Doubt", "LookedAt", "look_at"]
@@ -33,6 +34,7 @@ class LookedAt:
     path: Path
     format: str
     content: Content | None  # None where it cannot be read before a doubt is settled
+    found: tuple[Listed, ...] = ()
     keys: Mapping[str, Any] = field(default_factory=dict)
     guesses: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
@@ -51,15 +53,18 @@ def look_at(path: Path) -> LookedAt:
     guesses: list[str] = []
     doubts: list[Doubt] = []
     content: Content | None = None
+    found: tuple[Listed, ...] = ()
     for _ in range(_MOST_QUESTIONS):
         try:
             content = read_content(path, hints)
         except NotToldError as error:
+            found = error.listed
             answered = _answer(error, hints, keys, guesses, doubts)
             if answered is None:
                 break
             hints = answered
         else:
+            found = content.found
             break
     with path.open("rb") as file:
         name = format_of(file.read(_HEAD), path.suffix)
@@ -67,6 +72,7 @@ def look_at(path: Path) -> LookedAt:
         path=path,
         format=name,
         content=content,
+        found=found,
         keys=keys,
         guesses=(*guesses, *(() if content is None else content.read_as)),
         doubts=tuple(doubts),

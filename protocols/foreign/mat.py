@@ -69,11 +69,8 @@ def _part(loaded: dict[str, Any], listed: list[Any], origin: str) -> Variables:
         for path, array in _flat(name, np.asarray(value)):
             if array.dtype.kind in "fiucb" and array.size:
                 wanted = np.complex128 if array.dtype.kind == "c" else np.float64
-                bare, unit = split_unit(path)
-                keep = path if array.size == 1 or array.ndim > 2 else bare
-                variables.append(
-                    Variable(name=keep or path, values=_lean(array, wanted), unit=unit)
-                )
+                values = _lean(array, wanted)
+                variables.append(Variable(name=path, values=values, unit=split_unit(path)[1]))
             elif array.dtype.kind in "UO" and array.size and _words(array):
                 texts[path] = tuple(_words(array))
             else:

@@ -46,7 +46,7 @@ def content_of(parts: Sequence[Variables], hints: Hints, origin: str) -> Content
             averages += _scalar(part, "averages")
             decays += _scalar(part, "window_decay_rad_s")
     except NotToldError as error:
-        raise NotToldError(one_line(error.why), key=error.key, found=listing(listed)) from error
+        raise NotToldError(one_line(error.why), key=error.key, listed=listed) from error
     except ForeignFileError as error:
         raise ForeignFileError(f"{one_line(str(error))}; {listing(listed)}") from error
     return Content(

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.uff_records import UffNodes, UffTraceLine
-from armodal.protocols.foreign.variables import Listed
+from armodal.protocols.foreign.variables import Listed, listing
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
@@ -44,13 +44,14 @@ _LARGEST_COHERENCE = 1.5  # above, it is something else: quantised ones of analy
 class NotToldError(ForeignFileError):
     """A file leaves open what only a person can say.
 
-    `key` is the manifest's key for it, `found` what is in the file.
+    `key` is the manifest's key for it, `listed` what is in the file.
     """
 
-    def __init__(self, why: str, *, key: str, found: str = "") -> None:
-        super().__init__(f"{why}; {found}" if found else why)
+    def __init__(self, why: str, *, key: str, listed: tuple[Listed, ...] | None = None) -> None:
+        super().__init__(why if listed is None else f"{why}; {listing(listed)}")
         self.why = why
         self.key = key
+        self.listed = listed or ()
 
 
 @dataclass(frozen=True, slots=True)

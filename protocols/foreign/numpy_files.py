@@ -89,14 +89,12 @@ def npz_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
     others = []
     for name, content in _members(data, origin).items():
         array = npy_array(content, f"{origin}: {name}", texts_too=True)
-        bare, unit = split_unit(name)
         if array.dtype.kind in "US":
             texts[name] = tuple(str(word) for word in array.reshape(-1)[:1000])
         elif array.ndim > 3 or array.size == 0:
             others.append(Listed(name=name, shape=array.shape, type=array.dtype.name))
         else:
-            keep = name if array.size == 1 or array.ndim == 3 else bare
-            variables.append(Variable(name=keep or name, values=array, unit=unit))
+            variables.append(Variable(name=name, values=array, unit=split_unit(name)[1]))
     part = _part(origin, "NPZ", variables, named=True, texts=texts, others=tuple(others))
     return (part,)
 

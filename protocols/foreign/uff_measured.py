@@ -91,7 +91,7 @@ def uff_content(file: UffFile, hints: Hints, origin: str) -> Content:
     try:
         content = _content(file, hints, origin)
     except NotToldError as error:
-        raise NotToldError(error.why, key=error.key, found=listing(found)) from error
+        raise NotToldError(error.why, key=error.key, listed=found) from error
     except ForeignFileError as error:
         raise ForeignFileError(f"{error}; {listing(found)}") from error
     return replace(content, found=found)
