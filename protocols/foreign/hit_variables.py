@@ -15,6 +15,7 @@ from armodal.protocols.foreign.measured import (
     Hints,
     NotToldError,
     ToldDof,
+    check_signals,
     exact_rate,
 )
 from armodal.protocols.foreign.roles import Role, tokens
@@ -66,11 +67,7 @@ def hit_of(part: Variables, found: Found, hints: Hints, said: list[str]) -> Fore
     rows = [_in_si(force[0], DataKind.EXCITATION_FORCE, part, hints, said)]
     rows += [_in_si(one, DataKind.ACCELERATION, part, hints, said) for one in responses]
     signals = np.stack([row[:length] for row in rows])
-    if not np.isfinite(signals).all():
-        raise ForeignFileError(
-            f"{part.origin}: wanted finite samples, got NaN or infinity; leave the channel out "
-            "with `variables` in the manifest, or export it again"
-        )
+    check_signals(signals, part.origin)
     told = hints.responses or tuple(ToldDof(None, None) for _ in responses)
     if len(told) != len(responses):
         raise ForeignFileError(

@@ -28,6 +28,7 @@ __all__ = [
     "ToldDof",
     "axis_direction",
     "check_frf_values",
+    "check_signals",
     "clipped_coherence",
     "exact_rate",
     "parse_dof",
@@ -38,6 +39,8 @@ AXES = ("x", "y", "z")
 _DOF = re.compile(r"([^:]{1,16})(?::([+-]?)([xyz]))?", re.IGNORECASE)
 _MOST_DENOMINATOR = 1000
 _COHERENCE_ROUNDING = 1e-6
+_LARGEST_SIGNAL = 1e12  # N, m/s^2
+_LARGEST_FRF = 1e30  # SI: its square is a number too
 _LARGEST_COHERENCE = 1.5  # above, it is something else: quantised ones of analysers reach 1.25
 
 
@@ -236,11 +239,12 @@ def check_frf_values(
             f"{origin}: wanted two lines or more above 0 Hz, got {np.count_nonzero(keep)}; "
             "export the whole band"
         )
-    bad = int(np.count_nonzero(~np.isfinite(values[keep])))
+    with np.errstate(over="ignore", invalid="ignore"):
+        bad = int(np.count_nonzero(~(np.abs(values[keep]) < _LARGEST_FRF)))
     if bad:
         raise ForeignFileError(
-            f"{origin}: wanted finite numbers, got NaN or infinity on {bad} of "
-            f"{np.count_nonzero(keep)} lines; leave this FRF out or measure it again"
+            f"{origin}: wanted numbers below {_LARGEST_FRF:g}, got NaN, infinity or more on "
+            f"{bad} of {np.count_nonzero(keep)} lines; leave this FRF out or measure it again"
         )
     if not np.any(values[keep]) or np.all(values[keep] == values[keep][0]):
         raise ForeignFileError(
@@ -249,6 +253,21 @@ def check_frf_values(
         )
     result: npt.NDArray[np.bool_] = keep
     return result
+
+
+def check_signals(signals: npt.NDArray[np.float64], origin: str) -> None:
+    """Refuse samples that are not finite, or larger than any sensor's.
+
+    Raises
+    ------
+    ForeignFileError
+        For NaN, infinity, or forces and accelerations of 1e12 SI and more.
+    """
+    if not np.isfinite(signals).all() or np.max(np.abs(signals), initial=0.0) > _LARGEST_SIGNAL:
+        raise ForeignFileError(
+            f"{origin}: wanted finite samples below {_LARGEST_SIGNAL:g}, got NaN, infinity or "
+            "larger ones; leave the channel out, or export it again"
+        )
 
 
 def clipped_coherence(

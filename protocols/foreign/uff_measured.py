@@ -25,6 +25,7 @@ from armodal.protocols.foreign.measured import (
     ToldDof,
     axis_direction,
     check_frf_values,
+    check_signals,
     clipped_coherence,
     exact_rate,
 )
@@ -348,9 +349,10 @@ def _hit(
             scale = signal_scale(kind, function.numerator_unit, units, where)
             _say_assumed(scale, units, where, said)
         values = np.asarray(function.values)[:length]
-        if np.iscomplexobj(values) or not np.isfinite(values).all():
-            raise ForeignFileError(f"{where}: wanted finite real samples, got others")
-        signals.append(values * scale.factor)
+        if np.iscomplexobj(values):
+            raise ForeignFileError(f"{where}: wanted real samples, got complex ones")
+        signals.append(np.asarray(values * scale.factor, dtype=np.float64))
+        check_signals(signals[-1], where)
     if hints.responses and len(hints.responses) != len(others):
         raise ForeignFileError(
             f"{where}: wanted {len(hints.responses)} responses, as the manifest says, got "

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from support.command import armodal
 from support.foreign_samples import accelerance
 from support.foreign_writers import signalcalc, table
@@ -112,6 +114,34 @@ def test_no_file_is_one_message(tmp_path, command, name):
     assert code == 2
     assert "Traceback" not in out + err
     assert (out + err).count("wanted") == 1
+
+
+@given(
+    kind=st.sampled_from(["frf", "hit"]),
+    rows=st.sampled_from([3, 64, 200]),
+    columns=st.integers(2, 5),
+    step=st.floats(1e-5, 10.0),
+    seed=st.integers(0, 2**32 - 1),
+    make=st.sampled_from([np.asarray, np.abs, np.sign, lambda x: -np.abs(x), lambda x: 0.0 * x]),
+    exponent=st.integers(-200, 200),
+)
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_any_table_is_a_session_or_one_message(
+    tmp_path, kind, rows, columns, step, seed, make, exponent
+):
+    numbers = make(np.random.default_rng(seed).standard_normal((rows, columns))) * 10.0**exponent
+    numbers[:, 0] = step * np.arange(rows)
+    (tmp_path / "a.txt").write_text(table(list(numbers.T)))
+    (tmp_path / "m.toml").write_text(
+        f'arm = "none"\nmode = "roving-response"\nkind = "{kind}"\nform = "mobility"\n'
+        '[[postures]]\nname = "one"\nfiles = ["a.txt"]\n'
+    )
+    code, out, err = armodal("import", tmp_path / "m.toml", "--out", tmp_path / "s.h5")
+    assert code in {0, 2}
+    assert "Traceback" not in out + err
+    assert err.count("armodal:") == (code == 2)
 
 
 # Real measurements -------------------------------------------------------------------------------
