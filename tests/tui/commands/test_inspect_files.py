@@ -16,7 +16,7 @@ from support.manifests import hit_signals
 from armodal.protocols.session.hdf5 import read_session
 
 FREQ = 0.25 * np.arange(1, 401)
-_ROOT = Path(__file__).resolve().parents[2]
+_ROOT = Path(__file__).resolve().parents[3]
 DATA = Path(os.environ.get("ARMODAL_DATA", _ROOT.parent / "shared" / "data"))
 real = pytest.mark.skipif(
     not (DATA / "beam_9_files").is_dir(), reason="real measurements are not here (ARMODAL_DATA)"
