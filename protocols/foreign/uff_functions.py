@@ -124,12 +124,6 @@ def _record_6(block: Block, origin: str) -> tuple[int, int, tuple[int, int], tup
 def _axis(block: Block, index: int, origin: str) -> tuple[int, str]:
     """Return data type and unit of a record I10, 3I5, 2(1X, 20A1)."""
     line = record(block, index)
-    kind = integers_at(block, line[:10], origin)
+    (kind,) = integers(Block(block.number, 58, (line[:10],)), 0, (10,), origin, "data type")
     label = line[47:67].strip()
     return kind, "" if label.upper() == "NONE" else label
-
-
-def integers_at(block: Block, text: str, origin: str) -> int:
-    """Return the whole number of a field, 0 of a blank one."""
-    clean = Block(block.number, block.type, (text,))
-    return integers(clean, 0, (10,), origin, "data type")[0]

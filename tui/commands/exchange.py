@@ -28,8 +28,8 @@ from armodal.protocols.session.hdf5 import Provenance, read_session, write_sessi
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
 from armodal.tui.commands.identification_results import identification_json
-from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.commands.inspect_files import guess_json, is_manifest, manifest_beside, unanswered
+from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
 

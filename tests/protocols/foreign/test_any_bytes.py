@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.foreign_bytes import read_or_refused, small_files
+from support.mutate import mutated, mutated_text
 
 from armodal.protocols.foreign.looked_at import look_at
 
@@ -119,3 +120,14 @@ def test_any_table_of_numbers_with_an_even_column_is_read_or_refused(
     numbers[:, 0] = step * np.arange(rows)
     text = "\n".join(delimiter.join(f"{x:.8g}" for x in row) for row in numbers)
     one_sentence(read_or_refused(place / "even.txt", text.encode()))
+
+
+@pytest.mark.long
+def test_many_changes_of_every_format_are_read_or_refused(files, place):
+    rng = np.random.default_rng(11)
+    for name, data in files.items():
+        change = (
+            mutated_text if name.endswith((".txt", ".csv", ".lvm", ".uff", ".unv")) else mutated
+        )
+        for _ in range(300):
+            one_sentence(read_or_refused(place / name, change(data, rng)))
