@@ -98,7 +98,7 @@ CELLS = st.one_of(
     st.sampled_from(["utf-8", "utf-16", "latin-1", "utf-8-sig"]),
     st.integers(1, 30),
 )
-@settings(QUICK, max_examples=150)
+@settings(QUICK, max_examples=80)
 def test_any_table_is_read_or_refused(place, rows, delimiter, encoding, repeats):
     text = "\n".join(delimiter.join(row) for row in rows * repeats)
     one_sentence(read_or_refused(place / "table.txt", text.encode(encoding, "replace")))
