@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,11 +15,18 @@ from armodal.protocols.foreign.frf_variables import Words, frfs_of
 from armodal.protocols.foreign.hit_variables import hit_of
 from armodal.protocols.foreign.measured import Content, ForeignFrf, ForeignHit, Hints, NotToldError
 from armodal.protocols.foreign.roles import Role, role_of
+from armodal.protocols.foreign.sections import (
+    is_coherence_alone,
+    named_in_order,
+    with_coherence,
+)
 from armodal.protocols.foreign.variables import Variable, Variables, listing, one_line
 
 __all__ = ["content_of"]
 
 Found = Mapping[Role, Sequence[Variable]]
+
+_ANGULAR = {"w", "omega"}  # likely rad/s: not taken for Hz
 
 
 def content_of(parts: Sequence[Variables], hints: Hints, origin: str) -> Content:
@@ -30,25 +38,15 @@ def content_of(parts: Sequence[Variables], hints: Hints, origin: str) -> Content
         If they are none; the message ends with what was found.
     """
     words = Words([], [])
-    frfs: list[ForeignFrf] = []
-    hits: list[ForeignHit] = []
     listed = tuple(one for part in parts for one in part.listed)
-    averages: list[float] = []
-    decays: list[float] = []
     try:
-        for part in parts:
-            words.said += part.said
-            found = _found(part, hints, words)
-            if _is_frf(part, found, hints):
-                frfs += frfs_of(part, found, hints, words)
-            else:
-                hits.append(hit_of(part, found, hints, words.said))
-            averages += _scalar(part, "averages")
-            decays += _scalar(part, "window_decay_rad_s")
+        frfs, hits = _sections(parts, hints, words, origin)
     except NotToldError as error:
         raise NotToldError(one_line(error.why), key=error.key, listed=listed) from error
     except ForeignFileError as error:
         raise ForeignFileError(f"{one_line(str(error))}; {listing(listed)}") from error
+    averages = [number for part in parts for number in _scalar(part, "averages")]
+    decays = [number for part in parts for number in _scalar(part, "window_decay_rad_s")]
     return Content(
         origin=origin,
         frfs=tuple(frfs),
@@ -59,6 +57,38 @@ def content_of(parts: Sequence[Variables], hints: Hints, origin: str) -> Content
         read_as=tuple(dict.fromkeys(words.read_as)),
         found=listed,
     )
+
+
+def _sections(
+    parts: Sequence[Variables], hints: Hints, words: Words, origin: str
+) -> tuple[list[ForeignFrf], list[ForeignHit]]:
+    """Return what all sections hold; one that is neither is left out if another is."""
+    frfs: list[ForeignFrf] = []
+    hits: list[ForeignHit] = []
+    failed: list[ForeignFileError] = []
+    alone = len(parts) == 1
+    for part in parts:
+        words.said += part.said
+        if frfs and is_coherence_alone(part):
+            frfs[-1] = with_coherence(frfs[-1], part, words.said)
+            continue
+        try:
+            found = _found(part, hints, words)
+            if _is_frf(part, found, hints):
+                frfs += frfs_of(
+                    part, found, hints if alone else replace(hints, responses=()), words
+                )
+            else:
+                hits.append(hit_of(part, found, hints, words.said))
+        except ForeignFileError as error:
+            asked = isinstance(error, NotToldError) and error.key not in {"kind", "variables"}
+            if alone or asked:
+                raise
+            failed.append(error)
+    if failed and not frfs and not hits:
+        raise failed[0]
+    words.said += [f"{error}: it is left out" for error in failed]
+    return frfs if alone else named_in_order(frfs, hints, origin), hits
 
 
 def _found(part: Variables, hints: Hints, words: Words) -> Found:
@@ -74,6 +104,7 @@ def _found(part: Variables, hints: Hints, words: Words) -> Found:
     for axis in (Role.TIME, Role.FREQUENCY):
         _only_rising(found, axis)
     _first_column(part, found)
+    _frequencies_by_size(part, found, words)
     rest = found.get(Role.UNKNOWN, ())
     is_frf = bool(found.get(Role.FREQUENCY)) and not found.get(Role.TIME)
     if part.is_table and is_frf and not has_frf(found) and len(rest) > 1:
@@ -95,6 +126,28 @@ def _first_column(part: Variables, found: dict[Role, list[Variable]]) -> None:
         axis = Role.FREQUENCY if has_frf(found) else Role.TIME
         found[axis] = [Variable(name=axis, values=first.values)]
         unknown.remove(first)
+
+
+def _frequencies_by_size(part: Variables, found: dict[Role, list[Variable]], words: Words) -> None:
+    """Take the one array that rises and has as many values as an FRF lines for its frequencies."""
+    if found.get(Role.FREQUENCY) or not has_frf(found):
+        return
+    frfs = [v for role in (Role.FRF, Role.REAL, Role.MAGNITUDE) for v in found.get(role, ())]
+    sizes = {size for variable in frfs for size in variable.values.shape}
+    rising = [
+        (role, v)
+        for role in (Role.UNKNOWN, Role.FORCE)
+        for v in found.get(role, ())
+        if v.values.size in sizes and v.name.lower() not in _ANGULAR and _rises(v)
+    ]
+    if len(rising) == 1:
+        role, axis = rising[0]
+        found[role].remove(axis)
+        found[Role.FREQUENCY] = [Variable(name="frequency", values=axis.values)]
+        words.said.append(
+            f"{part.origin}: {axis.name[:40]} rises and has a value a line: it is taken as the "
+            "frequencies in Hz"
+        )
 
 
 def _mapped(part: Variables, hints: Hints) -> Found:

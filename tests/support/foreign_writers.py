@@ -30,8 +30,11 @@ def signalcalc(freq, frf, unit="(m/s²)(N)"):
     return "\r\n".join([*head, *rows, ""]).encode("latin-1")
 
 
-def pulse(freq, frfs, unit="(m/s²)/N"):
-    """FRFs one after the other as PULSE exports them: facts line by line, a counter first."""
+def pulse(freq, frfs, unit="(m/s²)/N", *, coherence=None):
+    """FRFs one after the other as PULSE exports them: facts line by line, a counter first.
+
+    Each has the coherence behind it, where one is given.
+    """
     blocks = []
     for i, frf in enumerate(frfs):
         head = [
@@ -50,6 +53,11 @@ def pulse(freq, frfs, unit="(m/s²)/N"):
             for k, (f, h) in enumerate(zip(freq, frf, strict=True))
         ]
         blocks.append("\r\n".join([*head, *rows]))
+        if coherence is not None:
+            facts = ["Header Size:\t3", "Function:\tCoherence", "X-Axis unit:\tHz"]
+            both = enumerate(zip(freq, coherence, strict=True))
+            rows = [f"{k + 1}\t{f:.6f}\t{c:.9e}" for k, (f, c) in both]
+            blocks.append("\r\n".join([*facts, *rows]))
     return ("\r\n\r\n".join(blocks) + "\r\n").encode("latin-1")
 
 

@@ -201,6 +201,15 @@ def test_a_complex_matrix_beside_its_frequencies_is_frfs(tmp_path, name, turned)
 
 
 @CONTAINERS
+@pytest.mark.parametrize("axis", ["f", "x", "abscissa"])
+def test_frequencies_are_told_by_their_number(tmp_path, name, axis):
+    write(tmp_path / name, {axis: FREQ, "result": FRF.T})
+    content = read(tmp_path, name, hints=ACCELERANCE)
+    assert np.array_equal(content.frfs[0].freq_hz, FREQ)
+    assert any("taken as the frequencies in Hz" in text for text in content.said)
+
+
+@CONTAINERS
 def test_a_coherence_is_found_by_name(tmp_path, name):
     coherence = np.linspace(0.5, 1.1, FREQ.size)
     variables = {

@@ -50,11 +50,30 @@ def test_signalcalc_in_g_is_scaled(tmp_path):
 
 def test_pulse_files_hold_several_functions(tmp_path):
     frfs = [accelerance(FREQ, i, 0) for i in range(3)]
-    content = read(tmp_path, pulse(FREQ, frfs))
-    assert len(content.frfs) == 3
+    with pytest.raises(NotToldError, match="names for 3 responses") as caught:
+        read(tmp_path, pulse(FREQ, frfs))
+    assert caught.value.key == "responses 3"
+    told = tuple(parse_dof(name, "a") for name in ("7:z", "8:z", "9:z"))
+    content = read(tmp_path, pulse(FREQ, frfs), Hints(responses=told))
+    assert [frf.response.node for frf in content.frfs] == ["7", "8", "9"]
     for found, frf in zip(content.frfs, frfs, strict=True):
         assert found.form is FrfForm.ACCELERANCE
         assert np.allclose(found.values, frf, atol=1e-8 * np.abs(frf).max())
+
+
+def test_a_coherence_behind_its_frf_belongs_to_it(tmp_path):
+    coherence = np.linspace(0.5, 1.25, len(FREQ))
+    content = read(tmp_path, pulse(FREQ, [FRF], coherence=coherence))
+    (found,) = content.frfs
+    assert np.allclose(found.coherence, np.minimum(coherence, 1.0), atol=1e-9)
+    assert any("reaches 1.25: clipped to 1" in text for text in content.said)
+
+
+def test_a_section_that_is_no_measurement_is_left_out_with_a_word(tmp_path):
+    spectrum = f"\nAutospectrum\nFrequency [Hz]\tPSD\n{table([FREQ, np.abs(FRF)])}".encode()
+    content = read(tmp_path, pulse(FREQ, [FRF]) + spectrum)
+    same(content)
+    assert any("left out" in text for text in content.said)
 
 
 def test_kyowa_records_have_names_and_units_in_rows(tmp_path):
