@@ -26,6 +26,7 @@ MODULES = {
     "acquire": "acquire",
     "run": "run",
     "recover": "recover",
+    "inspect": "inspect_files",
     "import": "exchange",
     "export": "exchange",
     "review": "review",
