@@ -176,8 +176,13 @@ def session(
     joints=(0.1, 0.2),
     averaging=None,
     anti_alias=False,
+    widths_s=(2.5e-3, 4e-3),
+    peaks_n=(50.0, 150.0),
 ):
-    """Session of a roving test; residues (n_modes, n_points, 3) of receptance, one reference."""
+    """Session of a roving test; residues (n_modes, n_points, 3) of receptance, one reference.
+
+    Every pulse has a width of its own between `widths_s`, and a peak between `peaks_n`.
+    """
     rng = rng or np.random.default_rng(0)
     pretrigger = 100
     points = tuple(str(i + 1) for i in range(residues.shape[1]))
@@ -187,9 +192,9 @@ def session(
     taken = []
     for index, point in enumerate(points):
         for _ in range(hits):
-            width = rng.uniform(2.5e-3, 4e-3)
+            width = rng.uniform(*widths_s)
             t = (np.arange(samples) - pretrigger + rng.uniform(0.0, 1.0)) / rate
-            peak = rng.uniform(50.0, 150.0)
+            peak = rng.uniform(*peaks_n)
             # A hand that aims differently reaches every mode a little differently.
             reach = 1.0 + aim * rng.standard_normal((len(poles), 1))
             reached = reach * residues[:, index]

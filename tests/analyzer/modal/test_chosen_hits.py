@@ -14,11 +14,20 @@ from armodal.protocols.plan_records import Averaging
 POLES = poles_of([11.0, 38.0], [0.03, 0.025])
 
 
-def session(hits, averaging=None):
-    rng = np.random.default_rng(3)
+def session(hits, averaging=None, *, seed=3):
+    """Hits of one width and peak: noise alone, line by line, makes none unlike the others."""
+    rng = np.random.default_rng(seed)
     R = 0.3 * rng.standard_normal((2, 2, 3)) / (2j * POLES.imag[:, None, None])
     return hammer.session(
-        POLES, R, rng=rng, hits=hits, noise=0.02, aim=0.01, averaging=averaging, anti_alias=True
+        POLES,
+        R,
+        rng=rng,
+        hits=hits,
+        noise=0.02,
+        widths_s=(3e-3, 3e-3),
+        peaks_n=(100.0, 100.0),
+        averaging=averaging,
+        anti_alias=True,
     )
 
 
@@ -61,14 +70,18 @@ def test_three_hits_are_averaged_as_they_are():
 
 
 def test_keeping_the_most_alike_does_not_make_the_variance_too_small():
-    all_of_them, kept = session(6), session(6, Averaging(keep_hits=3))
-    choices = hit_choices(kept, "p")
-    assert all(len(choice.kept) == 3 for choice in choices)
-    assert {hit.reason for choice in choices for hit in choice.dropped} == {"surplus"}
-    ratio = np.median(frf_of(kept).variance) / np.median(frf_of(all_of_them).variance)
-    # Half as many hits: twice the variance, 5/4 for having chosen, and the scatter of few hits.
-    assert 1.3 < ratio < 5.0
-    assert np.median(frf_of(kept).coherence) < 1.0
+    ratios = []
+    for seed in range(12):
+        all_of_them = session(6, seed=seed)
+        kept = session(6, Averaging(keep_hits=3), seed=seed)
+        choices = hit_choices(kept, "p")
+        assert all(len(choice.kept) == 3 for choice in choices)
+        assert {hit.reason for choice in choices for hit in choice.dropped} == {"surplus"}
+        assert np.median(frf_of(kept).coherence) < 1.0
+        ratios.append(np.median(frf_of(kept).variance) / np.median(frf_of(all_of_them).variance))
+    # Half as many hits: twice the variance, and 5/4 for having chosen. One ratio scatters by 14 %,
+    # the mean of twelve by 4 %; the scatter that few hits show is some per cent off besides.
+    assert np.exp(np.mean(np.log(ratios))) == pytest.approx(2.5, rel=0.2)
 
 
 @pytest.mark.parametrize("estimator", list(FrfEstimator))
