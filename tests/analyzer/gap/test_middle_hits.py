@@ -274,6 +274,7 @@ def case(request):
     return sealed, sealed.session(), kind
 
 
+@pytest.mark.long
 def test_it_is_named_by_the_hits_between(case):
     """With soft and hard hits alone the first was named softening."""
     _, session, kind = case
@@ -283,6 +284,7 @@ def test_it_is_named_by_the_hits_between(case):
     assert any(note.startswith("hits between soft and hard: the damping") for note in result.notes)
 
 
+@pytest.mark.long
 def test_without_hits_between_either_may_be_and_the_test_that_is_asked_for_tells(case):
     sealed, session, kind = case
     soft, _, hard = at_levels(session.hits)

@@ -99,6 +99,7 @@ def test_an_axis_of_the_arm_file_is_not_swapped_for_a_released_joint(plain, monk
     assert fit_and_names(other, axis) == ((other, released), [released])
 
 
+@pytest.mark.long
 def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_belief():
     """A body of 15 kg had been fitted as one of 1 kg before the rotor beside it was found."""
     spec = next(

@@ -65,6 +65,7 @@ def test_an_effect_says_how_many_must_share(least, enough):
 
 # Hits astray on one peak of one posture: 151 nats for a servo, which two mountings brought; and a
 # faint servo of 266, which thirteen did (cases 205 of seed 32 and 320 of seed 27).
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "effect", "verdict"),
     [
