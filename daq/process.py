@@ -20,7 +20,7 @@ from armodal.daq.acquisition import run_acquisition
 from armodal.daq.lab_watch import run_lab_watch
 from armodal.daq.settings import AcquisitionSettings
 
-__all__ = ["BODIES", "DaqProcess", "ask_for_priority", "start_process"]
+__all__ = ["DaqProcess", "ask_for_priority", "start_process"]
 
 BODIES = {"acquire": run_acquisition, "watch": run_lab_watch}
 LONGEST_LAST_WORD = 4096  # bytes

@@ -8,16 +8,19 @@ where the file system has no such locks.
 from __future__ import annotations
 
 import errno
-import fcntl
 import hashlib
 import os
 import stat
+import sys
 import tempfile
 from contextlib import suppress
 from pathlib import Path
 
 from armodal.daq.holder import Holder, Life, read_holder, this_process
 from armodal.protocols.errors import JournalError, PortError
+
+if sys.platform != "win32":
+    import fcntl
 
 __all__ = ["HeldError", "SessionLock", "lock_folder", "lock_journal", "lock_port"]
 

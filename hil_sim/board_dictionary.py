@@ -7,7 +7,7 @@ import zlib
 from armodal.hil_sim.plant_file import PlantFile
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 
-__all__ = ["BOARD_ID", "FIRMWARE", "board_dictionary"]
+__all__ = ["BOARD_ID", "board_dictionary"]
 
 BOARD_ID = "armodal-sim"
 FIRMWARE = "sim-1.0"

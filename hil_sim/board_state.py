@@ -20,7 +20,7 @@ from armodal.protocols.board.dictionary import encode_dictionary
 from armodal.protocols.board.records import BoardDictionary, BoardState, IepeState
 from armodal.protocols.c.library import device_library
 
-__all__ = ["CONVERTER_HZ", "BoardFirmware", "Converter"]
+__all__ = ["BoardFirmware", "Converter"]
 
 CONVERTER_HZ = 51_200  # the converter makes this rate and its whole fractions
 LARGEST_DIVISOR = 512

@@ -31,7 +31,7 @@ from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.hil_sim.streams import stream
 
-__all__ = ["LEDGER_NAME", "SOCKET_NAME", "ArmInCell", "LabOptions", "LabProcess"]
+__all__ = ["ArmInCell", "LabOptions", "LabProcess"]
 
 SOCKET_NAME = "operator.sock"
 LEDGER_NAME = "ledger.jsonl"
@@ -39,6 +39,10 @@ LEDGER_NAME = "ledger.jsonl"
 # Longest sleep of the loop, wall seconds: short against the time the 12 to 20 KB that a
 # pseudo-terminal holds take to fill.
 TICK_S = 0.003
+
+# The board's clock against the laboratory's.
+CLOCK_ERROR_PPM = 37.0
+CLOCK_OFFSET_TICKS = 12_345_678
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,8 +53,6 @@ class LabOptions:
     directory: Path
     time_scale: float = 1.0
     faults: tuple[str, ...] = ()
-    clock_error_ppm: float = 37.0
-    clock_offset_ticks: int = 12_345_678
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,8 +106,8 @@ class LabProcess(Generic[BlowT]):
         device_clock = DeviceClock(
             lab=clock,
             boot_s=clock.now_s(),
-            error_ppm=options.clock_error_ppm,
-            offset_ticks=options.clock_offset_ticks,
+            error_ppm=CLOCK_ERROR_PPM,
+            offset_ticks=CLOCK_OFFSET_TICKS,
         )
         firmware = BoardFirmware(
             board_dictionary(plant.truth, tick_hz=device_clock.tick_hz),

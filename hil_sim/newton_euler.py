@@ -23,7 +23,6 @@ __all__ = [
     "Body",
     "Chain",
     "Placement",
-    "cross",
     "gravity_stiffness",
     "gravity_torque",
     "inverse_dynamics",

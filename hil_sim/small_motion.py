@@ -33,7 +33,7 @@ from armodal.hil_sim.newton_euler import (
 from armodal.hil_sim.plant import BASE, Plant
 from armodal.protocols.errors import PlantError
 
-__all__ = ["Mounting", "SmallMotion", "force_torque", "linear_terms", "linearise", "sensor_rows"]
+__all__ = ["Mounting", "SmallMotion", "force_torque", "linearise", "sensor_rows"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]

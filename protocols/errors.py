@@ -16,10 +16,12 @@ __all__ = [
     "ForeignFileError",
     "FrameError",
     "JournalError",
+    "MissingPackageError",
     "PlanError",
     "PlantError",
     "PortError",
     "SessionError",
+    "WrongSystemError",
 ]
 
 
@@ -63,6 +65,10 @@ class JournalError(ArmodalError, ValueError):
     """A journal that is not one, or that belongs to something else."""
 
 
+class MissingPackageError(ArmodalError, ImportError):
+    """A package that this needs is not installed, or cannot be loaded."""
+
+
 class SessionError(ArmodalError, ValueError):
     """A session file that cannot be used."""
 
@@ -73,6 +79,10 @@ class ForeignFileError(ArmodalError, ValueError):
 
 class PlantError(ArmodalError, ValueError):
     """A plant file of the simulated laboratory that cannot be used."""
+
+
+class WrongSystemError(ArmodalError, OSError):
+    """The operating system has not what this needs."""
 
 
 class EstimateError(ArmodalError, ValueError):

@@ -6,14 +6,18 @@ write, sync, cut and renaming (`docs/reliability.md`).
 
 from __future__ import annotations
 
-import fcntl
 import os
+import sys
 from pathlib import Path
 from typing import Protocol
+
+if sys.platform != "win32":
+    import fcntl
 
 __all__ = ["DISK", "Disk", "FileLayer", "write_all"]
 
 USER_ONLY = 0o600
+_AS_IT_IS = getattr(os, "O_BINARY", 0)  # Windows: no translation of line ends
 
 
 class FileLayer(Protocol):
@@ -55,12 +59,12 @@ class Disk:
 
     def create(self, path: Path) -> int:
         """Make a file that must not exist yet, for its user only."""
-        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND
+        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | _AS_IT_IS
         return os.open(path, flags, USER_ONLY)
 
     def open(self, path: Path) -> int:
         """Open a file that exists, to read and append."""
-        return os.open(path, os.O_RDWR | os.O_APPEND)
+        return os.open(path, os.O_RDWR | os.O_APPEND | _AS_IT_IS)
 
     def write(self, fd: int, data: bytes | memoryview) -> int:
         """Append bytes."""
@@ -68,19 +72,20 @@ class Disk:
 
     def rewrite(self, path: Path, data: bytes, at: int) -> None:
         """Write bytes once more, so that the next sync has them to sync."""
-        fd = os.open(path, os.O_WRONLY)
+        fd = os.open(path, os.O_WRONLY | _AS_IT_IS)
         try:
+            os.lseek(fd, at, os.SEEK_SET)
             while data:
-                written = os.pwrite(fd, data, at)
-                data, at = data[written:], at + written
+                data = data[os.write(fd, data) :]
         finally:
             os.close(fd)
 
     def sync(self, fd: int) -> None:
         """Make a file's bytes and length durable."""
-        full_sync = getattr(fcntl, "F_FULLFSYNC", None)
-        if full_sync is not None:  # macOS: fsync stops at the drive's own cache
-            fcntl.fcntl(fd, full_sync)
+        if sys.platform == "darwin":  # fsync stops at the drive's own cache
+            fcntl.fcntl(fd, fcntl.F_FULLFSYNC)
+        elif sys.platform == "win32":
+            os.fsync(fd)
         else:
             os.fdatasync(fd)
 
@@ -101,7 +106,9 @@ class Disk:
         path.unlink()
 
     def sync_folder(self, path: Path) -> None:
-        """Make the names in a folder durable."""
+        """Make the names in a folder durable; Windows opens no folder."""
+        if sys.platform == "win32":
+            return
         fd = os.open(path, os.O_RDONLY)
         try:
             os.fsync(fd)

@@ -5,9 +5,9 @@ A line ends with CR (0x0D); a lone CR is "done", BEL (0x07) is "refused". Frames
     t iii  l dd*   data frame, 11-bit identifier     T iiiiiiii l dd*   29-bit identifier
     r iii  l       remote frame, 11-bit identifier   R iiiiiiii l       29-bit identifier
 
-`l` is the number of data bytes, 0 to 8, and the data must agree with it. With timestamps
-switched on (`Z1`) four more digits follow. The parser keeps at most one line, takes any byte,
-and says of every line it could not read what was wrong with it.
+`l` is the number of data bytes, 0 to 8, and the data must agree with it. Timestamps (`Z1`) are
+never switched on. The parser keeps at most one line, takes any byte, and says of every line it
+could not read what was wrong with it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from armodal.protocols.errors import CanError
 
 __all__ = [
     "CLOSE",
-    "LISTEN_ONLY",
     "MAX_LINE",
     "STATUS",
     "CanFrame",
@@ -73,17 +72,9 @@ class SlcanFault:
 
 
 class SlcanParser:
-    """Turn the adapter's bytes into frames, replies and faults.
+    """Turn the adapter's bytes into frames, replies and faults."""
 
-    Parameters
-    ----------
-    timestamps
-        True after `Z1`: every frame line then ends with four hexadecimal digits, which are
-        dropped. Without it such digits are a length fault.
-    """
-
-    def __init__(self, *, timestamps: bool = False) -> None:
-        self._timestamps = timestamps
+    def __init__(self) -> None:
         self._line = bytearray()
         self._too_long = False
         self.frames = 0
@@ -145,10 +136,10 @@ class SlcanParser:
         can_id, length = int(line[1:id_end], 16), int(line[id_end : id_end + 1], 16)
         if can_id > _MAX_ID[extended]:
             return SlcanFault(reason="identifier", line=line)
-        digits = (0 if remote else 2 * length) + (4 if self._timestamps else 0)
+        digits = 0 if remote else 2 * length
         if length > 8 or len(line) != id_end + 1 + digits:
             return SlcanFault(reason="length", line=line)
-        payload = b"" if remote else bytes.fromhex(line[id_end + 1 :][: 2 * length].decode("ascii"))
+        payload = b"" if remote else bytes.fromhex(line[id_end + 1 :].decode("ascii"))
         return CanFrame(can_id=can_id, extended=extended, data=payload, remote=remote)
 
 

@@ -26,7 +26,6 @@ __all__ = [
     "parse_toml",
     "read_text",
     "refuse",
-    "shown",
     "validate",
 ]
 

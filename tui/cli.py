@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from armodal import SOFTWARE
 from armodal.protocols.errors import ArmodalError, SessionError
 from armodal.tui.console import err, out
+from armodal.tui.this_system import check_runs_devices, runs_devices
 
 __all__ = ["app", "main"]
 
@@ -25,6 +26,7 @@ MODULES = {
     "acquire": "acquire",
     "run": "run",
     "recover": "recover",
+    "inspect": "inspect_files",
     "import": "exchange",
     "export": "exchange",
     "review": "review",
@@ -41,6 +43,7 @@ MODULES = {
     "gap-study": "gap_study",
     "check": "check",
 }
+OF_DEVICES = frozenset({"demo", "sim", "acquire", "run"})
 
 
 class _Loaded(MutableMapping[str, Any]):
@@ -51,8 +54,11 @@ class _Loaded(MutableMapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._found:
-            module = import_module(f"armodal.tui.commands.{MODULES[name]}")
-            group: Any = typer.main.get_command(module.app)
+            if name in OF_DEVICES and not runs_devices():
+                app = _refusing(name)
+            else:
+                app = import_module(f"armodal.tui.commands.{MODULES[name]}").app
+            group: Any = typer.main.get_command(app)
             command = getattr(group, "commands", {}).get(name, group)
             command.name = name
             self._found[name] = command
@@ -69,6 +75,18 @@ class _Loaded(MutableMapping[str, Any]):
 
     def __len__(self) -> int:
         return len(MODULES)
+
+
+def _refusing(name: str) -> typer.Typer:
+    """Return a command that says on which systems it is to be had."""
+    app = typer.Typer()
+
+    @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+    def refuse() -> None:
+        """Not on this system: needs Linux or macOS."""
+        check_runs_devices(name)
+
+    return app
 
 
 class _Armodal(TyperGroup):

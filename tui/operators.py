@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+
 from armodal.daq.acquisition import run_acquisition
 from armodal.daq.commands import Command, Ready, Stop
 from armodal.daq.events import Event, Failed, Finished, HitJudged, Prompted
@@ -20,9 +22,19 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
 from armodal.protocols.plan_records import Plan
 
-__all__ = ["AcquisitionFailedError", "Operator", "PersonAtTerminal", "ScriptedOperator", "acquire"]
+__all__ = [
+    "AcquisitionFailedError",
+    "Operator",
+    "PersonAtTerminal",
+    "Request",
+    "ScriptedOperator",
+    "acquire",
+    "describe",
+    "request_for",
+]
 
 Show = Callable[[Event], None]
+Request = dict[str, object]
 
 
 class AcquisitionFailedError(ArmodalError, RuntimeError):
@@ -61,6 +73,30 @@ class PersonAtTerminal:
         return Stop() if answer.strip().lower() == "q" else Ready()
 
 
+def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
+    """Return what the simulated operator has to do for a prompt, and in words; None when done."""
+    posture = prompt.posture
+    if posture is None:
+        return None
+    if prompt.kind is PromptKind.POSTURE:
+        degrees = [float(x) for x in np.rad2deg(posture.joints_rad)]
+        return (
+            {"do": "posture", "name": posture.name, "joints_deg": degrees},
+            f"moves the arm to {posture.name}",
+        )
+    if prompt.kind is PromptKind.POINT:
+        return (
+            {"do": "mount", "point": prompt.sensor_point},
+            f"mounts the sensor at {prompt.sensor_point}",
+        )
+    direction = [float(x) for x in hit_direction(arm, posture, prompt.hit_point)]
+    request: Request = {"do": "hit", "point": prompt.hit_point, "direction": direction}
+    peak_n = posture.peak_wanted_n(prompt.accepted)
+    if peak_n is not None:
+        request["peak_n"] = peak_n
+    return request, f"hits point {prompt.hit_point}"
+
+
 class ScriptedOperator:
     """The simulated laboratory's operator, asked over its private socket."""
 
@@ -83,34 +119,18 @@ class ScriptedOperator:
 
     def act(self, prompt: Prompt) -> Command | None:
         """Have the scripted operator do it, and wait until it is done."""
-        if prompt.posture is None:
+        wanted = request_for(self._arm, prompt)
+        if wanted is None:
             return None
-        if prompt.kind is PromptKind.POSTURE:
-            degrees = [float(x) for x in prompt.posture.joints_rad * 57.29577951308232]
-            self.ask({"do": "posture", "name": prompt.posture.name, "joints_deg": degrees})
-            return None
-        if prompt.kind is PromptKind.POINT:
-            self.ask({"do": "mount", "point": prompt.sensor_point})
-            return Ready()
-        if prompt.kind is PromptKind.HIT:
-            direction = hit_direction(self._arm, prompt.posture, prompt.hit_point)
-            request: dict[str, object] = {
-                "do": "hit",
-                "point": prompt.hit_point,
-                "direction": [float(x) for x in direction],
-            }
-            peak_n = prompt.posture.peak_wanted_n(prompt.accepted)
-            if peak_n is not None:
-                request["peak_n"] = peak_n
-            self.ask(request)
-        return None
+        self.ask(wanted[0])
+        return Ready() if prompt.kind is PromptKind.POINT else None
 
     def close(self) -> None:
         """Hang up."""
         self._lines.close()
         self._socket.close()
 
-    def ask(self, request: dict[str, object]) -> None:
+    def ask(self, request: Request) -> None:
         """Send a request and wait until it is done.
 
         Raises

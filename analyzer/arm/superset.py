@@ -13,12 +13,13 @@ in link i is link i and everything beyond it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
-from armodal.protocols.arm.records import Arm, InertialLink
+from armodal.analyzer.arm.rigid_links import LinkDynamics, RigidLinks, base_alone
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ArmError
 
@@ -59,25 +60,7 @@ class Superset:
     def __init__(self, arm: Arm) -> None:
         self.arm = arm
         self.n_joints = len(arm.joints)
-        model = pin.Model()
-        model.gravity = pin.Motion(np.asarray(arm.gravity_m_s2, dtype=float), np.zeros(3))
-        parent = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base root")
-        self._base = parent
-        self._links: list[int] = []
-        for joint in arm.joints:
-            placement = pin.SE3(joint.T_parent_joint[:3, :3], joint.T_parent_joint[:3, 3])
-            drive = model.addJoint(
-                parent, pin.JointModelRevoluteUnaligned(joint.axis), placement, joint.name
-            )
-            parent = model.addJoint(
-                drive, pin.JointModelFreeFlyer(), pin.SE3.Identity(), f"{joint.link.name} root"
-            )
-            model.appendBodyToJoint(parent, _inertia(joint.link), pin.SE3.Identity())
-            self._links.append(parent)
-        self._model = model
-        self._neutral = pin.neutral(model)
-        self._joint_q = [int(model.joints[i - 1].idx_q) for i in self._links]
-        self.n = int(model.nv)
+        self.n = 6 + 7 * self.n_joints
         link_index = {joint.link.name: i for i, joint in enumerate(arm.joints)}
         self.point_index = {point.id: i for i, point in enumerate(arm.points)}
         # The link each test point rides on; -1 is the base.
@@ -118,33 +101,18 @@ class Superset:
                 f"wanted {self.n_joints} finite joint angles for arm '{self.arm.name}', "
                 f"got an array of shape {angles.shape}: {angles}; give one angle per joint"
             )
-        model = self._model
-        data = model.createData()
-        q = self._neutral.copy()
-        q[self._joint_q] = angles
-        mass = np.array(pin.crba(model, data, q))
-        mass = np.triu(mass) + np.triu(mass, 1).T
-        gravity = np.array(pin.computeGeneralizedGravityDerivatives(model, data, q))
-        pin.computeJointJacobians(model, data, q)
-        pin.updateFramePlacements(model, data)
-        poses = [data.oMi[i].homogeneous for i in self._links]
-        T_base_link = np.stack(poses) if poses else np.zeros((0, 4, 4))
-        jacobian, rotation, position = self._points(data, T_base_link)
-        local = [
-            np.array(pin.getJointJacobian(model, data, i, pin.ReferenceFrame.LOCAL))
-            for i in self._links
-        ]
+        found = self._links.posture(angles) if self.n_joints else base_alone()
+        gravity = found.gravity_stiffness
+        jacobian, rotation, position = self._points(found)
         return PostureDynamics(
             joints_rad=frozen_array(angles, np.float64),
-            mass=frozen_array(mass, np.float64),
+            mass=frozen_array(found.mass, np.float64),
             gravity_stiffness=frozen_array((gravity + gravity.T) / 2, np.float64),
             point_jacobian=frozen_array(jacobian, np.float64),
-            link_jacobian=frozen_array(
-                np.stack(local) if local else np.zeros((0, 6, self.n)), np.float64
-            ),
+            link_jacobian=frozen_array(found.link_jacobian, np.float64),
             point_rotation=frozen_array(rotation, np.float64),
             point_position=frozen_array(position, np.float64),
-            T_base_link=frozen_array(T_base_link, np.float64),
+            T_base_link=frozen_array(found.T_base_link, np.float64),
             gravity_m_s2=frozen_array(self.arm.gravity_m_s2, np.float64),
         )
 
@@ -157,44 +125,25 @@ class Superset:
             dg/dq for a mass of 1 kg at each link's origin, then what 1 kg m of first moment along
             each axis of the link adds to it. Gravity's stiffness is linear in the four.
         """
-        q = self._neutral.copy()
-        q[self._joint_q] = np.asarray(joints_rad, dtype=np.float64)
-        model = self._model.copy()
-        for i in range(1, model.njoints):
-            model.inertias[i] = pin.Inertia.Zero()
-        data = model.createData()
-        result = np.zeros((len(self._links), 4, self.n, self.n))
-        at = np.vstack([np.zeros(3), np.eye(3)])
-        for number, link in enumerate(self._links):
-            for i, center in enumerate(at):
-                model.inertias[link] = pin.Inertia(1.0, center, np.zeros((3, 3)))
-                derivative = pin.computeGeneralizedGravityDerivatives(model, data, q)
-                result[number, i] = (derivative + derivative.T) / 2
-            model.inertias[link] = pin.Inertia.Zero()
-        result[:, 1:] -= result[:, :1]
-        return result
+        return self._links.gravity_stiffness_per_mass(np.asarray(joints_rad, dtype=np.float64))
 
-    def _points(self, data: pin.Data, T_base_link: Array) -> tuple[Array, Array, Array]:
+    @cached_property
+    def _links(self) -> RigidLinks:
+        return RigidLinks(self.arm)
+
+    def _points(self, found: LinkDynamics) -> tuple[Array, Array, Array]:
         n_points = len(self.arm.points)
         jacobian = np.zeros((n_points, 6, self.n))
         rotation = np.empty((n_points, 3, 3))
         position = np.empty((n_points, 3))
         # Twist of each link taken at the base origin, then moved to the point: v + w x p.
-        link_jacobian = [
-            np.array(pin.getJointJacobian(self._model, data, i, pin.ReferenceFrame.WORLD))
-            for i in (self._base, *self._links)
-        ]
         for i, (point, link) in enumerate(zip(self.arm.points, self.point_link, strict=True)):
-            T = np.eye(4) if link < 0 else T_base_link[link]
+            T = np.eye(4) if link < 0 else found.T_base_link[link]
             position[i] = T[:3, :3] @ point.position_m + T[:3, 3]
             rotation[i] = T[:3, :3] @ point.R_link_sensor
-            J = link_jacobian[link + 1]
+            J = found.world_jacobian[link + 1]
             jacobian[i, 3:] = J[3:]
             x, y, z = position[i]
             skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
             jacobian[i, :3] = J[:3] - skew @ J[3:]
         return jacobian, rotation, position
-
-
-def _inertia(link: InertialLink) -> pin.Inertia:
-    return pin.Inertia(link.mass_kg, np.asarray(link.center_m), np.asarray(link.inertia_kg_m2))

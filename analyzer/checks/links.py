@@ -20,7 +20,7 @@ from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
-__all__ = ["POSITION_STD_M", "check_links", "ordinary_errors"]
+__all__ = ["check_links"]
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -163,7 +163,6 @@ def _too_few(posture: str) -> RigidLinkResult:
         ),
         measured=(),
         candidates=(),
-        sight=(),
         residual_per_dof=float("nan"),
         faint=False,
         scale=1.0,

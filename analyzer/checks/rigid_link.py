@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.checks.candidates import Candidate, discrete, relaxed
-from armodal.analyzer.checks.decision import CLEARLY_BETTER, and_besides, decide
-from armodal.analyzer.checks.records import Fault, Finding
+from armodal.analyzer.checks.decision import and_besides, decide
+from armodal.analyzer.checks.records import Finding
 from armodal.analyzer.checks.rigid_design import RigidDesign
 from armodal.analyzer.checks.rigid_statistics import (
     OrdinaryErrors,
@@ -26,7 +26,7 @@ from armodal.analyzer.checks.rigid_statistics import (
 from armodal.analyzer.checks.sensor_hypotheses import Hypothesis, hypotheses
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["PointSight", "RigidLinkResult", "rigid_link"]
+__all__ = ["RigidLinkResult", "rigid_link"]
 
 Array = npt.NDArray[np.float64]
 
@@ -35,21 +35,8 @@ FITTED = 32  # discrete hypotheses that survive the screen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PointSight:
-    """What the data of one point could show.
-
-    `hidden` are discrete faults at this point that the data would not have excluded;
-    `gain_std` the standard deviation of a free gain along each sensor axis.
-    """
-
-    point: str
-    hidden: tuple[str, ...]
-    gain_std: tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RigidLinkResult:
-    """The finding, the rivals beside it (best first), and what could have been seen.
+    """The finding, and the rivals beside it, best first.
 
     `faint` says that a finding that cannot tell stays below the bar of a name.
     """
@@ -57,7 +44,6 @@ class RigidLinkResult:
     finding: Finding
     measured: tuple[str, ...]
     candidates: tuple[Candidate, ...]
-    sight: tuple[PointSight, ...]
     residual_per_dof: float
     faint: bool
     scale: float  # that costs are divided by before they are compared, at least 1
@@ -105,7 +91,6 @@ def rigid_link(
     found += free
     found.sort(key=lambda c: c.cost)
     per_dof = found[0].residual / max(dof, 1.0)
-    sight = _sight(measured, found, gain_std)
     scale = max(1.0, per_dof)
     decision = decide(posture, measured, found, dof, constraints, gain_std)
     finding = decision.finding
@@ -127,7 +112,6 @@ def rigid_link(
         finding=finding,
         measured=measured,
         candidates=tuple(found),
-        sight=sight,
         residual_per_dof=per_dof,
         faint=decision.faint,
         scale=scale,
@@ -144,22 +128,3 @@ def _screen(stats: RigidStatistics, design: RigidDesign, all_: tuple[Hypothesis,
         corrections = np.stack([all_[i].correction for i in members])
         result[members] = screen(stats, design.rows[all_[members[0]].rows], corrections)
     return result
-
-
-def _sight(
-    measured: tuple[str, ...], found: list[Candidate], gain_std: Array
-) -> tuple[PointSight, ...]:
-    best = found[0].cost
-    hidden: dict[int, list[str]] = {p: [] for p in range(len(measured))}
-    for c in found:
-        discrete = c.fault in (Fault.AXIS_SWAPPED, Fault.SIGN_FLIPPED)
-        if discrete and len(c.at) == 1 and c.cost < best + CLEARLY_BETTER and c is not found[0]:
-            hidden[c.at[0]].append(c.text)
-    return tuple(
-        PointSight(
-            point=point,
-            hidden=tuple(hidden[p]),
-            gain_std=(float(gain_std[p, 0]), float(gain_std[p, 1]), float(gain_std[p, 2])),
-        )
-        for p, point in enumerate(measured)
-    )

@@ -17,7 +17,7 @@ from armodal.analyzer.gap.response import hysteresis
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.modes import ModalModel
 
-__all__ = ["disagreement_map", "match_modes", "posture_gap"]
+__all__ = ["disagreement_map", "posture_gap"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]

@@ -18,7 +18,7 @@ from armodal.analyzer.identification.parameters import FitState
 from armodal.analyzer.identification.structural import moment_about, mozzi_of_shape, to_link
 from armodal.protocols.errors import EstimateError
 
-__all__ = ["axis_starts", "best_axis_fit", "start_state"]
+__all__ = ["best_axis_fit", "start_state"]
 
 START_DAMPING_RATIO = 0.03
 

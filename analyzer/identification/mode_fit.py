@@ -22,7 +22,7 @@ from armodal.analyzer.modal import ModalModel, Mode
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import Dof
 
-__all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape", "shape_at"]
+__all__ = ["MeasuredModes", "fit_to_frequencies", "pair_by_shape"]
 
 Array = npt.NDArray[np.float64]
 

@@ -8,6 +8,7 @@ from armodal.analyzer.modal.frf import SensorAxes, posture_frf
 from armodal.analyzer.modal.indicators import (
     TrackedCmif,
     cmif,
+    frf_sum,
     group_sums,
     mif,
     multivariate_mif,
@@ -40,6 +41,7 @@ __all__ = [
     "fit_modes",
     "fit_modes_at",
     "frac",
+    "frf_sum",
     "group_sums",
     "hit_choices",
     "hit_frfs",

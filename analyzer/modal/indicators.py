@@ -17,6 +17,7 @@ from armodal.protocols.frf_records import FrequencyResponse
 __all__ = [
     "TrackedCmif",
     "cmif",
+    "frf_sum",
     "group_sums",
     "mif",
     "multivariate_mif",
@@ -144,6 +145,12 @@ def multivariate_mif(frf: FrequencyResponse) -> npt.NDArray[np.float64]:
     singular = np.linalg.svd(Q[:, :n_resp], compute_uv=False)
     result: npt.NDArray[np.float64] = np.clip(singular[:, ::-1] ** 2, 0.0, 1.0)
     return result.reshape(n_freq, n_ref)
+
+
+def frf_sum(frf: FrequencyResponse) -> npt.NDArray[np.float64]:
+    """Sum of the magnitudes of all FRFs: (n_freq,), in the FRF's own unit."""
+    result: npt.NDArray[np.float64] = np.abs(frf.values).sum(axis=(0, 1))
+    return result
 
 
 def group_sums(

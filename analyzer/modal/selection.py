@@ -19,7 +19,7 @@ from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
-__all__ = ["Selection", "keep_modes", "lack_of_fit", "select_modes"]
+__all__ = ["Selection", "keep_modes", "select_modes"]
 
 _LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0

@@ -86,7 +86,7 @@ def run_and_keep(
     tell
         Called with each line, as it reads in the file, after it is on the disk.
     """
-    with path.open("a") as file:
+    with path.open("a", encoding="utf-8") as file:
         futures = [executor.submit(judge, *job) for job in jobs]
         kept = set()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from armodal.hil_sim.study import KnownMass, SealedCase
+from armodal.hil_sim.study import SealedCase
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan_records import Plan
 from armodal.protocols.session.records import Session
@@ -33,17 +33,10 @@ class SimulatedLaboratory:
         if plan is None:
             return self.case.session()
         posture = plan.postures[0]  # of one alone, or all are hit alike
-        body = posture.known_mass
-        mass = None
-        if body is not None:
-            center = tuple(float(x) for x in body.center_m)
-            mass = KnownMass(
-                link=body.link, mass_kg=body.mass_kg, center_m=(center[0], center[1], center[2])
-            )
         return self.case.session(
             plan,
             levels_n=posture.peaks_n or None,
             brakes=posture.brakes,
-            known_mass=mass,
+            known_mass=posture.known_mass,
             run=number - 1,
         )

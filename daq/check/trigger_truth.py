@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from armodal.protocols.board.records import Slope
 
-__all__ = ["ExpectedBlocks", "crossings", "expected_blocks"]
+__all__ = ["ExpectedBlocks", "expected_blocks"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

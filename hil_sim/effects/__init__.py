@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 
 from armodal.hil_sim.effects.backlash import Backlash
-from armodal.hil_sim.effects.base import Base, BaseSpring
+from armodal.hil_sim.effects.base import Base
 from armodal.hil_sim.effects.bearing import Bearing
 from armodal.hil_sim.effects.bending import Bending
 from armodal.hil_sim.effects.coupling import Coupling
@@ -34,42 +34,7 @@ from armodal.hil_sim.effects.torsion import Torsion
 from armodal.hil_sim.effects.wrist_coupling import WristCoupling
 from armodal.hil_sim.effects.wrong_point import ExchangedPoints, MovedPoint
 
-__all__ = [
-    "Backlash",
-    "Base",
-    "BaseEffect",
-    "BaseSpring",
-    "Bearing",
-    "Bending",
-    "ChannelGain",
-    "Coupling",
-    "Dashpot",
-    "Delay",
-    "DressPack",
-    "Effect",
-    "EncoderOffset",
-    "ExchangedPoints",
-    "ExponentialWindow",
-    "FlippedAxis",
-    "Friction",
-    "GravityCompensator",
-    "HammerGain",
-    "HitDirection",
-    "Hysteretic",
-    "LinkAxis",
-    "LoadDamping",
-    "MovedPoint",
-    "OneSidedCrack",
-    "Parallelogram",
-    "Payload",
-    "ReleasedJoint",
-    "Rotor",
-    "SensorMass",
-    "Softening",
-    "SwappedAxes",
-    "Torsion",
-    "WristCoupling",
-]
+__all__ = ["BaseEffect", "Effect"]
 
 Effect = Annotated[
     Backlash

@@ -13,7 +13,7 @@ from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
 from armodal.hil_sim.truth import Interval, Positive
 
-__all__ = ["Hysteretic", "relative_strengths"]
+__all__ = ["Hysteretic"]
 
 Array = npt.NDArray[np.float64]
 

@@ -6,7 +6,6 @@
 from armodal.hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
 from armodal.hil_sim.study.cases import (
     CaseFiles,
-    KnownMass,
     SealedCase,
     make_case,
     sealed,
@@ -23,7 +22,6 @@ __all__ = [
     "STUDY_ARMS",
     "CaseFiles",
     "CaseSpec",
-    "KnownMass",
     "SealedCase",
     "StudyArm",
     "draw_study",

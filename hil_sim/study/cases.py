@@ -9,8 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from armodal.hil_sim.plant_file import PlantFile, plant_text
 from armodal.hil_sim.study.arms import StudyArm, study_arm
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
@@ -21,35 +19,18 @@ from armodal.hil_sim.study.plant_of_arm import rotations
 from armodal.protocols.arm.files import ARMS_DIRECTORY
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlantError
-from armodal.protocols.plan_records import Plan
+from armodal.protocols.plan_records import KnownMass, Plan
 from armodal.protocols.session.hdf5 import write_session
 from armodal.protocols.session.records import Session
 
 __all__ = [
     "CaseFiles",
-    "KnownMass",
     "SealedCase",
     "braked",
     "make_case",
     "sealed",
     "write_case",
 ]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class KnownMass:
-    """A body that the laboratory adds, its centre in the arm file's link frame."""
-
-    link: str
-    mass_kg: float
-    center_m: tuple[float, float, float]
-
-    def on(self, tables: Tables, arm: Arm) -> Tables:
-        """Tables of the arm with the body on it."""
-        center = rotations(arm)[self.link] @ np.array(self.center_m)
-        body = {"kind": "payload", "link": self.link, "mass_kg": self.mass_kg}
-        body |= {"center_m": tuple(center.tolist())}
-        return tables | {"effects": [*tables["effects"], body]}
 
 
 class SealedCase:
@@ -108,7 +89,7 @@ class SealedCase:
         if levels_n is None and spec.ladder:
             levels_n = self._study.ladder_n
         if known_mass is not None:
-            tables = known_mass.on(tables, self.arm)
+            tables = _loaded(tables, self.arm, known_mass)
         if brakes:
             tables = braked(tables)
         plant = plant_of_tables(tables)
@@ -195,6 +176,14 @@ def sealed(spec: CaseSpec) -> SealedCase:
             f"{', '.join(MAGNITUDES)}, or a factor"
         )
     return SealedCase(spec)
+
+
+def _loaded(tables: Tables, arm: Arm, body: KnownMass) -> Tables:
+    """Tables of the arm with a body on it."""
+    center = rotations(arm)[body.link] @ body.center_m
+    effect = {"kind": "payload", "link": body.link, "mass_kg": body.mass_kg}
+    effect |= {"center_m": tuple(center.tolist())}
+    return tables | {"effects": [*tables["effects"], effect]}
 
 
 def write_case(case: SealedCase, folder: Path) -> CaseFiles:

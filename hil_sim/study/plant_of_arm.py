@@ -15,6 +15,8 @@ __all__ = ["plant_file_of_arm", "plant_of_arm", "rotations"]
 
 Array = npt.NDArray[np.float64]
 
+PEAK_N = (16.0, 24.0)  # of a hand's good hits
+
 
 def rotations(arm: Arm) -> dict[str, Array]:
     """(3, 3) for each link and the base: from the arm file's link frame to the plant's.
@@ -32,11 +34,9 @@ def plant_of_arm(
     arm: Arm,
     stiffness: Sequence[float | None],
     damping: Sequence[float | None],
-    *,
-    peak_n: tuple[float, float] = (16.0, 24.0),
 ) -> Plant:
     """Build the plant of an arm; `stiffness` and `damping` hold a value or None for every joint."""
-    return build_plant(plant_file_of_arm(arm, stiffness, damping, peak_n=peak_n))
+    return build_plant(plant_file_of_arm(arm, stiffness, damping, peak_n=PEAK_N))
 
 
 def plant_file_of_arm(

@@ -6,7 +6,6 @@ Specified byte by byte in `docs/board-protocol.md`.
 from armodal.protocols.board.codec import (
     HEADER_SIZE,
     MAX_PAYLOAD,
-    PROTOCOL_VERSION,
     FrameDecoder,
     decode_frame,
     encode_frame,
@@ -58,7 +57,6 @@ from armodal.protocols.board.records import (
     Slope,
 )
 from armodal.protocols.board.samples import (
-    BYTES_PER_COUNT,
     COUNT_MAX,
     COUNT_MIN,
     pack_counts,
@@ -68,12 +66,10 @@ from armodal.protocols.board.sequence import SequenceTracker, sequence_gap
 
 __all__ = [
     "BLOCK_TRANSFER_LIMIT_S",
-    "BYTES_PER_COUNT",
     "COUNT_MAX",
     "COUNT_MIN",
     "HEADER_SIZE",
     "MAX_PAYLOAD",
-    "PROTOCOL_VERSION",
     "BlockInfo",
     "BoardDictionary",
     "BoardState",

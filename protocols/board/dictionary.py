@@ -17,8 +17,6 @@ from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.errors import FrameError
 
 __all__ = [
-    "FRAGMENT_SIZE",
-    "MAX_CHANNELS",
     "MAX_DICTIONARY",
     "decode_dictionary",
     "dictionary_hash",

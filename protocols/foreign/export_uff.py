@@ -18,7 +18,7 @@ from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.foreign.session_texts import UNKNOWN_PLACES
-from armodal.protocols.foreign.uff_measured import direction_words, estimate_words
+from armodal.protocols.foreign.uff_identification import direction_words, estimate_words
 from armodal.protocols.foreign.uff_records import (
     DataKind,
     FunctionKind,
@@ -32,7 +32,7 @@ from armodal.protocols.foreign.uff_records import (
 from armodal.protocols.foreign.uff_write import SI_UNITS
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
-__all__ = ["ExportedMode", "node_numbers", "posture_uff"]
+__all__ = ["ExportedMode", "posture_uff"]
 
 _ALIGNED = 1e-9
 _ORTHOGONAL = 1e-6

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.hit_variables import MOST_TRIMMED
 from armodal.protocols.foreign.manifest import MOST_AVERAGES, PostureTable
 from armodal.protocols.foreign.measured import Content, ForeignFrf
 from armodal.protocols.foreign.placement import HIT, RESPONSE, SCALAR, Placement
@@ -47,8 +49,8 @@ def frf_matrix(
     """
     what = f"posture {table.name!r}"
     frfs = [frf for content in contents for frf in content.frfs]
+    frfs = _alike(frfs, what, said)
     first = frfs[0]
-    _check_alike(frfs, what)
     references = _references(frfs, table, placement, said)
     rows: dict[tuple[str, str], Dof] = {}
     columns: dict[tuple[str, tuple[float, ...]], Dof] = {}
@@ -104,7 +106,8 @@ def frf_matrix(
     )
 
 
-def _check_alike(frfs: Sequence[ForeignFrf], what: str) -> None:
+def _alike(frfs: Sequence[ForeignFrf], what: str, said: list[str]) -> list[ForeignFrf]:
+    """Return FRFs of one form on the same lines; a few lines at the ends may be cut off."""
     first = frfs[0]
     for frf in frfs[1:]:
         if frf.form is not first.form:
@@ -112,15 +115,36 @@ def _check_alike(frfs: Sequence[ForeignFrf], what: str) -> None:
                 f"{what}: wanted FRFs of one form, {frf.origin} is {frf.form}, {first.origin} is "
                 f"{first.form}; import them as postures of their own"
             )
-        if not _same_lines(frf.freq_hz, first.freq_hz):
+    if all(_same_lines(frf.freq_hz, first.freq_hz) for frf in frfs[1:]):
+        return list(frfs)
+    half = 0.5 * float(np.min(np.diff(first.freq_hz)))
+    low = max(float(frf.freq_hz[0]) for frf in frfs) - half
+    high = min(float(frf.freq_hz[-1]) for frf in frfs) + half
+    cut = [_between(frf, low, high) for frf in frfs]
+    for frf, short in zip(frfs, cut, strict=True):
+        few = len(frf.freq_hz) - len(short.freq_hz) <= MOST_TRIMMED
+        if not (few and _same_lines(short.freq_hz, cut[0].freq_hz)):
             raise ForeignFileError(
                 f"{what}: wanted FRFs on the same lines, those of {frf.origin} are not those of "
                 f"{first.origin}; import them as postures of their own"
             )
+    said.append(f"{what}: the FRFs have a few lines more or less: the common ones are used")
+    return cut
+
+
+def _between(frf: ForeignFrf, low_hz: float, high_hz: float) -> ForeignFrf:
+    keep = (frf.freq_hz > low_hz) & (frf.freq_hz < high_hz)
+    coherence = frf.coherence
+    return replace(
+        frf,
+        freq_hz=frozen_array(frf.freq_hz[keep], np.float64),
+        values=frozen_array(frf.values[keep], np.complex128),
+        coherence=None if coherence is None else frozen_array(coherence[keep], np.float64),
+    )
 
 
 def _same_lines(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64]) -> bool:
-    if len(a) != len(b):
+    if len(a) != len(b) or len(b) < 2:
         return False
     return bool(np.max(np.abs(a - b)) <= _SAME_LINE * float(np.min(np.diff(b))))
 

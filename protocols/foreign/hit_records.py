@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,16 +12,18 @@ import numpy.typing as npt
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.hit_variables import MOST_TRIMMED
 from armodal.protocols.foreign.manifest import PostureTable
 from armodal.protocols.foreign.measured import AXES, ForeignHit
 from armodal.protocols.foreign.placement import HIT, RESPONSE, Placement
 from armodal.protocols.session.records import Hit, JointReading, Verdict
 
-__all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger"]
+__all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger", "trimmed"]
 
 _TRIGGER_SHARE = 0.05  # of the peak force: where the pulse begins
 _COUNTS = 2**30  # of the largest value: 256 times finer than a 24-bit converter at half range
 _ORTHOGONAL = 1e-6
+_SAME_RATE = 1e-6  # relative: a rate worked out from times that were printed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,24 +48,12 @@ def place_hits(
     Raises
     ------
     ForeignFileError
-        If the manifest tells what only averaged FRFs have, a hit's channels are at several points
-        or of more than one sensor, or directions are missing or not square.
+        If the manifest tells what only averaged FRFs have, a point has more than one sensor, or
+        directions are missing or not square.
     """
     _check_single(table)
     placed = []
     for hit in hits:
-        points = {placement.point(dof, RESPONSE, hit.origin) for dof in hit.responses}
-        if len(points) != 1:
-            raise ForeignFileError(
-                f"{hit.origin}: wanted responses at one point, got {', '.join(sorted(points))}; "
-                "split the file"
-            )
-        if len(hit.responses) > len(AXES):
-            raise ForeignFileError(
-                f"{hit.origin}: wanted the accelerations of one sensor, up to {len(AXES)}, got "
-                f"{len(hit.responses)}; make a file of each sensor's"
-            )
-        point = points.pop()
         hit_point = placement.hit_point(table.hit_point, hit.hit, hit.origin)
         if table.hit_direction is not None:
             vector = np.array(table.hit_direction)
@@ -72,23 +62,58 @@ def place_hits(
             direction = placement.direction(hit.hit, hit_point, HIT, hit.origin)
             if hit.hit.direction is None:
                 said.append(f"posture {table.name!r}: the direction of the hit is not told")
-        along = _along_sensor_axes(hit, point, placement, said)
         force = hit.force_n
         if force.max() <= 0.0 or -force.min() > force.max():
             said.append(f"{hit.origin}: the force pulse is negative; it is taken as it is")
-        placed.append(
-            PlacedHit(
-                origin=hit.origin,
-                posture=table.name,
-                joints_rad=frozen_array(placement.joints_rad, np.float64),
-                sensor_point=point,
-                hit_point=hit_point,
-                hit_direction=direction,
-                rate_hz=hit.rate_hz,
-                signals=frozen_array(np.concatenate([force[None], along]), np.float64),
+        for point, one in _by_point(hit, placement):
+            along = _along_sensor_axes(one, point, placement, said)
+            placed.append(
+                PlacedHit(
+                    origin=hit.origin,
+                    posture=table.name,
+                    joints_rad=frozen_array(placement.joints_rad, np.float64),
+                    sensor_point=point,
+                    hit_point=hit_point,
+                    hit_direction=direction,
+                    rate_hz=hit.rate_hz,
+                    signals=frozen_array(np.concatenate([force[None], along]), np.float64),
+                )
             )
+    return trimmed(placed, said)
+
+
+def _by_point(hit: ForeignHit, placement: Placement) -> list[tuple[str, ForeignHit]]:
+    """Part a hit by the points of its sensors: a session has one sensor a record."""
+    rows: dict[str, list[int]] = {}
+    for i, dof in enumerate(hit.responses):
+        rows.setdefault(placement.point(dof, RESPONSE, hit.origin), []).append(i)
+    for point, places in rows.items():
+        if len(places) > len(AXES):
+            raise ForeignFileError(
+                f"{hit.origin}: wanted the accelerations of one sensor, up to {len(AXES)}, at a "
+                f"point, got {len(places)} at {point}; name the others' points with `responses`"
+            )
+    return [
+        (
+            point,
+            replace(
+                hit,
+                acceleration_m_s2=hit.acceleration_m_s2[places],
+                responses=tuple(hit.responses[i] for i in places),
+            ),
         )
-    return placed
+        for point, places in rows.items()
+    ]
+
+
+def trimmed(hits: Sequence[PlacedHit], said: list[str]) -> list[PlacedHit]:
+    """Cut records to the shortest where they are a few samples apart, and say it."""
+    lengths = {hit.signals.shape[1] for hit in hits}
+    if len(lengths) < 2 or max(lengths) - min(lengths) > MOST_TRIMMED:
+        return list(hits)
+    n = min(lengths)
+    said.append(f"records are {n} to {max(lengths)} samples long: the first {n} are used")
+    return [replace(hit, signals=frozen_array(hit.signals[:, :n], np.float64)) for hit in hits]
 
 
 def _check_single(table: PostureTable) -> None:
@@ -188,7 +213,8 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
 
 def _check_alike(hits: Sequence[PlacedHit]) -> None:
     for hit in hits:
-        if hit.signals.shape != hits[0].signals.shape or hit.rate_hz != hits[0].rate_hz:
+        same_rate = abs(float(hit.rate_hz / hits[0].rate_hz) - 1.0) < _SAME_RATE
+        if hit.signals.shape != hits[0].signals.shape or not same_rate:
             raise ForeignFileError(
                 f"{hit.origin}: wanted {hits[0].signals.shape[0]} channels of "
                 f"{hits[0].signals.shape[1]} samples at {float(hits[0].rate_hz):g} Hz like "

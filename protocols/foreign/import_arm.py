@@ -213,9 +213,9 @@ def _dofs(
                 if posture.table.hit_point is None:
                     yield frf.reference, HIT, None
             for hit in content.hits:
-                axes = _frame([dof.direction for dof in hit.responses])
                 for dof in hit.responses:
-                    yield dof, RESPONSE, axes
+                    same = [one.direction for one in hit.responses if one.node == dof.node]
+                    yield dof, RESPONSE, _frame(same)
                 if posture.table.hit_point is None:
                     yield hit.hit, HIT, None
         if posture.table.hit_point is not None:

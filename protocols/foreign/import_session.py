@@ -18,6 +18,7 @@ from armodal.protocols.foreign.hit_records import (
     hit_records,
     place_hits,
     pretrigger,
+    trimmed,
 )
 from armodal.protocols.foreign.import_arm import MeasuredPosture, imported_arm, placement_of
 from armodal.protocols.foreign.manifest import Manifest, PostureTable
@@ -25,6 +26,7 @@ from armodal.protocols.foreign.session_texts import (
     PlanFacts,
     plan_text,
 )
+from armodal.protocols.foreign.variables import listing
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.records import Session, SessionHeader
@@ -83,6 +85,7 @@ def import_session(manifest: Manifest, *, created: str, software: str) -> Sessio
             )
         points.append(list(dict.fromkeys(moving)))
         fixed.append(still[0])
+    hits = trimmed(hits, said)
     dictionary = foreign_dictionary(hits)
     facts = _facts(arm, fixed[0], points, hits, frfs)
     plan = plan_from_text(plan_text(manifest.file, facts), arm, origin=manifest.origin)
@@ -115,9 +118,10 @@ def _read(manifest: Manifest, table: PostureTable, said: list[str]) -> MeasuredP
     n_hits = sum(len(content.hits) for content in contents)
     if (n_frfs > 0) == (n_hits > 0):
         came = "neither" if n_frfs == 0 else f"{n_frfs} FRFs and {n_hits} hits"
+        found = listing([one for content in contents for one in content.found])
         raise ForeignFileError(
             f"{manifest.origin}: posture {table.name!r}: wanted files of FRFs or of single hits, "
-            f"got {came}; list files of one kind"
+            f"got {came}; list files of one kind; {found}"
         )
     return MeasuredPosture(table=table, contents=contents)
 

@@ -6,9 +6,10 @@ The format is specified in `docs/exchange.md`.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
@@ -28,12 +29,14 @@ from armodal.protocols.toml_reader import (
 )
 
 __all__ = [
+    "FILL_IN",
     "MOST_AVERAGES",
     "NO_ARM",
     "FileTable",
     "Manifest",
     "ManifestFile",
     "PostureTable",
+    "Reading",
     "load_manifest",
 ]
 
@@ -48,6 +51,14 @@ PathText = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00
 PointId = Annotated[str, Field(min_length=1, max_length=16)]
 Dof = Annotated[str, Field(min_length=1, max_length=20)]
 Form = Literal["receptance", "mobility", "accelerance"]
+Kind = Literal["frf", "hit"]
+RoleName = Literal[
+    "time", "frequency", "frf", "real", "imaginary", "magnitude", "phase", "coherence", "force",
+    "response",
+]  # fmt: skip
+VariableName = Annotated[str, Field(min_length=1, max_length=200)]
+Factor = Annotated[float, Field(ge=-1e12, le=1e12)]
+FILL_IN = "?"  # stands where only a person knows
 
 
 class UnitsTable(FileModel):
@@ -60,16 +71,33 @@ class UnitsTable(FileModel):
 Units = Literal["SI"] | UnitsTable
 
 
-class FileTable(FileModel):
-    """A file with what it does not tell itself."""
+class ScaleTable(FileModel):
+    """Factors to SI of a file whose numbers have no unit: N and m/s^2 per unit of the file."""
 
-    path: PathText
-    responses: Annotated[list[Dof], Field(max_length=32)] | None = None
-    reference: Dof | None = None
+    force: Factor = 1.0
+    response: Factor = 1.0
+
+
+class Reading(FileModel):
+    """How a file is read: what it does not tell itself."""
+
+    kind: Kind | None = None
+    variables: dict[RoleName, VariableName | list[VariableName]] | None = None
     form: Form | None = None
     units: Units | None = None
+    scale: ScaleTable | None = None
+    rate_hz: Annotated[float, Field(gt=0.0, le=1e7)] | None = None
     first_line_hz: Annotated[float, Field(ge=0.0, le=1e6)] | None = None
     line_spacing_hz: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+
+
+class FileTable(Reading):
+    """A file with what holds for it alone."""
+
+    path: PathText
+    responses: Annotated[list[Dof], Field(max_length=1000)] | None = None
+    reference: Dof | None = None
+    references: Annotated[list[Dof], Field(max_length=100)] | None = None
 
 
 class PostureTable(FileModel):
@@ -93,15 +121,13 @@ class PostureTable(FileModel):
         return value
 
 
-class ManifestFile(FileModel):
-    """The whole file."""
+class ManifestFile(Reading):
+    """The whole file; what it says of reading holds where a file's own entry says nothing."""
 
     format: Literal["armodal-import-1"] = "armodal-import-1"
     arm: PathText
     mode: Literal["roving-response", "roving-hammer"]
     axes: Literal["base", "link"] = "base"
-    form: Form | None = None
-    units: Units | None = None
     nodes: Annotated[dict[str, PointId], Field(max_length=10_000)] = Field(default={})
     links: Annotated[dict[str, Name], Field(max_length=10_000)] = Field(default={})
     sensor_mass_kg: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
@@ -132,28 +158,53 @@ class Manifest:
         found = []
         for entry in posture.files:
             table = entry if isinstance(entry, FileTable) else FileTable(path=entry)
-            units = table.units or self.file.units
-            form = table.form or self.file.form
-            response, force = _unit_names(units)
-            hints = Hints(
-                form=None if form is None else FrfForm(form),
-                response_unit=response,
-                force_unit=force,
-                responses=tuple(parse_dof(text, self.origin) for text in table.responses or ()),
-                reference=None
-                if table.reference is None
-                else parse_dof(table.reference, self.origin),
-                first_line_hz=table.first_line_hz,
-                line_spacing_hz=table.line_spacing_hz,
-            )
-            found.append((self.folder / table.path, hints))
+            found.append((self.folder / table.path, _hints(table, self.file, self.origin)))
         return found
+
+
+def _hints(table: FileTable, general: Reading, origin: str) -> Hints:
+    def told(key: str) -> Any:
+        own = getattr(table, key)
+        return getattr(general, key) if own is None else own
+
+    response, force = _unit_names(told("units"))
+    form, scale, variables = told("form"), told("scale"), told("variables")
+    references = table.references or ([table.reference] if table.reference else [])
+    return Hints(
+        form=None if form is None else FrfForm(form),
+        response_unit=response,
+        force_unit=force,
+        responses=tuple(parse_dof(text, origin) for text in table.responses or ()),
+        references=tuple(parse_dof(text, origin) for text in references),
+        first_line_hz=told("first_line_hz"),
+        line_spacing_hz=told("line_spacing_hz"),
+        kind=told("kind"),
+        variables={
+            role: (names,) if isinstance(names, str) else tuple(names)
+            for role, names in (variables or {}).items()
+        },
+        rate_hz=told("rate_hz"),
+        force_scale=None if scale is None else scale.force,
+        response_scale=None if scale is None else scale.response,
+    )
 
 
 def _unit_names(units: Units | None) -> tuple[str | None, str | None]:
     if isinstance(units, UnitsTable):
         return units.response, units.force
     return (None, None) if units is None else (SI, SI)
+
+
+def _to_fill_in(value: Any, path: str) -> Iterator[str]:
+    """Yield the paths of the values that a person has still to fill in."""
+    if value == FILL_IN:
+        yield path
+    elif isinstance(value, dict):
+        for key, one in value.items():
+            yield from _to_fill_in(one, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list):
+        for i, one in enumerate(value):
+            yield from _to_fill_in(one, f"{path}[{i}]")
 
 
 def load_manifest(path: str | Path) -> Manifest:
@@ -168,6 +219,11 @@ def load_manifest(path: str | Path) -> Manifest:
     text = read_text(path, what="manifest", limit_bytes=_LIMIT, error=ForeignFileError)
     origin = f"manifest {path.name}"
     data = parse_toml(text, origin=origin, error=ForeignFileError)
+    open_keys = list(_to_fill_in(data, ""))
+    if open_keys:
+        raise ForeignFileError(
+            f"{origin}: wanted every value, {', '.join(open_keys[:8])} still {FILL_IN!r}; fill in"
+        )
     file = validate(ManifestFile, data, origin=origin, error=ForeignFileError)
     names = [posture.name for posture in file.postures]
     if len(set(names)) != len(names):

@@ -15,30 +15,31 @@ import struct
 import zlib
 from collections.abc import Iterator
 
-__all__ = ["VERSION_5", "plain_variables"]
+__all__ = ["plain_variables"]
 
 HEADER_BYTES = 128
 VERSION_5 = 0x0100
-MOST_BYTES = 2**29  # of one variable, decompressed
+MOST_BYTES = 2**29  # of all variables, decompressed
 PIECE_BYTES = 2**24  # decompressed at a time: a variable that is too large is never held
 MOST_CELLS = 100_000
 _COMPRESSED, _MATRIX = 15, 14
 _INT8, _INT32, _UINT32 = 1, 5, 6
 _NUMBERS = frozenset({1, 2, 3, 4, 5, 6, 7, 9, 12, 13})
 _TEXTS = frozenset({1, 2, 3, 4, 16, 17, 18})
-_CELL, _CHAR = 1, 4
+_CELL, _STRUCT, _CHAR = 1, 2, 4
 _NUMERIC = range(6, 16)
 _COMPLEX = 0x08
 _MOST_DIMENSIONS = 32
-_DEEPEST = 2  # a cell of plain arrays
+_DEEPEST = 5  # structs and cells within one another
+_LONGEST_FIELD = 64
 
 
 class _NotPlain(Exception):  # noqa: N818 - says what a variable is, and is not an error
-    """A struct, an object, a function: something that is not read."""
+    """An object, a function, or what holds one: something that is not read."""
 
 
 def plain_variables(data: bytes) -> list[str]:
-    """Return the names of the variables that are numbers, texts, or cells of them.
+    """Return the names of the variables that are numbers, texts, or cells and structs of them.
 
     Raises
     ------
@@ -52,6 +53,7 @@ def plain_variables(data: bytes) -> list[str]:
     if version != VERSION_5:
         raise ValueError(f"version {version:#06x}, wanted {VERSION_5:#06x}")
     names = []
+    left = MOST_BYTES
     whole = memoryview(data)
     at = HEADER_BYTES
     while at < len(data):
@@ -63,7 +65,8 @@ def plain_variables(data: bytes) -> list[str]:
         body = whole[at + 8 : at + 8 + size]
         at += 8 + size
         if kind == _COMPRESSED:
-            body = _inflated(body, order)
+            body = _inflated(body, order, left)
+            left -= len(body)
         try:
             names.append(_check_matrix(body, order, 0))
         except _NotPlain:
@@ -71,8 +74,8 @@ def plain_variables(data: bytes) -> list[str]:
     return names
 
 
-def _inflated(body: memoryview, order: str) -> memoryview:
-    """Return the matrix in a compressed element."""
+def _inflated(body: memoryview, order: str, most: int) -> memoryview:
+    """Return the matrix in a compressed element, of at most `most` bytes."""
     reader = zlib.decompressobj()
     whole = bytearray()
     left: bytes | memoryview = body
@@ -83,7 +86,7 @@ def _inflated(body: memoryview, order: str) -> memoryview:
             raise ValueError(str(error)) from error
         whole += piece
         left = reader.unconsumed_tail
-        if len(whole) > MOST_BYTES or not (piece or reader.eof):
+        if len(whole) > most or not (piece or reader.eof):
             raise ValueError("compressed data that are cut off or too large")
     if len(whole) < 8:
         raise ValueError("compressed data that are cut off")
@@ -133,9 +136,7 @@ def _check_matrix(body: memoryview, order: str, depth: int) -> str:
         raise ValueError(f"array flags of {len(flags)} bytes")
     (word,) = struct.unpack_from(f"{order}I", flags)
     kind, is_complex = word & 0xFF, bool(word >> 8 & _COMPLEX)
-    if kind not in _NUMERIC and kind not in {_CELL, _CHAR}:
-        if depth:
-            raise ValueError(f"an array of class {kind} in a cell")
+    if kind not in _NUMERIC and kind not in {_CELL, _STRUCT, _CHAR}:
         raise _NotPlain
     shape = _next(elements, frozenset({_INT32}), "dimensions")
     n = len(shape) // 4
@@ -145,14 +146,31 @@ def _check_matrix(body: memoryview, order: str, depth: int) -> str:
     if min(sizes) < 0:
         raise ValueError(f"dimensions {sizes}")
     name = bytes(_next(elements, frozenset({_INT8}), "a name")).decode("latin-1")
-    if kind == _CELL:
-        if depth >= _DEEPEST or math.prod(sizes) > MOST_CELLS:
-            raise ValueError("cells within cells, or too many of them")
-        for _ in range(math.prod(sizes)):
-            _check_matrix(_next(elements, frozenset({_MATRIX}), "a cell"), order, depth + 1)
+    if kind in {_CELL, _STRUCT}:
+        members = math.prod(sizes) * (_fields(elements, order) if kind == _STRUCT else 1)
+        if depth >= _DEEPEST or members > MOST_CELLS:
+            raise ValueError("cells and structs too deep within one another, or too many of them")
+        for _ in range(members):
+            _check_matrix(_next(elements, frozenset({_MATRIX}), "a member"), order, depth + 1)
     else:
         kinds = _TEXTS if kind == _CHAR else _NUMBERS
         _next(elements, kinds, "data")
         if is_complex:
             _next(elements, _NUMBERS, "an imaginary part")
     return name
+
+
+def _fields(elements: Iterator[tuple[int, memoryview]], order: str) -> int:
+    """Return how many fields a struct has, its names checked."""
+    length = _next(elements, frozenset({_INT32}), "a length of names")
+    if len(length) != 4:
+        raise ValueError(f"a length of names of {len(length)} bytes")
+    (each,) = struct.unpack(f"{order}i", length)
+    names = _next(elements, frozenset({_INT8}), "names of fields")
+    if not 0 < each <= _LONGEST_FIELD or len(names) % each:
+        raise ValueError(f"{len(names)} bytes of names of {each}")
+    whole = bytes(names)
+    told = [whole[i : i + each].split(b"\0")[0] for i in range(0, len(whole), each)]
+    if len(set(told)) != len(told) or not all(told):
+        raise ValueError("fields without names, or of one name")
+    return len(told)

@@ -6,7 +6,8 @@ What a file does not tell (a point, a direction, a unit) is None here, never fil
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy.typing as npt
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.uff_records import UffNodes, UffTraceLine
+from armodal.protocols.foreign.variables import Listed, listing
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
@@ -22,10 +24,12 @@ __all__ = [
     "ForeignFrf",
     "ForeignHit",
     "Hints",
+    "NotToldError",
     "ToldDof",
     "axis_direction",
-    "check_coherence",
     "check_frf_values",
+    "check_signals",
+    "clipped_coherence",
     "exact_rate",
     "parse_dof",
 ]
@@ -35,6 +39,22 @@ AXES = ("x", "y", "z")
 _DOF = re.compile(r"([^:]{1,16})(?::([+-]?)([xyz]))?", re.IGNORECASE)
 _MOST_DENOMINATOR = 1000
 _COHERENCE_ROUNDING = 1e-6
+_LARGEST_SIGNAL = 1e12  # N, m/s^2
+_LARGEST_FRF = 1e30  # SI: its square is a number too
+_LARGEST_COHERENCE = 1.5  # above, it is something else: quantised ones of analysers reach 1.25
+
+
+class NotToldError(ForeignFileError):
+    """A file leaves open what only a person can say.
+
+    `key` is the manifest's key for it, `listed` what is in the file.
+    """
+
+    def __init__(self, why: str, *, key: str, listed: tuple[Listed, ...] | None = None) -> None:
+        super().__init__(why if listed is None else f"{why}; {listing(listed)}")
+        self.why = why
+        self.key = key
+        self.listed = listed or ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +100,11 @@ class ForeignHit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Content:
-    """Everything one file gives; `said` are sentences about what it left open."""
+    """Everything one file gives.
+
+    `said` are sentences about what it left open or what was put right, `read_as` those about how
+    it was understood.
+    """
 
     origin: str
     frfs: tuple[ForeignFrf, ...] = ()
@@ -90,6 +114,8 @@ class Content:
     averages: int | None = None
     decay_rad_s: float | None = None
     said: tuple[str, ...] = ()
+    read_as: tuple[str, ...] = ()
+    found: tuple[Listed, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,9 +126,19 @@ class Hints:
     response_unit: str | None = None
     force_unit: str | None = None
     responses: tuple[ToldDof, ...] = ()
-    reference: ToldDof | None = None
+    references: tuple[ToldDof, ...] = ()
     first_line_hz: float | None = None
     line_spacing_hz: float | None = None
+    kind: str | None = None  # "frf" or "hit"
+    variables: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # names by role
+    rate_hz: float | None = None
+    force_scale: float | None = None  # N per unit of the file's numbers
+    response_scale: float | None = None  # SI per unit of the file's numbers
+
+    @property
+    def reference(self) -> ToldDof | None:
+        """Return the reference of a file with one."""
+        return self.references[0] if self.references else None
 
 
 def axis_direction(code: int) -> npt.NDArray[np.float64] | None:
@@ -203,11 +239,12 @@ def check_frf_values(
             f"{origin}: wanted two lines or more above 0 Hz, got {np.count_nonzero(keep)}; "
             "export the whole band"
         )
-    bad = int(np.count_nonzero(~np.isfinite(values[keep])))
+    with np.errstate(over="ignore", invalid="ignore"):
+        bad = int(np.count_nonzero(~(np.abs(values[keep]) < _LARGEST_FRF)))
     if bad:
         raise ForeignFileError(
-            f"{origin}: wanted finite numbers, got NaN or infinity on {bad} of "
-            f"{np.count_nonzero(keep)} lines; leave this FRF out or measure it again"
+            f"{origin}: wanted numbers below {_LARGEST_FRF:g}, got NaN, infinity or more on "
+            f"{bad} of {np.count_nonzero(keep)} lines; leave this FRF out or measure it again"
         )
     if not np.any(values[keep]) or np.all(values[keep] == values[keep][0]):
         raise ForeignFileError(
@@ -218,12 +255,35 @@ def check_frf_values(
     return result
 
 
-def check_coherence(values: npt.NDArray[np.float64], origin: str) -> None:
-    """Refuse a coherence that is not finite or not between 0 and 1."""
-    if not np.isfinite(values).all():
-        raise ForeignFileError(f"{origin}: wanted a finite coherence, got NaN; leave it out")
-    if (values < -_COHERENCE_ROUNDING).any() or (values > 1.0 + _COHERENCE_ROUNDING).any():
+def check_signals(signals: npt.NDArray[np.float64], origin: str) -> None:
+    """Refuse samples that are not finite, or larger than any sensor's.
+
+    Raises
+    ------
+    ForeignFileError
+        For NaN, infinity, or forces and accelerations of 1e12 SI and more.
+    """
+    if not np.isfinite(signals).all() or np.max(np.abs(signals), initial=0.0) > _LARGEST_SIGNAL:
         raise ForeignFileError(
-            f"{origin}: wanted a coherence from 0 to 1, got {values.min():.4g} to "
-            f"{values.max():.4g}; export it again, or leave it out"
+            f"{origin}: wanted finite samples below {_LARGEST_SIGNAL:g}, got NaN, infinity or "
+            "larger ones; leave the channel out, or export it again"
         )
+
+
+def clipped_coherence(
+    values: npt.NDArray[np.float64], origin: str, said: list[str]
+) -> npt.NDArray[np.float64] | None:
+    """Return a coherence from 0 to 1; None, and a word, for what is no coherence.
+
+    Quantised spectra and unequal windows bring a little more than 1: that is said and clipped.
+    """
+    told = values[np.isfinite(values)]
+    low, high = (float(told.min()), float(told.max())) if told.size else (0.0, 0.0)
+    if low < -_COHERENCE_ROUNDING or high > _LARGEST_COHERENCE or not told.size:
+        said.append(f"{origin}: the coherence is from {low:.3g} to {high:.3g}: it is left out")
+        return None
+    if high > 1.0 + _COHERENCE_ROUNDING:
+        said.append(f"{origin}: the coherence reaches {high:.3g}: clipped to 1")
+    if told.size < values.size:
+        said.append(f"{origin}: no coherence on {values.size - told.size} lines: taken as 0 there")
+    return np.asarray(np.clip(np.nan_to_num(values), 0.0, 1.0))

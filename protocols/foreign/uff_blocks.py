@@ -19,9 +19,11 @@ __all__ = ["Block", "read_foreign_bytes", "split_blocks"]
 LARGEST_FILE = 2**30
 MOST_BLOCKS = 100_000
 MOST_VALUES = 2**24  # of one function
+_MOST_LINES_BEFORE = 20  # a title, or a page's heading
 HEADER_LINES_58 = 11  # id lines 1-5, records 6-11
 
 _MARK = re.compile(rb"[ \t]*-1[ \t]*\r?\n?")
+_WORDS = re.compile(rb"[ \t]*[A-Za-z]{3}")
 _TYPE = re.compile(rb"[ \t]*(\d{1,6})(b?)[ \t]*(.*)", re.IGNORECASE | re.DOTALL)
 _VALUES = {2: (1, 4), 4: (1, 8), 5: (2, 4), 6: (2, 8)}  # numbers a point, bytes a number
 
@@ -59,8 +61,8 @@ def read_foreign_bytes(path: Path, *, limit: int = LARGEST_FILE) -> bytes:
     return data
 
 
-def split_blocks(data: bytes, origin: str) -> list[Block]:
-    """Part the bytes of a universal file into its datasets.
+def split_blocks(data: bytes, origin: str) -> tuple[list[Block], list[str]]:
+    """Part the bytes of a universal file into its datasets, and tell cosmetic faults.
 
     Parameters
     ----------
@@ -76,12 +78,16 @@ def split_blocks(data: bytes, origin: str) -> list[Block]:
         something that is none.
     """
     blocks: list[Block] = []
-    at = 0
+    at = _first_mark(data)
+    notes = ["lines before the first dataset are passed over"] if at else []
     while True:
         at = _skip_blank(data, at)
         if at >= len(data):
             break
         line, after = _line(data, at)
+        if blocks and _WORDS.match(line) and not _mark_behind(data, at):
+            notes.append("lines behind the last dataset are passed over")
+            break
         if not _MARK.fullmatch(line):
             what = "no universal file" if not blocks else "something between datasets"
             raise ForeignFileError(
@@ -94,7 +100,25 @@ def split_blocks(data: bytes, origin: str) -> list[Block]:
         blocks.append(block)
     if not blocks:
         raise ForeignFileError(f"{origin}: wanted datasets, got an empty file; export it again")
-    return blocks
+    return blocks, notes
+
+
+def _first_mark(data: bytes) -> int:
+    """Return where the first dataset opens, 0 where none does within the first lines."""
+    at = 0
+    for _ in range(_MOST_LINES_BEFORE):
+        line, after = _line(data, at)
+        if _MARK.fullmatch(line.removeprefix(b"\xef\xbb\xbf")) and line.strip():
+            return at + (3 if line.startswith(b"\xef\xbb\xbf") else 0)
+        if after >= len(data):
+            break
+        at = after
+    return 0
+
+
+def _mark_behind(data: bytes, at: int) -> bool:
+    """Whether a line that opens or closes a dataset follows."""
+    return re.search(rb"^ {4}-1[ \t]*\r?$", data[at:], re.MULTILINE) is not None
 
 
 def _block(data: bytes, at: int, number: int, origin: str) -> tuple[Block, int]:
@@ -121,7 +145,7 @@ def _text_block(data: bytes, at: int, number: int, type_: int, origin: str) -> t
         # the mark has it in columns 5 and 6.
         if _MARK.fullmatch(line) and line.rstrip() == b"    -1":
             return Block(number, type_, tuple(lines)), after
-        lines.append(line.decode("utf-8", errors="replace").rstrip("\r\n"))
+        lines.append(_decoded(line))
         at = after
     raise _cut(origin, number, "the file ends inside it")
 
@@ -132,7 +156,7 @@ def _binary_block(data: bytes, at: int, number: int, rest: bytes, origin: str) -
         if at >= len(data):
             raise _cut(origin, number, "the file ends inside its header")
         line, at = _line(data, at)
-        lines.append(line.decode("utf-8", errors="replace").rstrip("\r\n"))
+        lines.append(_decoded(line))
     head = Block(number, 58, tuple(lines))
     try:
         fields = [int(text) for text in rest.split()[:2]]
@@ -183,6 +207,13 @@ def _closing(data: bytes, at: int) -> int | None:
             if _MARK.fullmatch(line):
                 return after
     return None
+
+
+def _decoded(line: bytes) -> str:
+    try:
+        return line.decode("utf-8").rstrip("\r\n")
+    except UnicodeDecodeError:
+        return line.decode("latin-1").rstrip("\r\n")
 
 
 def _line(data: bytes, at: int) -> tuple[bytes, int]:

@@ -5,8 +5,8 @@ The numbers are those of the file; what they mean (form, units, directions) is w
 
 References
 ----------
-Universal file datasets 15, 55, 58, 82, 151 and 164: SDRC I-DEAS, as kept by the University of
-Cincinnati, https://www.ceas3.uc.edu/sdrluff/.
+Universal file datasets 15, 55, 58, 82, 151, 164, 2411, 2412 and 2420: SDRC I-DEAS, as kept by the
+University of Cincinnati, https://www.ceas3.uc.edu/sdrluff/.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class UffUnits:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UffNodes:
-    """Dataset 15: nodes and their positions in the file's length unit."""
+    """Datasets 15 and 2411: nodes and their positions in the file's length unit."""
 
     number: npt.NDArray[np.int64]  # (n,)
     position: npt.NDArray[np.float64]  # (n, 3)
@@ -84,7 +84,7 @@ class UffNodes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UffTraceLine:
-    """Dataset 82: nodes to join by a line; 0 lifts the pen."""
+    """Dataset 82, or an element of 2412: nodes to join by a line; 0 lifts the pen."""
 
     number: int
     name: str
@@ -144,3 +144,4 @@ class UffFile:
     functions: tuple[UffFunction, ...] = ()
     shapes: tuple[UffShape, ...] = ()
     skipped: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()  # cosmetic faults

@@ -6,17 +6,17 @@ ordinate of dataset 58. Neither has to be there, and the two need not agree.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
-from armodal.protocols.frf_records import FrfForm
+from armodal.protocols.foreign.uff_records import DataKind, UffUnits
 
 __all__ = [
+    "QUANTITIES",
     "SI",
     "Scale",
-    "frf_form",
-    "frf_scale",
+    "hertz",
     "length_scale",
     "seconds",
     "signal_scale",
@@ -33,19 +33,18 @@ _SAME = 1e-4  # relative: 9.81 for 9.80665 is a different unit, 9.8067 is not
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": _INCH, "ft": _FOOT}
 _FORCES = {"n": 1.0, "kn": 1e3, "mn": 1e-3, "cn": 1e-2, "lbf": _POUND, "lb": _POUND, "kgf": _G}
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-_QUANTITIES = {
+_FREQUENCIES = {"hz": 1.0, "khz": 1e3, "mhz": 1e-3, "rad/s": 1.0 / (2.0 * math.pi)}
+_WORDS = {
+    "newton": "N", "newtons": "N", "meters": "m", "meter": "m", "seconds": "s", "second": "s",
+    "hertz": "Hz", "gs": "g",
+}  # fmt: skip
+QUANTITIES = {
     DataKind.DISPLACEMENT: "displacement",
     DataKind.VELOCITY: "velocity",
     DataKind.ACCELERATION: "acceleration",
     DataKind.EXCITATION_FORCE: "force",
     DataKind.REACTION_FORCE: "force",
 }
-_FORMS = {
-    DataKind.DISPLACEMENT: FrfForm.RECEPTANCE,
-    DataKind.VELOCITY: FrfForm.MOBILITY,
-    DataKind.ACCELERATION: FrfForm.ACCELERANCE,
-}
-_RESPONSE_OF_FORM = {form: kind for kind, form in _FORMS.items()}
 # Dataset 164, units code: factors by which SI is multiplied to give the file's numbers.
 _CODES = {
     1: (1.0, 1.0),
@@ -110,39 +109,22 @@ def seconds(label: str) -> float | None:
     return _TIMES.get(_plain(label).lower())
 
 
-def _plain(label: str) -> str:
-    text = label.strip().replace("²", "2").replace("µ", "u").replace(" ", "")
-    text = text.replace("^", "").replace("**", "").replace("(", "").replace(")", "")
-    return text.replace("sec", "s")
+def hertz(label: str) -> float | None:
+    """Return the factor to Hz of a unit of frequency; None if it is not known.
 
-
-def frf_form(function: UffFunction) -> FrfForm | None:
-    """Return the form the data types of an FRF tell, None where they do not.
-
-    The labels speak where the data types are silent.
+    >>> hertz("kHz")
+    1000.0
     """
-    force = _quantity(function.denominator, function.denominator_unit) == "force"
-    response = _quantity(function.numerator, function.numerator_unit)
-    if not force and response is None:
-        response, force = _ratio_quantities(function.numerator_unit)
-    if not force:
-        return None
-    return {
-        "displacement": FrfForm.RECEPTANCE,
-        "velocity": FrfForm.MOBILITY,
-        "acceleration": FrfForm.ACCELERANCE,
-    }.get(response or "")
+    return _FREQUENCIES.get(_plain(label).lower())
 
 
-def frf_scale(function: UffFunction, form: FrfForm, units: UffUnits | None, origin: str) -> Scale:
-    """Return the factor that turns an FRF of a universal file into SI."""
-    label, below = function.numerator_unit, function.denominator_unit
-    top, bottom = _split_ratio(label)
-    if bottom:
-        label, below = top, below or bottom
-    response = signal_scale(_RESPONSE_OF_FORM[form], label, units, origin)
-    force = signal_scale(DataKind.EXCITATION_FORCE, below, units, origin)
-    return Scale(response.factor / force.factor, response.assumed or force.assumed)
+def _plain(label: str) -> str:
+    text = label.strip()
+    for old, new in (("²", "2"), ("µ", "u"), ("μ", "u"), ("·", "*")):
+        text = text.replace(old, new)
+    for mark in (" ", "^", "**", "(", ")", "[", "]"):
+        text = text.replace(mark, "")
+    return _WORDS.get(text.lower(), text.replace("sec", "s"))
 
 
 def signal_scale(kind: int, label: str, units: UffUnits | None, origin: str) -> Scale:
@@ -156,7 +138,7 @@ def signal_scale(kind: int, label: str, units: UffUnits | None, origin: str) -> 
     ForeignFileError
         If the units contradict one another.
     """
-    wanted = _QUANTITIES.get(DataKind(kind))
+    wanted = QUANTITIES.get(DataKind(kind))
     if label == SI:
         return Scale(1.0, assumed=False)
     told = unit(label) if label else None
@@ -210,24 +192,3 @@ def _check_code(units: UffUnits, origin: str) -> None:
                 f"{origin}: dataset 164: units code {units.code} means a {name} factor of "
                 f"{should:g}, {told:g} came: one of the two is wrong; say `units` in the manifest"
             )
-
-
-def _quantity(kind: int, label: str) -> str | None:
-    for known, quantity in _QUANTITIES.items():
-        if known == kind:
-            return quantity
-    told = unit(label) if label else None
-    return None if told is None else told[0]
-
-
-def _split_ratio(label: str) -> tuple[str, str]:
-    """Split `(m/s^2)/N` or `g/N` where the last part is a force; else no second part."""
-    top, _, bottom = label.replace(" ", "").rpartition("/")
-    told = unit(bottom)
-    return (top, bottom) if told is not None and told[0] == "force" and top else (label, "")
-
-
-def _ratio_quantities(label: str) -> tuple[str | None, bool]:
-    top, bottom = _split_ratio(label)
-    told = unit(top)
-    return (None if told is None else told[0]), bool(bottom)

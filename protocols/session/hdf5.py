@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import glob
 import os
+import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -45,14 +46,7 @@ from armodal.protocols.session.journal_payloads import hit_model, loss_model
 from armodal.protocols.session.membership import check_frf_membership, check_membership
 from armodal.protocols.session.records import Session
 
-__all__ = [
-    "FORMAT_VERSION",
-    "Provenance",
-    "read_frfs",
-    "read_provenance",
-    "read_session",
-    "write_session",
-]
+__all__ = ["Provenance", "read_frfs", "read_provenance", "read_session", "write_session"]
 
 DEFINITION = "armodal-session"
 FORMAT_VERSION = 1
@@ -209,6 +203,8 @@ def _runs(pid: int) -> bool:
     """Whether there is another process with this number."""
     if pid == os.getpid() or not 0 < pid < _NO_PID:
         return False
+    if sys.platform == "win32":
+        return True  # unknown: to ask for it as below would end it
     try:
         os.kill(pid, 0)
     except ProcessLookupError:

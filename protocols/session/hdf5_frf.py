@@ -15,7 +15,7 @@ from armodal.protocols.errors import SessionError
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 from armodal.protocols.session.hdf5_tree import Tree, add_array, add_group, add_text, add_texts
 
-__all__ = ["GIVEN", "check_frf", "frf_name", "read_frf_groups", "write_frf_groups"]
+__all__ = ["check_frf", "frf_name", "read_frf_groups", "write_frf_groups"]
 
 GIVEN = "given"  # origin of an FRF matrix that came without hits
 DERIVED = "hits"

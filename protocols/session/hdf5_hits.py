@@ -18,7 +18,7 @@ from armodal.protocols.session.journal_payloads import hit_model, loss_model
 from armodal.protocols.session.membership import check_membership
 from armodal.protocols.session.records import Hit, JointReading, Loss, SessionHeader, Verdict
 
-__all__ = ["hit_name", "read_hits", "read_losses", "write_hits", "write_losses"]
+__all__ = ["read_hits", "read_losses", "write_hits", "write_losses"]
 
 MAX_SAMPLES = 2**24
 

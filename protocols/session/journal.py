@@ -13,7 +13,6 @@ from pathlib import Path
 
 from armodal.protocols.errors import JournalError
 from armodal.protocols.session.journal_framing import (
-    JOURNAL_VERSION,
     MAGIC,
     MAX_JOURNAL,
     Record,
@@ -42,7 +41,6 @@ from armodal.protocols.session.progress import is_complete
 from armodal.protocols.session.records import Hit, Loss, Session, SessionHeader
 
 __all__ = [
-    "JOURNAL_VERSION",
     "MAGIC",
     "End",
     "Journal",

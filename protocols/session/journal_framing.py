@@ -22,7 +22,6 @@ __all__ = [
     "Record",
     "RecordKind",
     "Scan",
-    "check_magic",
     "encode_record",
     "scan",
 ]

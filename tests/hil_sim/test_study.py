@@ -12,7 +12,6 @@ from armodal.hil_sim.study import (
     LIBRARY,
     OUTSIDE,
     STUDY_ARMS,
-    KnownMass,
     draw_study,
     make_case,
     sealed,
@@ -27,6 +26,7 @@ from armodal.hil_sim.study.model_error import erring_plant_tables, plant_of_tabl
 from armodal.hil_sim.study.places import ArmPlaces
 from armodal.hil_sim.study.prominence import Bystander
 from armodal.protocols.errors import PlantError
+from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.session.hdf5 import read_session
 
 
@@ -137,7 +137,7 @@ def test_another_test_of_the_same_case_has_other_noise_and_may_carry_a_known_mas
     case = make_case(5, "bench57")
     posture = case.plan.postures[0]
     plan = replace(case.plan, postures=(replace(posture, points=("l1",)),), hits_per_point=1)
-    heavy = KnownMass(link="flange", mass_kg=3.0, center_m=(0.0, 0.0, 0.0))
+    heavy = KnownMass(link="flange", mass_kg=3.0, center_m=np.zeros(3))
     counts = [
         case.session(plan, **how).hits[0].counts
         for how in ({}, {}, {"run": 1}, {"known_mass": heavy}, {"brakes": True})

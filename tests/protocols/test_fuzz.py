@@ -17,12 +17,13 @@ from support.fuzz_material import decoders_in
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign import mat_elements
-from armodal.protocols.foreign.arrays_measured import npy_array
 from armodal.protocols.foreign.mat_elements import plain_variables
+from armodal.protocols.foreign.numpy_files import npy_array
 
 NAMES = (
     "board frames", "slcan", "journal", "arm", "arm without files", "urdf", "dbc", "plan",
-    "targets", "manifest", "uff", "mat", "npy", "npz", "csv", "hdf5",
+    "targets", "manifest", "uff", "mat", "npy", "npz", "csv", "lvm", "txt", "wav", "nc4",
+    "hdf5",
 )  # fmt: skip
 INPUTS = 60
 
@@ -116,8 +117,11 @@ def test_a_compressed_variable_that_is_cut_off_is_refused():
             plain_variables(cut)
 
 
-def test_structs_of_a_matlab_file_are_passed_over():
+def test_functions_in_a_matlab_file_are_passed_over():
     stream = io.BytesIO()
     content = {"notes": {"who": "x"}, "time": np.arange(4.0), "names": np.array(["a"], object)}
-    scipy.io.savemat(stream, content, do_compression=True)
-    assert plain_variables(stream.getvalue()) == ["time", "names"]
+    scipy.io.savemat(stream, content)
+    data = bytearray(stream.getvalue())
+    assert plain_variables(bytes(data)) == ["notes", "time", "names"]
+    data[144] = 16  # the first variable's class: no struct, a function
+    assert plain_variables(bytes(data)) == ["time", "names"]

@@ -138,11 +138,10 @@ def test_remote_frames_carry_no_data() -> None:
     ]
 
 
-def test_timestamps_are_dropped_where_they_are_switched_on() -> None:
-    parser = SlcanParser(timestamps=True)
-    expected = CanFrame(can_id=0x301, extended=False, data=b"\x01")
-    assert parser.feed(b"t3011011A2B\r") == [expected]
-    assert isinstance(parser.feed(b"t301101\r")[0], SlcanFault)
+def test_a_timestamp_that_nobody_switched_on_is_a_fault_of_length() -> None:
+    (fault,) = SlcanParser().feed(b"t3011011A2B\r")
+    assert isinstance(fault, SlcanFault)
+    assert fault.reason == "length"
 
 
 def test_memory_stays_bounded_without_a_separator() -> None:

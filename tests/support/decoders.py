@@ -9,6 +9,7 @@ from importlib import resources
 from pathlib import Path
 
 import numpy as np
+from support.foreign_bytes import small_files
 from support.fuzz_files import (
     MANIFEST,
     FileDecoder,
@@ -28,9 +29,9 @@ from support.mutate import mutated, mutated_text
 
 from armodal.protocols.arm.files import arm_from_texts, load_arm
 from armodal.protocols.errors import ArmodalError
-from armodal.protocols.foreign.arrays_measured import array_content
-from armodal.protocols.foreign.mat import mat_content
+from armodal.protocols.foreign.content import read_content
 from armodal.protocols.foreign.measured import Hints
+from armodal.protocols.frf_records import FrfForm
 from armodal.protocols.inertia_targets import load_inertia_targets
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.hdf5 import write_session
@@ -87,6 +88,8 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
     write_session(session, session_path, frfs=frfs)
     npy, npz, csv = array_seeds(rng)
     hints = Hints()
+    small = small_files(folder)
+    told = Hints(form=FrfForm.ACCELERANCE, force_scale=1.0, response_scale=1.0)
 
     def arm_text(data):
         source = data.decode(errors="replace")
@@ -142,12 +145,21 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
         Decoder(
             "mat",
             (mat_bytes(rng, hit=True), mat_bytes(rng, hit=False)),
-            FileDecoder(folder, "f.mat", lambda p: mat_content(p, hints)),
+            FileDecoder(folder, "f.mat", lambda p: read_content(p, hints)),
             mutate_mat,
         ),
-        Decoder("npy", npy, FileDecoder(folder, "f.npy", lambda p: array_content(p, hints)), plain),
-        Decoder("npz", npz, FileDecoder(folder, "f.npz", lambda p: array_content(p, hints)), plain),
-        Decoder("csv", csv, FileDecoder(folder, "f.csv", lambda p: array_content(p, hints)), text),
+        Decoder("npy", npy, FileDecoder(folder, "f.npy", lambda p: read_content(p, hints)), plain),
+        Decoder("npz", npz, FileDecoder(folder, "f.npz", lambda p: read_content(p, hints)), plain),
+        Decoder("csv", csv, FileDecoder(folder, "f.csv", lambda p: read_content(p, hints)), text),
+        *(
+            Decoder(
+                name,
+                tuple(data for path, data in small.items() if path.endswith(name)),
+                FileDecoder(folder, f"f.{name}", lambda p: read_content(p, told)),
+                change,
+            )
+            for name, change in (("lvm", text), ("txt", text), ("wav", plain), ("nc4", plain))
+        ),
         Decoder(
             "hdf5",
             (session_path.read_bytes(),),

@@ -54,10 +54,6 @@ class Terminal:
         """Press keys, by tmux's names."""
         self._tmux("send-keys", *keys)
 
-    def resize(self, columns: int, rows: int) -> None:
-        """Give the window another size."""
-        self._tmux("resize-window", "-x", str(columns), "-y", str(rows))
-
     def screen(self) -> str:
         """Return what is on the screen."""
         return self._tmux("capture-pane", "-p")

@@ -17,6 +17,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.check_session import session_checks
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say
+from armodal.tui.this_system import check_runs_devices
 
 __all__ = ["app"]
 
@@ -55,6 +56,7 @@ def check_board_command(
 
     Example: armodal check board /dev/ttyACM0 --duration 60
     """
+    check_runs_devices("check board")
     options = BoardCheckOptions(duration_s=duration, rate_hz=_rate(rate))
     report = check_board(
         lambda: SerialPort(port, baud=baud),
@@ -79,6 +81,7 @@ def check_can_command(
 
     Example: armodal check can /dev/ttyACM1 --arm rv4frl
     """
+    check_runs_devices("check can")
     report = check_can(
         channel,
         load_arm(arm),

@@ -22,17 +22,18 @@ from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
 from armodal.protocols.foreign.import_session import import_session
 from armodal.protocols.foreign.manifest import load_manifest
-from armodal.protocols.foreign.mat import write_mat
+from armodal.protocols.foreign.mat_write import write_mat
 from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
 from armodal.tui.commands.identification_results import identification_json
+from armodal.tui.commands.inspect_files import guess_json, is_manifest, manifest_beside, unanswered
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
 
-__all__ = ["app", "export_model", "export_session", "import_manifest"]
+__all__ = ["app", "export_model"]
 
 app = typer.Typer(add_completion=False)
 
@@ -152,19 +153,36 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
 
 @app.command("import")
 def import_command(
-    manifest: Annotated[Path, typer.Argument(help="Import manifest (TOML).")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Import manifest (TOML), or measured files alone.")
+    ],
     output: Annotated[Path, typer.Option("--out", help="Session file to write.")],
     as_json: Json = False,
 ) -> None:
     """Make a session file of measurements from other programs.
 
+    Without a manifest one is guessed, written beside the session, and followed if nothing is in
+    doubt.
+
     Example: armodal import manifest.toml --out session.h5
     """
+    said: dict[str, Any] = {}
+    manifest = files[0]
+    if not is_manifest(files):
+        check_output(output, *files)
+        manifest, guess = manifest_beside(files, output)
+        said = guess_json(manifest, guess)
+        if guess.doubts:
+            if as_json:
+                print_json(said)
+            raise unanswered(manifest, guess)
     say(f"reading {manifest}")
     _, summary = import_manifest(manifest, output, software=SOFTWARE)
     if as_json:
-        print_json(summary)
+        print_json({**summary, **said})
         return
+    for text in said.get("guesses", ()):
+        out.print(f"guess: {text}")
     for posture in summary["postures"]:
         what = f"{posture.get('frfs')} FRFs"
         if "hits" in posture:

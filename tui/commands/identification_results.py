@@ -13,7 +13,7 @@ from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
 from armodal.protocols.session.records import Session
 
-__all__ = ["identification_json", "identification_tables", "mode_json"]
+__all__ = ["identification_json", "identification_tables"]
 
 
 def mode_json(result: Identification) -> list[dict[str, Any]]:

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from armodal.protocols.errors import SessionError
-from armodal.tui.commands.run import run_app
 from armodal.tui.screens.review.app import ReviewApp
+from armodal.tui.this_system import check_runs_devices
 
 __all__ = ["app", "review_then_measure"]
 
 app = typer.Typer(add_completion=False)
 
 
-def review_then_measure(review_app: ReviewApp, *, run: Callable[..., int] = run_app) -> int:
+def _measure(**wanted: Any) -> int:
+    """Run the operator's app, which is loaded where it is wanted: not on every system."""
+    check_runs_devices("run")
+    return int(import_module("armodal.tui.commands.run").run_app(**wanted))
+
+
+def review_then_measure(review_app: ReviewApp, *, run: Callable[..., int] = _measure) -> int:
     """Run the review app to its end, then the next test if it was left for that.
 
     Parameters

@@ -1,9 +1,9 @@
 """Pictures made of characters: braille canvas, camera, the arm as a wireframe, plots."""
 
 from armodal.tui.drawing.camera import Camera
-from armodal.tui.drawing.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
+from armodal.tui.drawing.canvas import Canvas
 from armodal.tui.drawing.plot import Cursor, Frame, Series, envelope, plot, plot_frame
-from armodal.tui.drawing.scale import Scale, linear_scale, log_scale, tick_text
+from armodal.tui.drawing.scale import Scale, linear_scale, log_scale
 from armodal.tui.drawing.wireframe import (
     Wireframe,
     arm_wireframe,
@@ -14,8 +14,6 @@ from armodal.tui.drawing.wireframe import (
 )
 
 __all__ = [
-    "CELL_HEIGHT",
-    "CELL_WIDTH",
     "Camera",
     "Canvas",
     "Cursor",
@@ -33,5 +31,4 @@ __all__ = [
     "log_scale",
     "plot",
     "plot_frame",
-    "tick_text",
 ]

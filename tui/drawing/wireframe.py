@@ -172,7 +172,6 @@ def draw_points(
     *,
     displacement_m: npt.ArrayLike | None = None,
     names: bool = False,
-    glyph: str = "•",
 ) -> None:
     """Draw the test points, (n_points, 3) moved by `displacement_m`, with their names if asked."""
     where = wireframe.point_m
@@ -180,7 +179,7 @@ def draw_points(
         where = where + np.asarray(displacement_m, dtype=np.float64)
     at = camera.project(where, canvas.width, canvas.height)
     for xy, name in zip(at, wireframe.point_ids, strict=True):
-        canvas.mark(xy, f"{glyph}{name}" if names else glyph, style)
+        canvas.mark(xy, f"•{name}" if names else "•", style)
 
 
 def draw_triad(

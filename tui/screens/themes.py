@@ -10,7 +10,7 @@ from typing import Any
 from textual.app import App
 from textual.theme import Theme
 
-__all__ = ["INK", "MONO", "PAPER", "Inks", "inks_of", "register_themes"]
+__all__ = ["MONO", "Inks", "inks_of", "register_themes"]
 
 MONO, INK, PAPER = "armodal-mono", "armodal-dark", "armodal-light"
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from support.plain_arm import TESTS_DEG, mass_matrix
 
-from armodal.analyzer.arm import Axis, ReducedModel, Structure, Superset, reduce_model
+from armodal.analyzer.arm import Axis, Structure, Superset, reduce_model
 from armodal.analyzer.arm.reduced import model_modes, selection
 from armodal.analyzer.arm.structure import believed_structure
 
@@ -21,15 +21,6 @@ def hidden_axis(k=9e4):
         point_m=point - direction * (direction @ point),
         stiffness_n_m_per_rad=k,
         damping_n_m_s_per_rad=8.0,
-    )
-
-
-def one_freedom(mass, damping, stiffness):
-    return ReducedModel(
-        mass=np.array([[mass]]),
-        damping=np.array([[damping]]),
-        stiffness=np.array([[stiffness]]),
-        point_jacobian=np.zeros((0, 6, 1)),
     )
 
 

@@ -5,6 +5,7 @@ from support.simulated_frfs import modal_frf, poles_of, record
 from armodal.analyzer.modal import (
     cmif,
     convert_form,
+    frf_sum,
     group_sums,
     mac,
     mif,
@@ -36,9 +37,10 @@ def test_cmif_peaks_at_the_modes_largest_value_first():
 
 def test_sums_add_magnitudes():
     one = frf(np.ones((2, 1)))
+    np.testing.assert_allclose(frf_sum(one), np.abs(one.values).sum(axis=(0, 1)))
     sums = group_sums(one, {"left": ["1", "2"], "right": ["3", "4"], "none": ["9"]})
     assert set(sums) == {"left", "right"}
-    np.testing.assert_allclose(sums["left"] + sums["right"], np.abs(one.values).sum(axis=(0, 1)))
+    np.testing.assert_allclose(sums["left"] + sums["right"], frf_sum(one))
 
 
 def test_groups_without_measured_points_are_refused():

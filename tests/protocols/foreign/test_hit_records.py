@@ -23,11 +23,33 @@ def save_hit(path, *, channels=1, n=2048):
 @pytest.mark.parametrize("arm", ["none", "rv4frl"])
 def test_more_accelerations_than_a_sensor_has_are_refused(tmp_path, arm, channels):
     save_hit(tmp_path / "h.npy", channels=channels)
-    names = ", ".join(f"'5:{'xyz'[i % 3]}'" for i in range(channels))
+    names = ", ".join(f"'5:{'xyz'[i % 3]}'" for i in range(channels))  # all at one point
     files = f'[{{ path = "h.npy", responses = [{names}], reference = "1:x" }}]'
     body = posture(files, joints_deg=[] if arm == "none" else JOINTS)
-    with pytest.raises(ForeignFileError, match=f"one sensor, up to 3, got {channels}"):
+    with pytest.raises(ForeignFileError, match=f"up to 3, at a point, got {channels} at 5"):
         run(manifest(tmp_path, body, arm=f'"{arm}"'))
+
+
+def test_several_sensors_a_hit_are_records_of_their_own_points(tmp_path):
+    names = '["1:x", "1:y", "1:z", "2:x", "2:y", "2:z"]'
+    save_hit(tmp_path / "h.npy", channels=6)
+    body = posture(f'[{{ path = "h.npy", responses = {names}, reference = "3:-z" }}]')
+    session = run(manifest(tmp_path, body))
+    assert [hit.sensor_point for hit in session.hits] == ["1", "2"]
+    assert {hit.hit_point for hit in session.hits} == {"3"}
+    one, other = (hit.counts[:, 1:].max(axis=0) for hit in session.hits)
+    scale = np.array([c.scale for c in session.header.dictionary.channels])[1:]
+    # Channel k of the file is k times the first: the second sensor's are 4, 5, 6 times as large.
+    assert np.allclose(other * scale / (one * scale), [4.0, 2.5, 2.0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("n", "kept"), [(2047, 2047), (2049, 2048)])
+def test_records_a_sample_apart_are_cut_with_a_word(tmp_path, n, kept):
+    save_hit(tmp_path / "a.npy")
+    save_hit(tmp_path / "b.npy", n=n)
+    session = run(manifest(tmp_path, posture('["a.npy", "b.npy"]')))
+    assert {len(hit.counts) for hit in session.hits} == {kept}
+    assert any(f"the first {kept} are used" in text for text in session.warnings)
 
 
 def test_hits_of_other_channels_are_refused(tmp_path):

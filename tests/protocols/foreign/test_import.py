@@ -253,10 +253,6 @@ def _write_nan(path):
             ],
             "form unknown",
         ),
-        (
-            [*chain_sets(), frf_set(2, np.full(400, 1.02), FREQ, func_type=6)],
-            "coherence from 0 to 1",
-        ),
         ([frf_set(1, np.arange(1.0, 10.0), FREQ[:9])], "complex"),
         ([*chain_sets(), frf_set(1, accelerance(FREQ, 0, 0), FREQ)], "twice"),
         ([*chain_sets(), frf_set(2, accelerance(FREQ, 0, 0), FREQ, ref_node=2)], "missing"),
@@ -269,7 +265,6 @@ def _write_nan(path):
         "not increasing",
         "negative",
         "form",
-        "coherence",
         "real",
         "twice",
         "hole",
@@ -280,6 +275,27 @@ def test_a_bad_frf_is_refused_in_one_sentence(tmp_path, sets, wanted):
     with pytest.raises(ForeignFileError, match=wanted) as caught:
         one(tmp_path, sets)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("reaches", "said"),
+    [(1.25, "the coherence reaches 1.25: clipped to 1"), (3.0, "it is left out")],
+)
+def test_a_coherence_above_one_is_clipped_with_a_word(tmp_path, reaches, said):
+    coherence = np.linspace(0.5, reaches, 400)
+    sets = [frf_set(i + 1, coherence, FREQ, func_type=6) for i in range(3)]
+    session = one(tmp_path, [si_set(), *chain_sets(), *sets], averages=3)
+    assert any(said in text for text in session.warnings)
+    found = session.frfs[0].coherence
+    assert np.isnan(found).all() if reaches > 2 else found.max() == 1.0
+
+
+def test_frfs_a_line_apart_are_cut_to_the_common_ones(tmp_path):
+    sets = chain_sets()
+    sets[1] = frf_set(2, accelerance(FREQ[:-1], 1, 0), FREQ[:-1])
+    session = one(tmp_path, [si_set(), *sets])
+    assert session.frfs[0].freq_hz[-1] == FREQ[-2]
+    assert any("the common ones are used" in text for text in session.warnings)
 
 
 def test_nan_in_an_frf_is_refused_but_not_at_zero_hertz(tmp_path):

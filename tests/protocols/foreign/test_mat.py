@@ -51,15 +51,24 @@ def test_each_coherence_stays_with_its_frf(tmp_path, frf, coherence):
         COHERENCE.reshape(-1),
         COHERENCE.reshape(6, 20),
         COHERENCE + 0j,
-        "good",
-        np.zeros((0, 0)),
     ],
-    ids=["responses", "lines", "flat", "folded", "complex", "text", "empty"],
+    ids=["responses", "lines", "flat", "folded", "complex"],
 )
 def test_a_coherence_of_another_shape_is_refused(tmp_path, coherence):
     with pytest.raises(ForeignFileError, match="coherence of frf's shape") as caught:
         one(tmp_path, coherence=coherence)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("coherence", ["good", np.zeros((0, 0))], ids=["text", "empty"])
+def test_a_coherence_without_numbers_is_left_out_with_a_word(tmp_path, coherence):
+    scipy.io.savemat(
+        tmp_path / "a.mat",
+        {"freq_hz": FREQ, "frf": FRF[:1], "form": "accelerance", "coherence": coherence},
+    )
+    session = run(manifest(tmp_path, posture('["a.mat"]')))
+    assert np.isnan(session.frfs[0].coherence).all()
+    assert any("as coherence, got" in text for text in session.warnings)
 
 
 @pytest.mark.parametrize("directions", ["up", np.eye(3) * 1j, np.ones((2, 3)), np.zeros((0, 0))])

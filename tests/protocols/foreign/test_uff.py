@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 from support.foreign_samples import frf_set, si_set, whole_file, write_sets
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.measured import Hints
+from armodal.protocols.foreign.uff_measured import uff_content
 from armodal.protocols.foreign.uff_read import read_uff, uff_from_bytes
 from armodal.protocols.foreign.uff_write import write_uff
 
@@ -230,7 +232,7 @@ _WHOLE = _whole_bytes()
     [
         (b"", "empty"),
         (b"hello", "no universal file"),
-        (b"    -1\n    58\n    -1\n", "header records"),
+        (b"    -1\n    58\n    -1\n", "11 records"),
         (b"    -1\n    58b     1     2\n", "truncated"),
         (b"    -1\n   164\nabc\n    -1\n", "type 164"),
         (b"    -1\n    15\n 1 2 3\n    -1\n", "seven numbers"),
@@ -259,7 +261,9 @@ def test_nan_is_refused_where_pyuff_would_write_zero(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_datasets_of_other_types_are_told(tmp_path):
+def test_datasets_of_other_types_are_told_by_name(tmp_path):
     path = write_sets(tmp_path / "a.uff", [si_set()])
-    path.write_bytes(path.read_bytes() + b"    -1\n  2411\n 1 1 1 1\n    -1\n")
-    assert read_uff(path).skipped == (2411,)
+    path.write_bytes(path.read_bytes() + b"    -1\n  2414\n 1\n    -1\n")
+    assert read_uff(path).skipped == (2414,)
+    (said,) = uff_content(read_uff(path), Hints(), "a.uff").said
+    assert "2414 (analysis data)" in said

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.frf_units import frf_form, frf_scale
 from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
-from armodal.protocols.foreign.units import frf_form, frf_scale, signal_scale, unit
+from armodal.protocols.foreign.units import signal_scale, unit
 from armodal.protocols.frf_records import FrfForm
 
 G = 9.80665  # CGPM 1901

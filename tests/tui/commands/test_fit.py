@@ -6,39 +6,14 @@ import re
 import h5py
 import numpy as np
 import pytest
-from support import hammer
 from support.command import armodal
-from support.simulated_frfs import poles_of
-
-RATE, SAMPLES = 1024, 2048
-POLES = poles_of([20.0, 45.0], [0.02, 0.015])
-SHAPES = np.array([[0.8, 0.6, -0.5], [0.7, -0.6, 0.4]])
-ASKEW = 5  # of six hits, with a fifth more of everything: it was struck elsewhere
-
-
-def write_hits(folder):
-    """Six hits on a plain structure at the driving point, as tables of time, force, response."""
-    rng = np.random.default_rng(5)
-    residues = (SHAPES[:, 0] * SHAPES[:, 0])[:, None] / (2j * POLES.imag[:, None])
-    names = []
-    for hit in range(6):
-        record = 80.0 * hammer.band_limited(SAMPLES, RATE, 0.05, 4e-3, POLES, residues)
-        record[1] *= 1.2 if hit == ASKEW else 1.0 + 0.005 * rng.standard_normal()
-        record += 0.002 * rng.standard_normal(record.shape)
-        names.append(f"m{hit + 1}.npy")
-        np.save(folder / names[-1], np.vstack([np.arange(SAMPLES) / RATE, record]))
-    return names
+from support.plain_hits import ASKEW, POLES, SHAPES, write_manifest
 
 
 @pytest.fixture
 def session(tmp_path):
-    manifest = tmp_path / "manifest.toml"
-    manifest.write_text(
-        'arm = "none"\nmode = "roving-response"\nunits = "SI"\n[windows]\nexponential_end = 0.1\n'
-        f'[[postures]]\nname = "structure"\nhit_point = "1"\nfiles = {write_hits(tmp_path)}\n'
-    )
     path = tmp_path / "session.h5"
-    code, _, err = armodal("import", manifest, "--out", path)
+    code, _, err = armodal("import", write_manifest(tmp_path), "--out", path)
     assert code == 0, err
     return path
 

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from armodal.tui.screens.review.next_test import next_test_of
 
-__all__ = ["gap_map", "gap_view"]
+__all__ = ["gap_view"]
 
 VERDICTS = {
     "named": "NAMED",

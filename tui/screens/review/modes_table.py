@@ -9,7 +9,7 @@ from textual.widgets import DataTable
 
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["ModesTable", "mode_rows"]
+__all__ = ["ModesTable"]
 
 _COLUMNS = (
     "f Hz", "± std", "damp %", "± std", "MPC", "MPD °", "joints %", "kind", "chosen",

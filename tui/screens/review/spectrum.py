@@ -64,14 +64,14 @@ class SpectrumPicture(Picture):
             at = float(self.freq_hz[0]) if self.cursor_hz is None else self.cursor_hz
         return int(np.argmin(np.abs(self.freq_hz - at)))
 
-    def mode_cursors(self, *, names: bool = True) -> list[Cursor]:
+    def mode_cursors(self) -> list[Cursor]:
         """Vertical lines at the modes, and one at the cursor."""
         model = self.state.model
         modes = () if model is None else model.modes
         lines = [
             Cursor(
                 x=mode.f_hz,
-                name=f"{mode.f_hz:.2f}" if names else "",
+                name=f"{mode.f_hz:.2f}",
                 style=self.inks.axis if number == self.state.mode else self.inks.weak,
             )
             for number, mode in enumerate(modes)

@@ -15,7 +15,7 @@ from armodal.tui.drawing import Canvas, Cursor, Frame, Scale, Series, plot, plot
 from armodal.tui.screens.review.spectrum import SpectrumPicture
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["StabilisationPicture", "same_pole"]
+__all__ = ["StabilisationPicture"]
 
 _SAME = 0.005  # of |pole|: picks nearer than this are one
 _MOST_DAMPING = 0.5  # poles damped more are not drawn: none of them is a mode

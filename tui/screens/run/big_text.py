@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["big_lines", "big_width"]
+__all__ = ["big_lines"]
 
 ROWS = 5
 # Each letter as five rows of pixels, rows divided by /.

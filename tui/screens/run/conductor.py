@@ -16,9 +16,10 @@ from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.session.journal_payloads import CALIBRATION
+from armodal.tui.operators import request_for
 from armodal.tui.screens.run.derive import derive_session_file
 from armodal.tui.screens.run.engine import Engine
-from armodal.tui.screens.run.hand import request_for, trial_request
+from armodal.tui.screens.run.hand import trial_request
 from armodal.tui.screens.run.happenings import (
     HandIdle,
     Happening,

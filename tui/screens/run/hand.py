@@ -7,41 +7,13 @@ import threading
 from collections.abc import Callable
 
 from armodal.daq.geometry import hit_direction
-from armodal.daq.session_machine import Prompt, PromptKind
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.plan_records import Mode, Plan
-from armodal.tui.operators import ScriptedOperator
+from armodal.tui.operators import Request, ScriptedOperator
 from armodal.tui.screens.run.happenings import HandAtWork, HandIdle
 
-__all__ = ["SimulatedHand", "request_for", "trial_request"]
-
-Request = dict[str, object]
-DEG = 57.29577951308232
-
-
-def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
-    """Return what the hand has to do for a prompt, and in words; None when done."""
-    posture = prompt.posture
-    if posture is None:
-        return None
-    if prompt.kind is PromptKind.POSTURE:
-        degrees = [float(x) * DEG for x in posture.joints_rad]
-        return (
-            {"do": "posture", "name": posture.name, "joints_deg": degrees},
-            f"moves the arm to {posture.name}",
-        )
-    if prompt.kind is PromptKind.POINT:
-        return (
-            {"do": "mount", "point": prompt.sensor_point},
-            f"mounts the sensor at {prompt.sensor_point}",
-        )
-    direction = [float(x) for x in hit_direction(arm, posture, prompt.hit_point)]
-    request: Request = {"do": "hit", "point": prompt.hit_point, "direction": direction}
-    peak_n = posture.peak_wanted_n(prompt.accepted)
-    if peak_n is not None:
-        request["peak_n"] = peak_n
-    return request, f"hits point {prompt.hit_point}"
+__all__ = ["SimulatedHand", "trial_request"]
 
 
 def trial_request(arm: Arm, plan: Plan, mass_kg: float | None) -> tuple[Request, str]:

@@ -19,7 +19,7 @@ from armodal.protocols.session.records import Hit, JointReading, Session, Sessio
 from armodal.tui.screens.run.overview import all_hits, counts_accepted
 from armodal.tui.screens.run.state import RunState
 
-__all__ = ["LastPulse", "PointFrf", "last_pulse", "mass_ratio", "point_frf", "session_of_hits"]
+__all__ = ["LastPulse", "PointFrf", "last_pulse", "mass_ratio", "point_frf"]
 
 Array = npt.NDArray[np.float64]
 PULSE_WIDTHS = 6.0  # half widths shown on either side of the pulse

@@ -28,8 +28,8 @@ from armodal.daq.events import Failed, LossNoted
 from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.session.records import Loss
+from armodal.tui.operators import request_for
 from armodal.tui.screens.key_line import KeyLine
-from armodal.tui.screens.run.hand import request_for
 from armodal.tui.screens.run.happenings import (
     HandAtWork,
     HandIdle,

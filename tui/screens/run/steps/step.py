@@ -17,7 +17,7 @@ from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.run.state import RunState
 from armodal.tui.screens.run.views.parts import losses_text, safety_text, title
 
-__all__ = ["LEAST_COLUMNS", "LEAST_ROWS", "Pane", "StepScreen"]
+__all__ = ["Pane", "StepScreen"]
 
 LEAST_COLUMNS, LEAST_ROWS = 60, 18
 

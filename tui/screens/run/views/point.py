@@ -12,7 +12,7 @@ from armodal.tui.screens.run.state import RunState
 from armodal.tui.screens.run.views.hit import verdict_text
 from armodal.tui.screens.run.views.parts import DIM, GOOD, WARN, big
 
-__all__ = ["axis_words", "last_verdict_text", "point_text"]
+__all__ = ["last_verdict_text", "point_text"]
 
 NEARLY = 0.94  # of an axis: within 20 degrees it is named alone
 SOME = 0.26  # 15 degrees

@@ -1,0 +1,233 @@
+"""An import manifest guessed from the files alone, and what a person has to add to it."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.looked_at import Doubt, LookedAt
+from armodal.protocols.foreign.manifest import FILL_IN, NO_ARM, Reading
+from armodal.protocols.foreign.measured import AXES
+
+__all__ = ["Guess", "guess_manifest"]
+
+_NUMBER = re.compile(r"(\d+)(?!.*\d)")  # the last number of a name
+_COLUMN = 27  # where comments begin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guess:
+    """A manifest, how it was guessed, and what is in doubt; without doubts it can be imported."""
+
+    text: str
+    guesses: tuple[str, ...]
+    doubts: tuple[Doubt, ...]
+
+
+def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
+    """Write the manifest of files that belong to one posture.
+
+    Parameters
+    ----------
+    files
+        From `look_at`.
+    folder
+        Where the manifest will be: paths start from there.
+
+    Raises
+    ------
+    ForeignFileError
+        If some are FRFs and some are hits.
+    """
+    guesses: list[str] = []
+    doubts: list[Doubt] = []
+    for file in files:
+        guesses += [f"{file.path.name}: {text}" for text in file.guesses]
+        doubts += [Doubt(key=one.key, why=one.why) for one in file.doubts]
+    kinds = {_kind(file) for file in files} - {""}
+    if len(kinds) > 1:
+        frfs = [file.path.name for file in files if _kind(file) == "frf"]
+        raise ForeignFileError(
+            f"wanted files of FRFs or of single hits, got both: {', '.join(frfs)[:200]} hold FRFs; "
+            "import them one kind at a time"
+        )
+    keys = [dict(file.keys) for file in files]
+    if kinds == {"frf"}:
+        _name_points(files, keys, guesses)
+    elif kinds == {"hit"}:
+        _ask_points_of_hits(files, keys, guesses, doubts)
+    mode, reason = _mode(files)
+    guesses.append(f"mode {mode}: {reason}")
+    common, keys = _in_common(keys)
+    text = _text(files, keys, common, mode, reason, folder)
+    return Guess(text=text, guesses=_gathered(guesses), doubts=tuple(doubts))
+
+
+def _kind(file: LookedAt) -> str:
+    if file.content is None:
+        return ""
+    if file.content.frfs:
+        return "frf"
+    return "hit" if file.content.hits else ""
+
+
+def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses: list[str]) -> None:
+    """Name the points of FRFs that have none: by the numbers of their files."""
+    nameless = [
+        i
+        for i, file in enumerate(files)
+        if file.content is not None and file.content.frfs[0].response.node is None
+    ]
+    if len(files) < 2 or not nameless:
+        return
+    names = _numbers([file.path.stem for file in files])
+    how = "the numbers in the names of the files" if names else "the order of the files"
+    names = names or [str(i + 1) for i in range(len(files))]
+    for i in nameless:
+        keys[i].setdefault("responses", [names[i]])
+    guesses.append(f"one point a file, {names[0]} to {names[-1]}: {how}")
+
+
+def _numbers(stems: Sequence[str]) -> list[str]:
+    """Return the number that tells names apart: `Hxysv00001` is 1; none where there is none."""
+    matches = [_NUMBER.search(stem) for stem in stems]
+    rest = {f"{m.string[: m.start()]}#{m.string[m.end() :]}" for m in matches if m}
+    numbers = [str(int(m[1])) for m in matches if m]
+    alike = len(rest) == 1 and len(set(numbers)) == len(stems)
+    return numbers if alike and all(len(number) <= 16 for number in numbers) else []
+
+
+def _ask_points_of_hits(
+    files: Sequence[LookedAt],
+    keys: list[dict[str, Any]],
+    guesses: list[str],
+    doubts: list[Doubt],
+) -> None:
+    """Ask for the points of hits where files do not tell them and it matters."""
+    counts = {
+        len(hit.responses)
+        for file in files
+        if file.content is not None
+        for hit in file.content.hits
+        if any(dof.node is None for dof in hit.responses)
+    }
+    if not counts:
+        return
+    most = max(counts)
+    if len(files) > 1 or most > len(AXES):
+        for file, told in zip(files, keys, strict=True):
+            hits = () if file.content is None else file.content.hits
+            if hits:
+                told["responses"] = [FILL_IN] * len(hits[0].responses)
+        each = "one point each, or all at one" if len(files) > 1 else f"{most} accelerations"
+        doubts.append(
+            Doubt(
+                key="responses",
+                why=f"{len(files)} files of hits, {each}: the files do not name their points; name "
+                'them, such as ["1:z"]',
+            )
+        )
+    elif most > 1:
+        guesses.append(f"the {most} accelerations are one sensor's axes x, y, z in their order")
+
+
+def _mode(files: Sequence[LookedAt]) -> tuple[str, str]:
+    """Return which of sensor and hammer moved, and why."""
+    sensors: set[str | None] = set()
+    struck: set[str | None] = set()
+    for file in files:
+        content = file.content
+        if content is not None:
+            sensors |= {frf.response.node for frf in content.frfs}
+            struck |= {frf.reference.node for frf in content.frfs}
+            sensors |= {dof.node for hit in content.hits for dof in hit.responses}
+            struck |= {hit.hit.node for hit in content.hits}
+    if len(struck) > len(sensors):
+        return "roving-hammer", f"{len(struck)} points are struck, {len(sensors)} have sensors"
+    if len(sensors) > len(struck):
+        return "roving-response", f"{len(sensors)} points have sensors, {len(struck)} are struck"
+    return "roving-response", "the files do not tell which moved; change it if the hammer did"
+
+
+def _in_common(
+    keys: Sequence[dict[str, Any]],
+) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Part what holds for every file from what holds for one alone."""
+    first = keys[0] if len(keys) > 1 else {}
+    common = {
+        key: value
+        for key, value in first.items()
+        if key in Reading.model_fields and all(told.get(key) == value for told in keys)
+    }
+    return common, [{k: v for k, v in told.items() if k not in common} for told in keys]
+
+
+def _text(
+    files: Sequence[LookedAt],
+    keys: Sequence[dict[str, Any]],
+    common: dict[str, Any],
+    mode: str,
+    reason: str,
+    folder: Path,
+) -> str:
+    lines = [
+        "# Guessed by `armodal import` from the files alone. Change what is wrong, and fill in",
+        f'# what is "{FILL_IN}"; then: armodal import THIS_FILE --out session.h5',
+        'format = "armodal-import-1"',
+        _with_reason(f'arm = "{NO_ARM}"', "a plain structure; name an arm for its joints"),
+        _with_reason(f'mode = "{mode}"', reason),
+        *(f"{key} = {_inline(value)}" for key, value in common.items()),
+        "",
+        "[[postures]]",
+        'name = "measured"',
+        "files = [",
+    ]
+    for file, told in zip(files, keys, strict=True):
+        entry = {"path": _path(file.path, folder), **told}
+        lines.append(f"    {_inline(entry)},")
+    lines.append("]")
+    if any(_kind(file) == "frf" for file in files):
+        lines.append("# averages = 3   # how many the FRFs are means of")
+    return "\n".join(lines) + "\n"
+
+
+def _with_reason(text: str, reason: str) -> str:
+    return f"{text:<{_COLUMN}} # {reason}"
+
+
+def _path(path: Path, folder: Path) -> str:
+    """Return a path that starts from the manifest's folder, where there is one."""
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive
+        return path.resolve().as_posix()
+
+
+def _inline(value: Any) -> str:
+    """Return a value as TOML on one line."""
+    if isinstance(value, dict):
+        inner = ", ".join(f"{key} = {_inline(one)}" for key, one in value.items())
+        return f"{{ {inner} }}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_inline(one) for one in value) + "]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _gathered(guesses: Sequence[str]) -> tuple[str, ...]:
+    """Return each sentence once, with the files it is about counted."""
+    about: dict[str, list[str]] = {}
+    for sentence in guesses:
+        name, colon, text = sentence.partition(": ")
+        is_file = bool(colon) and "." in name and " " not in name
+        about.setdefault(text if is_file else sentence, []).append(name if is_file else "")
+    result = []
+    for text, names in about.items():
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        result.append(f"{names[0]}{more}: {text}" if names[0] else text)
+    return tuple(result)
