@@ -50,7 +50,7 @@ class BoardCheckOptions:
 
     `duration_s` is of the long run, in lab seconds; one shorter than a minute goes on for a minute
     at most while it does not tell the rate of the board's clock. `rate_hz` None takes the highest
-    rate the board accepts with its preview on. `patience_wall_s` is the least wait for an answer, in
+    rate the board accepts with its preview on. `patience_wall_s` is the least wait for an answer,
     seconds of this computer.
     """
 

@@ -11,7 +11,6 @@ import pytest
 from typer.testing import CliRunner
 
 import armodal.tui.commands.demo
-
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import PLANS_DIRECTORY
 from armodal.protocols.session.journal import load_journal
