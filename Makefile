@@ -15,7 +15,7 @@ export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test test-all check bench torture hashes sizes format clean setup
+.PHONY: demo test test-all coverage check bench torture hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -56,6 +56,13 @@ test: $(DEVICE_LIBRARY)
 test-all: $(DEVICE_LIBRARY)
 	$(BIN)/python -m pytest $(WORKERS)
 
+# Lines and branches that `make test` runs, in the processes it starts too.
+coverage: $(DEVICE_LIBRARY)
+	$(BIN)/coverage erase
+	$(BIN)/coverage run -m pytest -m "not long" $(WORKERS)
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report
+
 check: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -84,4 +91,4 @@ format: $(STAMP)
 	$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) build protocols/c/build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build protocols/c/build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage .coverage.* .import_linter_cache

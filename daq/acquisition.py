@@ -137,7 +137,12 @@ def _run(
     stack.callback(can_source.close)
     port = surroundings.open_board(settings)
     stack.callback(port.close)
-    link = BoardLink(port, clock, reply_timeout_s=settings.reply_timeout_s)
+    link = BoardLink(
+        port,
+        clock,
+        reply_timeout_s=settings.reply_timeout_s,
+        give_up_wall_s=settings.give_up_wall_s,
+    )
     losses = LossTally()
     board = BoardSession(link, link.hello(), settings, clock, losses)
     joints = JointState(mapping, [joint.name for joint in settings.arm.joints])

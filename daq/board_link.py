@@ -47,7 +47,7 @@ __all__ = ["BoardLink", "FoundBoard", "Reply"]
 TRIES = 3
 # The processes of host and simulation do not run faster when the laboratory's clock does.
 SHORTEST_WALL_TIMEOUT_S = 0.25
-GIVE_UP_WALL_S = 3.0  # at least: a loaded machine holds up a process for so long
+GIVE_UP_WALL_S = 3.0  # a loaded machine holds up a process for so long
 HELD_FRAMES = 4096
 HELD_COMMANDS = 64
 
@@ -88,8 +88,9 @@ class BoardLink:
     clock
         The laboratory's clock.
     reply_timeout_s
-        Lab seconds to wait for a reply before the command is sent again, three times in all; the
-        last time at least until `GIVE_UP_WALL_S` have passed.
+        Lab seconds to wait for a reply before the command is sent again, three times in all.
+    give_up_wall_s
+        Seconds of the waiting process that a command is given at least, with all its repetitions.
 
     Attributes
     ----------
@@ -97,11 +98,18 @@ class BoardLink:
         Bytes received.
     """
 
-    def __init__(self, port: BytePort, clock: Clock, *, reply_timeout_s: float = 0.5) -> None:
+    def __init__(
+        self,
+        port: BytePort,
+        clock: Clock,
+        *,
+        reply_timeout_s: float = 0.5,
+        give_up_wall_s: float = GIVE_UP_WALL_S,
+    ) -> None:
         self._port = port
         self._clock = clock
         self._wait_wall_s = max(clock.wall_s(reply_timeout_s), SHORTEST_WALL_TIMEOUT_S)
-        self._give_up_wall_s = max(TRIES * self._wait_wall_s, GIVE_UP_WALL_S)
+        self._give_up_wall_s = max(TRIES * self._wait_wall_s, give_up_wall_s)
         self._decoder = FrameDecoder()
         self._found: FoundBoard | None = None
         self._sequence = 0

@@ -69,7 +69,9 @@ class CanSource(Protocol):
         """Let go of the bus; never raises."""
 
 
-def open_can(channel: str, bitrate: int) -> CanSource:
+def open_can(
+    channel: str, bitrate: int, *, adapter_timeout_s: float = ADAPTER_TIMEOUT_S
+) -> CanSource:
     """Open a bus to listen.
 
     Parameters
@@ -79,6 +81,8 @@ def open_can(channel: str, bitrate: int) -> CanSource:
         ``interface:channel`` of python-can, as ``socketcan:can0``.
     bitrate
         Bit rate of the bus, bit/s.
+    adapter_timeout_s
+        How long a serial adapter is given to answer a command.
 
     Raises
     ------
@@ -89,7 +93,7 @@ def open_can(channel: str, bitrate: int) -> CanSource:
     if channel.startswith("/") or interface == "slcan":
         port = SerialPort(channel if channel.startswith("/") else rest)
         try:
-            return SlcanListener(port, bitrate)
+            return SlcanListener(port, bitrate, adapter_timeout_s=adapter_timeout_s)
         except BaseException:
             port.close()
             raise
@@ -121,8 +125,16 @@ class SlcanListener:
     confirmed_silent = True
     error_frames = 0
 
-    def __init__(self, port: BytePort, bitrate: int, clock: Clock | None = None) -> None:
+    def __init__(
+        self,
+        port: BytePort,
+        bitrate: int,
+        clock: Clock | None = None,
+        *,
+        adapter_timeout_s: float = ADAPTER_TIMEOUT_S,
+    ) -> None:
         self.name = port.name
+        self._adapter_timeout_s = adapter_timeout_s
         self._clock = clock or SystemClock()
         self.status_flags: int | None = None
         self._port = port
@@ -175,7 +187,7 @@ class SlcanListener:
         self._port.write(command)
         optional = command == CLOSE
         n_faults = 0
-        until = self._wall_s() + (CLOSE_TIMEOUT_S if optional else ADAPTER_TIMEOUT_S)
+        until = self._wall_s() + (CLOSE_TIMEOUT_S if optional else self._adapter_timeout_s)
         for left in waits(until, self._wall_s):
             if not self._clock.wait([self._port.fileno()], left):
                 break

@@ -162,7 +162,12 @@ class _LabWatch:
     def _open_board(self) -> None:
         settings = self._settings
         self._port = SerialPort(settings.board_port, baud=settings.board_baud)
-        link = BoardLink(self._port, self._clock, reply_timeout_s=settings.reply_timeout_s)
+        link = BoardLink(
+            self._port,
+            self._clock,
+            reply_timeout_s=settings.reply_timeout_s,
+            give_up_wall_s=settings.give_up_wall_s,
+        )
         board = BoardSession(link, link.hello(), settings, self._clock, self._losses)
         board.prepare()
         board.start()

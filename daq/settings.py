@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from armodal.daq.board_link import GIVE_UP_WALL_S
 from armodal.daq.clock import check_time_scale
 from armodal.daq.judge import JudgeLimits
 from armodal.protocols.arm.records import Arm
@@ -28,6 +29,7 @@ class AcquisitionSettings:
     time_scale : lab seconds per second; 1 in a real laboratory
     session_id : hex; drawn when None
     reply_timeout_s : wait for a reply of the board before asking again
+    give_up_wall_s : a command is given at least so long, in seconds of this computer
     can_timeout_s : wait at the start for an angle of every joint
     still_s : the joints must have been still for so long before a posture counts as reached
     settle_s : a hit's `after` angles must be newer than the block's end by one turn of the loop;
@@ -47,6 +49,7 @@ class AcquisitionSettings:
     session_id: str | None = None
     software: str = "armodal"
     reply_timeout_s: float = 0.5
+    give_up_wall_s: float = GIVE_UP_WALL_S
     can_timeout_s: float = 3.0
     still_s: float = 0.3
     settle_s: float = 0.5

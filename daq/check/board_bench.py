@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from armodal.daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
+from armodal.daq.check.probe import PATIENCE_WALL_S, BoardProbe, BoardStepError
 from armodal.daq.check.stream import Recording, record
 from armodal.daq.check.tick_rate import tick_rate
 from armodal.daq.clock import Clock
@@ -50,12 +50,14 @@ class BoardCheckOptions:
 
     `duration_s` is of the long run, in lab seconds; one shorter than a minute goes on for a minute
     at most while it does not tell the rate of the board's clock. `rate_hz` None takes the highest
-    rate the board accepts with its preview on.
+    rate the board accepts with its preview on. `patience_wall_s` is the least wait for an answer,
+    seconds of this computer.
     """
 
     duration_s: float = LONG_ENOUGH_S
     rate_hz: Fraction | None = None
     seed: int = 1
+    patience_wall_s: float = PATIENCE_WALL_S
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,8 +94,7 @@ def hello(probe: BoardProbe) -> Hello | None:
                 )
             return bool(found)
 
-        timeout_s = max(SHORTEST_WALL_TIMEOUT_S / probe.clock.wall_s(1.0), HELLO_TIMEOUT_S)
-        if probe.collect(timeout_s, whole):
+        if probe.collect(probe.patience_s(HELLO_TIMEOUT_S), whole):
             return found[0]
     return None
 
@@ -117,7 +118,7 @@ class BoardBench:
         self._open_port = open_port
         self.clock = clock
         self.options = options
-        self.probe = BoardProbe(open_port(), clock)
+        self.probe = self._new_probe()
         self.accepted: list[Fraction] = []
         self._recording: Recording | None = None
         try:
@@ -127,6 +128,10 @@ class BoardBench:
             raise
         self.probe.session = self.first.session
         self._dictionary: BoardDictionary | None = None
+
+    def _new_probe(self) -> BoardProbe:
+        patience_wall_s = self.options.patience_wall_s
+        return BoardProbe(self._open_port(), self.clock, patience_wall_s=patience_wall_s)
 
     def _meet(self) -> Hello:
         found = hello(self.probe)
@@ -223,7 +228,7 @@ class BoardBench:
         """Close the port and open it again, as another host program would."""
         session = self.probe.session
         self.probe.port.close()
-        self.probe = BoardProbe(self._open_port(), self.clock)
+        self.probe = self._new_probe()
         self.probe.session = session
 
     def meet_again(self) -> Hello | None:

@@ -16,7 +16,7 @@ from armodal.daq.check.captured import (
     noise_level,
     whole_blocks,
 )
-from armodal.daq.check.probe import SHORTEST_WALL_TIMEOUT_S, BoardProbe, BoardStepError
+from armodal.daq.check.probe import BoardProbe, BoardStepError
 from armodal.daq.check.trigger_truth import expected_blocks
 from armodal.daq.check.verdict import Finding, failed, passed, unchecked
 from armodal.protocols.board.messages import encode_release, encode_resend
@@ -215,7 +215,7 @@ def resent(
     """Ask for a range again; return what came, or what is wrong."""
     probe = bench.probe
     block_id = block.info.block_id
-    wait_s = max(RESEND_WAIT_S, SHORTEST_WALL_TIMEOUT_S / bench.clock.wall_s(1.0))
+    wait_s = probe.patience_s(RESEND_WAIT_S)
     for _ in range(RESEND_TRIES):
         probe.clear()
         code, reason = probe.code(FrameType.RESEND, encode_resend(block_id, first, count))
@@ -300,7 +300,7 @@ def _queue_problems(bench: BoardBench, block_id: int) -> list[str]:
     def sent() -> list[SentBlock]:
         return [b for b in blocks_of(probe.frames) if b.samples == BLOCK_LENGTH]
 
-    wait_s = max(RESEND_WAIT_S, SHORTEST_WALL_TIMEOUT_S / bench.clock.wall_s(1.0))
+    wait_s = probe.patience_s(RESEND_WAIT_S)
     probe.collect(QUEUE * wait_s, lambda: len(sent()) == QUEUE)
     n_lost = QUEUE - len(sent())
     probe.settle()

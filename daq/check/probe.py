@@ -25,7 +25,7 @@ __all__ = ["BoardProbe", "BoardStepError"]
 
 TRIES = 3
 REPLY_TIMEOUT_S = 0.5
-SHORTEST_WALL_TIMEOUT_S = 1.0  # a loaded machine holds up a process for so long
+PATIENCE_WALL_S = 1.0  # a loaded machine holds up a process for so long
 # The least time a board and the host's driver are given to be done with something, wall seconds.
 SETTLE_WALL_S = 0.05
 
@@ -47,9 +47,12 @@ class BoardProbe:
         Bytes received in all.
     """
 
-    def __init__(self, port: BytePort, clock: Clock) -> None:
+    def __init__(
+        self, port: BytePort, clock: Clock, *, patience_wall_s: float = PATIENCE_WALL_S
+    ) -> None:
         self.port = port
         self.clock = clock
+        self._patience_wall_s = patience_wall_s
         self.frames: list[RawFrame] = []
         self.session = 0
         self.received_bytes = 0
@@ -102,6 +105,10 @@ class BoardProbe:
                 self.read()
         return enough is not None and enough()
 
+    def patience_s(self, lab_s: float) -> float:
+        """Return lab seconds to wait for what takes `lab_s` at most; never too few for the host."""
+        return max(lab_s, self._patience_wall_s / self.clock.wall_s(1.0))
+
     def settle(self) -> None:
         """Read what is still under way."""
         wall_s = max(SETTLE_WALL_S, self.clock.wall_s(SETTLE_WALL_S))
@@ -132,8 +139,7 @@ class BoardProbe:
                 found += [f for f in self.frames[seen:] if f.tag == tag and f.type == kind | 0x80]
                 return bool(found)
 
-            timeout_s = max(self.clock.wall_s(REPLY_TIMEOUT_S), SHORTEST_WALL_TIMEOUT_S)
-            if self.collect(timeout_s / self.clock.wall_s(1.0), answered):
+            if self.collect(self.patience_s(REPLY_TIMEOUT_S), answered):
                 return found[0]
         return None
 

@@ -19,7 +19,7 @@ def port(board):
 
 @pytest.fixture
 def link(port):
-    return BoardLink(port, SystemClock(), reply_timeout_s=0.05)
+    return BoardLink(port, SystemClock(), reply_timeout_s=0.05, give_up_wall_s=0.0)
 
 
 def test_the_board_describes_itself(link, board, fakes):

@@ -45,7 +45,7 @@ def test_closing_a_channel_that_was_not_open_may_be_refused(controller):
 def test_a_device_that_is_no_adapter_is_said_so(board):
     board.mute = True
     with pytest.raises(DeviceTimeoutError, match="is it an slcan adapter"):
-        open_can(board.name, BITRATE)
+        open_can(board.name, BITRATE, adapter_timeout_s=0.1)
     # The port was let go of.
     SerialPort(board.name).close()
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 from recorded_session import HITS, POINTS, recorded
 from support.accepted_hits import quick_folder, wrong_after_stop
 from support.recorded_disk import kill_points
@@ -10,6 +11,7 @@ from support.recorded_disk import kill_points
 PLANNED = HITS * len(POINTS)
 
 
+@pytest.mark.long
 def test_it_announces_every_planned_hit_and_can_be_stopped_anywhere(tmp_path):
     log = recorded(1, tmp_path).log
     announced = {hit.number for change in log for hit in change.hits}

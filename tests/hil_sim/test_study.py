@@ -156,6 +156,7 @@ def test_brakes_hold_rotors_and_nothing_else(places):
     assert held["effects"][-1][key] == 1000.0 * free["effects"][-1][key]
 
 
+@pytest.mark.long
 def test_a_clear_effect_stands_three_times_above_the_floor():
     clear = make_case(5, "bench57", "coupling")
     (effect,) = json.loads(clear.open_truth())["effects"]

@@ -7,10 +7,10 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from support.small_case import small_case
 
 import armodal.study.closed_loop
 from armodal.analyzer.gap.records import NextTest, Verdict
-from armodal.hil_sim.study import make_case
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.study.closed_loop import run_loop
@@ -19,7 +19,7 @@ from armodal.study.laboratory import SimulatedLaboratory
 
 @pytest.fixture(scope="module")
 def case():
-    return make_case(seed=8, arm="ur5")
+    return small_case(8, "ur5")
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,10 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from support.small_case import SmallCase
 
 import armodal.study.curves
+import armodal.study.run
 from armodal.analyzer.gap.advice import NARROWS
 from armodal.hil_sim.study import CaseSpec, make_case, sealed
 from armodal.study.curves import VARIED, curve_rows, levels_of, reduced, run_curves
@@ -118,7 +120,9 @@ def test_a_size_that_rests_at_zero_has_no_relative_scatter(tmp_path, monkeypatch
 def line():
     """A payload far too small to be seen, and one further test."""
     spec = CaseSpec(number=1, arm="ur5", seed=21, kinds=("payload",), magnitude=0.05, ladder=False)
-    return run_case(spec, tests=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(armodal.study.run, "sealed", SmallCase)
+        return run_case(spec, tests=1)
 
 
 def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_ones(line):

@@ -150,6 +150,7 @@ def test_more_figures_leave_less_undetermined(predicting, calibrated):
     assert sum(map(len, many.values())) < sum(map(len, few.values()))
 
 
+@pytest.mark.long
 def test_intervals_cover_the_truth_as_often_as_they_say():
     """Arms drawn from the belief itself: 95 % intervals of a moment nobody gave as a target."""
     arm = load_arm("rv4frl")

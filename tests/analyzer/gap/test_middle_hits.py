@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap import middle_hits
@@ -267,6 +268,13 @@ def test_nobody_asks_where_neither_is_best(names, standing, monkeypatch):
     assert told_by_hits_between(before, "sharp", pytest.fail, 20.0) == (before, [])
 
 
+def test_a_joint_that_softens_is_told_by_the_hits_between_of_a_small_session():
+    session = small_case(1, "bench57", "softening", ladder=True).session()
+    result = find_gap(session, gates=False, modes=False, advice=False).result
+    assert [effect.name for effect in result.effects] == ["softening"]
+    assert any(note.endswith("which is a spring that softens") for note in result.notes)
+
+
 @pytest.fixture(
     scope="module", params=[(13, "bench57", "microslip", 0.25), (11, "ur5", "softening", 1.0)]
 )
@@ -276,6 +284,7 @@ def case(request):
     return sealed, sealed.session(), kind
 
 
+@pytest.mark.long
 def test_it_is_named_by_the_hits_between(case):
     """With soft and hard hits alone the first was named softening."""
     _, session, kind = case
@@ -285,6 +294,7 @@ def test_it_is_named_by_the_hits_between(case):
     assert any(note.startswith("hits between soft and hard: the damping") for note in result.notes)
 
 
+@pytest.mark.long
 def test_without_hits_between_either_may_be_and_the_test_that_is_asked_for_tells(case):
     sealed, session, kind = case
     soft, _, hard = at_levels(session.hits)

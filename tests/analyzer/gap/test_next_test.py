@@ -187,6 +187,7 @@ def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, se
     assert expected_evidence(stage, [null, servo], [test]) == pytest.approx([0.0], abs=1e-6)
 
 
+@pytest.mark.long
 def test_hits_that_hardly_move_a_mode_are_not_asked_for():
     """They were to tell an axis from none, and what their aim made of a mode was unknown."""
     case = make_case(1, "ur5", ladder=True)

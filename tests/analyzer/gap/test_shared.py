@@ -63,6 +63,7 @@ def test_an_effect_says_how_many_must_share(least, enough):
     assert is_shared(TwoPostures(), BEFORE, after) == enough
 
 
+@pytest.mark.long
 def test_a_servo_that_many_mountings_tell_is_named():
     session = make_case(1, "bench57", "servo", "medium", ladder=True).session()
     result = find_gap(session, gates=False, modes=False, advice=False).result

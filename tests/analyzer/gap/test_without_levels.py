@@ -41,12 +41,12 @@ def found(plain):
 
 
 @pytest.fixture(scope="module")
-def asked(case, found):
-    """The session that it asks for."""
-    plan = plan_from_text(found.result.next_test.plan_toml, case.arm, origin="next test")
-    return case.session(plan, levels_n=plan.postures[0].peaks_n, run=1)
+def asked(case):
+    """A session as it asks for: at three levels about those of before."""
+    return case.session(levels_n=(8.0, 18.0, 40.0), run=1)
 
 
+@pytest.mark.long
 def test_what_a_softer_joint_looks_like_is_not_named(found):
     result = found.result
     assert result.verdict is Verdict.AMBIGUOUS
@@ -56,6 +56,7 @@ def test_what_a_softer_joint_looks_like_is_not_named(found):
     assert any("several hit levels stayed closed" in note for note in result.notes)
 
 
+@pytest.mark.long
 def test_all_postures_are_asked_for_at_three_levels_about_those_of_before(plain, found):
     test = found.result.next_test
     assert test.gain is None
@@ -68,7 +69,10 @@ def test_all_postures_are_asked_for_at_three_levels_about_those_of_before(plain,
         assert soft < peaks[0] < middle < peaks[-1] < hard
 
 
-def test_the_session_it_asked_for_names_the_joint(plain, asked, case):
+@pytest.mark.long
+def test_the_session_it_asked_for_names_the_joint(plain, found, case):
+    plan = plan_from_text(found.result.next_test.plan_toml, case.arm, origin="next test")
+    asked = case.session(plan, levels_n=plan.postures[0].peaks_n, run=1)
     result = find_gap(plain, more=[asked], gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NAMED
     assert [effect.name for effect in result.effects] == ["softening"]

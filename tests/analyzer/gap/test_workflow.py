@@ -124,6 +124,7 @@ def test_where_every_posture_carries_a_known_mass_the_planned_ones_are_held_out(
     assert held_out_postures(session, lines) == tuple(range(1, len(lines)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("magnitude", ["medium", "faint"])
 def test_a_window_that_only_the_sharp_lines_tell_is_named(magnitude):
     case = make_case(1, "bench57", "exponential_window", magnitude, ladder=True)
@@ -133,6 +134,7 @@ def test_a_window_that_only_the_sharp_lines_tell_is_named(magnitude):
     assert effect.name == "exponential_window"
 
 
+@pytest.mark.long
 def test_a_level_that_a_turned_axis_hid_is_looked_for_again():
     """One sensor axis turned leaves so much that no joint's change with the level stands out."""
     kinds = ("microslip", "flipped_axis")

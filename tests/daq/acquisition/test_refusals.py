@@ -20,14 +20,16 @@ def test_a_wrong_board_port_is_one_clear_message(lab, start):
 
 def test_a_device_that_is_no_board_is_one_clear_message(lab, start, monkeypatch):
     monkeypatch.setattr(lab.board, "received", lambda data: lab.board.write(b"ERROR 42\r\n\x00"))
-    failed = start(reply_timeout_s=0.05).failure()
+    failed = start(reply_timeout_s=0.05, give_up_wall_s=0.0).failure()
     assert "none of them a frame of the armodal board protocol" in failed.message
     assert not lab.journal.exists()
 
 
 def test_a_board_that_is_mute_is_one_clear_message(lab, start):
     lab.board.mute = True
-    assert "did not answer HELLO" in start(reply_timeout_s=0.05).failure().message
+    assert (
+        "did not answer HELLO" in start(reply_timeout_s=0.05, give_up_wall_s=0.0).failure().message
+    )
 
 
 def test_a_dictionary_that_changes_ends_the_session_with_its_hits_safe(lab, start, fakes):

@@ -2,36 +2,59 @@
 
 from __future__ import annotations
 
+import json
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+import armodal.tui.commands.demo
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import PLANS_DIRECTORY
 from armodal.protocols.session.journal import load_journal
+from armodal.tui.cli import app
 from armodal.tui.commands.demo_run import run_demo
 
-FEW_POINTS = 'points = ["1", "4", "6", "9", "12", "14"]'
+FEW_POINTS = ("1", "4", "6", "9", "12", "14")
+
+
+def demo(folder, *, points=FEW_POINTS, postures=5, hits=3):
+    """Return the demo by a plan of the shipped one's first postures."""
+    text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
+    text = "[[postures]]".join(text.split("[[postures]]")[: postures + 1])
+    text = text.replace("hits_per_point = 3", f"hits_per_point = {hits}")
+    text = re.sub(r"points = \[[^\]]*\]", f"points = {json.dumps(list(points))}", text)
+    plan = folder / "few.toml"
+    plan.write_text(text)
+    return partial(run_demo, plan_name=str(plan))
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("demo")
-    text = (PLANS_DIRECTORY / "rv4frl-three-postures.toml").read_text(encoding="utf-8")
-    plan = folder / "few.toml"
-    plan.write_text(re.sub(r"points = \[[^\]]*\]", FEW_POINTS, text))
-    value, _, _ = run_demo(
+    value, _, _ = demo(folder)(
         folder / "out",
         seed=5,
         software="test",
         show=lambda event: None,
         say=lambda text: None,
-        plan_name=str(plan),
     )
     return value
 
 
+def test_a_short_demo_runs_from_hits_to_truth_and_a_report(tmp_path, monkeypatch):
+    run = demo(tmp_path, points=("1", "6", "9", "14"), postures=3, hits=2)
+    monkeypatch.setattr(armodal.tui.commands.demo, "run_demo", run)
+    said = CliRunner().invoke(app, ["demo", "--out", str(tmp_path / "out"), "--seed", "5"])
+    assert said.exit_code == 0, said.output
+    for words in ("24 hits accepted", "joint_1", "truth", "report "):
+        assert words in said.output
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+@pytest.mark.long
 def test_the_object_holds_what_is_promised(found):
     joint = {
         "joint",
@@ -66,6 +89,7 @@ def test_the_object_holds_what_is_promised(found):
     assert found["wall_s"] > 0
 
 
+@pytest.mark.long
 def test_stiffness_is_near_the_truth_even_so(found):
     for row in found["joints"]:
         truth = row["truth_k_n_m_per_rad"]
@@ -77,6 +101,7 @@ def test_stiffness_is_near_the_truth_even_so(found):
     assert axis["axis_distance_error_mm"] < 15
 
 
+@pytest.mark.long
 def test_the_missing_axis_is_named_added_and_the_gap_shrinks(found):
     gap = found["gap"]
     assert gap["verdict"] == "named"

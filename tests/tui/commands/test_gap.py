@@ -6,12 +6,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from support.small_case import small_case
 from typer.testing import CliRunner
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.analyzer.report import read_gap
-from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, ArmodalError, EstimateError
 from armodal.protocols.session.hdf5 import write_session
@@ -22,7 +22,7 @@ from armodal.tui.commands.gap_results import with_arm
 @pytest.fixture(scope="module")
 def averaged():
     """A session that has no hits, only FRFs with their coherence, and an axis is hidden in it."""
-    case = make_case(seed=3, arm="rv4frl", effect="link_axis", magnitude="clear")
+    case = small_case(2, "bench57", "link_axis")
     session = case.session()
     frfs = estimate_frfs(session, Superset(session.header.arm))
     return case, replace(session, hits=(), frfs=frfs)
@@ -89,7 +89,7 @@ def test_believing_the_new_arm_nothing_more_is_missing(found, tmp_path):
 
 def test_an_arm_that_does_not_match_is_refused(averaged, found):
     path, _ = found
-    problem = refused("gap", str(path), "--arm", "ur5")
+    problem = refused("gap", str(path), "--arm", "rv4frl")
     assert isinstance(problem, ArmError)
     assert "does not match the session: wanted the joints" in str(problem)
     _, session = averaged

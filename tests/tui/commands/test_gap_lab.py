@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from support.small_case import small_case
 from typer.testing import CliRunner
 
 import armodal.study.closed_loop
@@ -75,9 +76,12 @@ def test_another_magnitude_is_refused_before_anything_is_measured(tmp_path, give
     assert not folder.exists()
 
 
-def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(tmp_path):
+def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(armodal.tui.commands.gap, "make_case", small_case)
     folder = tmp_path / "lab"
-    where = ["--lab", "--lab-arm", "rv4frl", "--out", str(folder), "--budget", "1", "--seed", "5"]
+    where = ["--lab", "--lab-arm", "bench57", "--out", str(folder), "--budget", "1", "--seed", "1"]
     result = CliRunner().invoke(
         app, ["gap", *where, "--hide", "softening", "--magnitude", "clear", "--json"]
     )

@@ -73,6 +73,7 @@ def test_a_session_is_reviewed_in_a_real_terminal(session, tmp_path):
         terminal.close()
 
 
+@pytest.mark.long
 def test_the_proposed_test_runs_in_the_same_terminal(session, tmp_path):
     path = tmp_path / "s.h5"
     write_session(session, path)

@@ -28,6 +28,7 @@ def plug_in(link: Path, process: int, other_port: str) -> None:
     link.symlink_to(line)
 
 
+@pytest.mark.long
 def test_a_silent_bus_and_an_unplugged_board_are_said_and_nothing_is_lost(tmp_path: Path):
     journal, board = tmp_path / "f.journal", tmp_path / "board"
     arm = load_arm("rv4frl")

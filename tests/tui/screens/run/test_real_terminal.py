@@ -35,6 +35,7 @@ def small_plan(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_a_session_is_done_by_doing_what_the_screen_says(small_plan, tmp_path):
     journal = tmp_path / "s.journal"
     command = armodal("run", str(small_plan), "--sim", "--session", str(journal))
@@ -59,6 +60,7 @@ def test_a_session_is_done_by_doing_what_the_screen_says(small_plan, tmp_path):
     assert accepted_shown <= accepted
 
 
+@pytest.mark.long
 def test_killing_the_app_loses_no_hit_and_coming_back_goes_on(small_plan, tmp_path):
     journal = tmp_path / "k.journal"
     arm = load_arm("rv4frl")
