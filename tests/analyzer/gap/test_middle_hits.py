@@ -308,7 +308,7 @@ def test_without_hits_between_either_may_be_and_the_test_that_is_asked_for_tells
     assert all(len(posture.peaks_n) == 3 for posture in plan.postures)
     asked = sealed.session(plan, levels_n=plan.postures[0].peaks_n, run=1)
     told = find_gap(without, more=[asked], gates=False, modes=False, advice=False).result
-    # At 107 N instead of 127 the faint slip bows by 1.2, which may be either.
+    # A faint slip's bow may be either's; what the levels alone tell needs no bow.
     undecided = kind == "microslip" and told.verdict is Verdict.AMBIGUOUS
     assert undecided or [effect.name for effect in told.effects] == [kind]
-    assert any("bows by" in note for note in told.notes)
+    assert told.verdict is Verdict.NAMED or any("bows by" in note for note in told.notes)
