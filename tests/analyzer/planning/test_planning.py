@@ -278,5 +278,5 @@ def test_random_postures_are_less_selective_than_the_plan_s(arm, elastic, plan):
     assert (plan.least_coupling < ratios.min(axis=1)).all()
     for test in plan.tests[: plan.n_needed]:
         number = elastic.joints.index(test.target)
-        # A posture that shows several joints is not the best for each: one in some hundred beats it.
+        # A posture that shows several joints is not the best for each: a few in a thousand are.
         assert (ratios[number] < test.coupling.max()).mean() < 0.005
