@@ -89,7 +89,7 @@ def test_a_missing_library_is_compiled_and_a_current_one_left(elsewhere):
 
 def test_without_any_compiler_the_message_says_what_to_do(elsewhere, monkeypatch):
     monkeypatch.setattr(build, "compilers", lambda: iter(()))
-    with pytest.raises(CompilerError, match="make setup"):
+    with pytest.raises(CompilerError, match="Install gcc or clang"):
         build.ensure_library()
 
 
