@@ -242,6 +242,7 @@ def test_exported_files_are_named_by_number_not_by_posture(tmp_path):
 # An arm through UFF ------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_joint_stiffness_survives_the_way_through_a_universal_file(tmp_path, session, identified):
     """Responses turned into the base frame, oblique hits, an exponential window: all come back."""
     write_session(session, tmp_path / "own.h5")
