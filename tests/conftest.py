@@ -6,8 +6,11 @@ from functools import cache
 import pytest
 from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
+from support.offline_lab import simulate_session
 
 from armodal.analyzer.arm import Superset
+from armodal.analyzer.identification.identify import identify
+from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
 
 # A loaded machine stalls for seconds: how long one example takes says nothing.
@@ -50,6 +53,23 @@ def pytest_runtest_call(item):
 @pytest.fixture(scope="session")
 def arm():
     return load_arm("rv4frl")
+
+
+@pytest.fixture(scope="session")
+def plant():
+    """The truth of `arm`, an axis in its shoulder included."""
+    return load_plant("rv4frl")
+
+
+@pytest.fixture(scope="session")
+def session():
+    """The arm measured by its shipped plan, with good hits."""
+    return simulate_session(4)
+
+
+@pytest.fixture(scope="session")
+def identified(session):
+    return identify(session)
 
 
 @pytest.fixture(scope="session")

@@ -7,26 +7,14 @@ import plotly.graph_objects as go
 import pytest
 from support.foreign_samples import chain_file
 from support.gap_results import made_result
-from support.offline_lab import simulate_session
 
 import armodal
 from armodal.analyzer.gap.records import PostureGap
 
 
-@pytest.fixture(scope="module")
-def session(tmp_path_factory):
-    path = tmp_path_factory.mktemp("api") / "session.h5"
-    armodal.save_session(simulate_session(4), path)
-    return armodal.open_session(path)
-
-
-@pytest.fixture(scope="module")
-def identified(session):
-    return armodal.identify(session)
-
-
-def test_a_session_becomes_frfs_and_modes(session):
-    frf = armodal.frfs(session)[0]
+def test_a_session_becomes_frfs_and_modes(session, tmp_path):
+    armodal.save_session(session, tmp_path / "session.h5")
+    frf = armodal.frfs(armodal.open_session(tmp_path / "session.h5"))[0]
     model = armodal.fit_modes(frf, band_hz=(3.0, 100.0))
     assert isinstance(model, armodal.ModalModel)
     assert model.modes

@@ -17,7 +17,6 @@ from armodal.protocols.session.journal import (
     read_journal,
     scan,
 )
-from armodal.protocols.session.journal_framing import MAX_RECORDS
 from armodal.protocols.session.records import SessionHeader
 
 
@@ -173,12 +172,17 @@ def filled(writer: JournalWriter, record: bytes) -> int:
     return taken
 
 
-def test_a_journal_with_as_many_records_as_a_reader_takes_can_still_be_ended_and_read(header, path):
+def test_a_journal_with_as_many_records_as_a_reader_takes_can_still_be_ended_and_read(
+    header, path, monkeypatch
+):
+    most = 3 * LAST_RECORDS
+    for module in ("armodal.daq.journal_writer", "armodal.protocols.session.journal_framing"):
+        monkeypatch.setattr(f"{module}.MAX_RECORDS", most)
     JournalWriter.create(path, header).close()
     before = 5
     with path.open("ab") as file:
         # Of a kind that readers pass over, the header being the one more.
-        file.write(encode_record(99, b"") * (MAX_RECORDS - LAST_RECORDS - before - 1))
+        file.write(encode_record(99, b"") * (most - LAST_RECORDS - before - 1))
     writer, _ = JournalWriter.resume(path)
     assert filled(writer, mark("one")) == before
     writer.begin_ending()
@@ -187,7 +191,7 @@ def test_a_journal_with_as_many_records_as_a_reader_takes_can_still_be_ended_and
     journal = read_journal(path)
     assert len(journal.marks) == before
     assert journal.end == End(reason="full", host_s=2.0)
-    assert len(scan(path.read_bytes()).records) == MAX_RECORDS
+    assert len(scan(path.read_bytes()).records) == most
 
 
 def test_a_journal_as_long_as_a_reader_takes_can_still_be_ended_and_read(header, path, monkeypatch):

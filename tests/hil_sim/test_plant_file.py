@@ -6,20 +6,9 @@ import pytest
 import armodal.hil_sim.plant
 from armodal.hil_sim.plant import load_plant
 from armodal.hil_sim.small_motion import linearise
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlantError
 
 SHIPPED = Path(armodal.hil_sim.plant.__file__).parent / "plants" / "rv4frl.toml"
-
-
-@pytest.fixture(scope="module")
-def plant():
-    return load_plant("rv4frl")
-
-
-@pytest.fixture(scope="module")
-def arm():
-    return load_arm("rv4frl")
 
 
 def changed(tmp_path, old, new):

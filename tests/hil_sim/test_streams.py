@@ -14,7 +14,6 @@ from armodal.hil_sim.faults import FaultSet
 from armodal.hil_sim.front_end import FrontEnd
 from armodal.hil_sim.link_faults import ChannelFaults, LinkFaults
 from armodal.hil_sim.noise import ChannelNoise
-from armodal.hil_sim.plant import load_plant
 from armodal.hil_sim.sensing import CHANNELS
 from armodal.hil_sim.streams import stream
 from armodal.hil_sim.study import LIBRARY, CaseSpec, draw_study, make_case
@@ -86,11 +85,6 @@ def test_a_hit_is_the_same_whatever_else_the_plan_measures():
     )
     assert np.array_equal(alone.counts, among.counts)
     assert np.array_equal(alone.before.joints_rad, among.before.joints_rad)
-
-
-@pytest.fixture(scope="module")
-def plant():
-    return load_plant("rv4frl")
 
 
 def test_a_channel_draws_its_noise_alone(plant):

@@ -32,9 +32,9 @@ def test_the_test_it_asked_for_is_run_and_told_with_its_reason(loop):
     folder, found = loop
     (test,) = found.tests
     assert test["number"] == 2
-    assert "widens k of" in test["why"]
     assert test["gain"] > 0
     plan = read_session(folder / "test-2.h5").header.plan
+    assert plan.text.startswith(f"# Proposed: {test['why']}\n")
     assert len(plan.postures) == 1
     names = [row.posture for row in found.outcome.result.gap_after]
     assert any(name.startswith("next test (test 2)") for name in names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from support.command import armodal
@@ -17,6 +18,7 @@ from armodal.protocols.plan import PLANS_DIRECTORY, load_plan
 from armodal.protocols.session.hdf5 import read_session, write_session
 from armodal.protocols.session.journal import read_journal
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui.commands import acquire as acquire_command
 from armodal.tui.operators import ScriptedOperator, acquire
 
 pytestmark = pytest.mark.usefixtures("real_time")
@@ -129,7 +131,9 @@ def test_a_roving_hammer_session_runs_over_real_ports(session_files):
 @pytest.mark.parametrize(
     ("fault", "word"), [("board-garbage", "board"), ("board-silence", "board"), ("can-silence", "")]
 )
-def test_a_device_that_does_not_talk_is_said(fault, word, small_plan, tmp_path):
+def test_a_device_that_does_not_talk_is_said(fault, word, small_plan, tmp_path, monkeypatch):
+    impatient = partial(AcquisitionSettings, give_up_wall_s=0.0, can_timeout_s=0.1)
+    monkeypatch.setattr(acquire_command, "AcquisitionSettings", impatient)
     with start_laboratory(
         "rv4frl", seed=1, time_scale=TIME_SCALE, directory=tmp_path / "lab", faults=(fault,)
     ) as laboratory:

@@ -60,10 +60,9 @@ def test_a_fault_of_axes_is_named_with_its_place(measured, matrix, fault, points
     assert finding.confidence > 0.99
 
 
-def test_a_sensor_at_another_point_is_named_with_that_point(measured):
-    session, superset = measured
-    other = simulate_session(4, hits_per_point=3)
-    finding = links(misplaced(session, other, "7", "12"), superset).finding
+def test_a_sensor_at_another_point_is_named_with_that_point(measured, session):
+    own, superset = measured
+    finding = links(misplaced(own, session, "7", "12"), superset).finding
     assert (finding.fault, finding.points) == (Fault.WRONG_POINT, ("7",))
     assert "point 12" in finding.text
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from support.offline_lab import simulate_session
 
-from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks import Outcome, check_session
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.analyzer.modal import convert_form
@@ -15,30 +13,24 @@ from armodal.protocols.frf_records import FrfForm
 
 
 @pytest.fixture(scope="module")
-def session():
-    """Two postures, three hits at each point."""
-    whole = simulate_session(3)
-    two = whole.header.plan.postures[:2]
+def two_postures(session):
+    """Three hits at each point."""
+    two = session.header.plan.postures[:2]
     names = {posture.name for posture in two}
-    header = replace(whole.header, plan=replace(whole.header.plan, postures=two))
+    header = replace(session.header, plan=replace(session.header.plan, postures=two))
     return replace(
-        whole, header=header, hits=tuple(hit for hit in whole.hits if hit.posture in names)
+        session, header=header, hits=tuple(hit for hit in session.hits if hit.posture in names)
     )
 
 
 @pytest.fixture(scope="module")
-def superset(session):
-    return Superset(session.header.arm)
+def frfs(two_postures, superset):
+    return estimate_frfs(two_postures, superset)
 
 
 @pytest.fixture(scope="module")
-def frfs(session, superset):
-    return estimate_frfs(session, superset)
-
-
-@pytest.fixture(scope="module")
-def from_hits(session, superset, frfs):
-    return check_session(session, frfs, superset)
+def from_hits(two_postures, superset, frfs):
+    return check_session(two_postures, frfs, superset)
 
 
 def of(findings, check, posture):
@@ -46,9 +38,9 @@ def of(findings, check, posture):
 
 
 @pytest.mark.parametrize("form", [FrfForm.ACCELERANCE, FrfForm.RECEPTANCE])
-def test_given_frfs_are_checked_without_single_hits(session, superset, frfs, from_hits, form):
+def test_given_frfs_are_checked_without_single_hits(two_postures, superset, frfs, from_hits, form):
     given = tuple(convert_form(frf, form) for frf in frfs)
-    only = replace(session, hits=(), frfs=given)
+    only = replace(two_postures, hits=(), frfs=given)
     findings = check_session(only, estimate_frfs(only, superset), superset)
     assert not [f.text for f in findings if f.outcome is Outcome.FAULT]
     for frf in frfs:
@@ -62,10 +54,10 @@ def test_given_frfs_are_checked_without_single_hits(session, superset, frfs, fro
 
 
 def test_a_given_posture_leaves_the_checks_of_a_measured_one_as_they_are(
-    session, superset, frfs, from_hits
+    two_postures, superset, frfs, from_hits
 ):
     measured, given = (frf.posture for frf in frfs)
-    mixed = replace(session, hits=session.accepted(measured), frfs=frfs[1:])
+    mixed = replace(two_postures, hits=two_postures.accepted(measured), frfs=frfs[1:])
     findings = check_session(mixed, estimate_frfs(mixed, superset), superset)
     assert [f for f in findings if f.posture == measured] == [
         f for f in from_hits if f.posture == measured
@@ -73,7 +65,7 @@ def test_a_given_posture_leaves_the_checks_of_a_measured_one_as_they_are(
     assert of(findings, "rigid link", given)
 
 
-def test_frfs_of_two_references_end_no_other_check(session, superset, frfs):
+def test_frfs_of_two_references_end_no_other_check(two_postures, superset, frfs):
     first, second = frfs
     doubled = replace(
         second,
@@ -83,7 +75,7 @@ def test_frfs_of_two_references_end_no_other_check(session, superset, frfs):
         n_hits=second.n_hits.repeat(2, axis=1),
         references=second.references * 2,
     )
-    given = replace(session, hits=(), frfs=(first, doubled))
+    given = replace(two_postures, hits=(), frfs=(first, doubled))
     findings = check_session(given, estimate_frfs(given, superset), superset)
     (link,) = of(findings, "rigid link", second.posture)
     assert link.outcome is Outcome.CANNOT_TELL

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.advice import plan_text
@@ -12,7 +13,6 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.possible_tests import Test
 from armodal.analyzer.gap.stages import stages_of, with_test
 from armodal.analyzer.identification.identify import estimate_frfs
-from armodal.hil_sim.study import make_case
 from armodal.protocols.plan import plan_from_text
 
 # Hits on point 3 of the flange along this go nearly through the axis of joint 5.
@@ -22,7 +22,7 @@ THROUGH_AXIS_5 = np.array([-0.259, 0.966, 0.0])
 
 @pytest.fixture(scope="module")
 def case():
-    return make_case(seed=9, arm="ur5")
+    return small_case(9, "ur5")
 
 
 def notes(case, direction):

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.by_level import promising_by_level
@@ -15,13 +16,12 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.stages import stages_of
 from armodal.analyzer.gap.weigh import Discrepancy
 from armodal.analyzer.identification.identify import estimate_frfs
-from armodal.hil_sim.study import make_case
 
 
 @pytest.fixture(scope="module")
 def slipping():
     """Broad lines of an arm with friction at a joint, the plain arm fitted to them, the joint."""
-    case = make_case(seed=3001, arm="rv4frl", effect="friction", ladder=True)
+    case = small_case(3001, "rv4frl", "friction", ladder=True)
     session = case.session()
     superset = Superset(session.header.arm)
     about = middle_level(session)

@@ -19,16 +19,10 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.posed import PosedModel
 from armodal.analyzer.gap.weigh import Discrepancy
 from armodal.hil_sim.study import make_case
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 KINDS = (backlash, friction, microslip, softening)
-
-
-@pytest.fixture(scope="module")
-def superset():
-    return Superset(load_arm("bench57"))
 
 
 @pytest.fixture(scope="module")

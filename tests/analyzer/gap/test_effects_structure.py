@@ -22,16 +22,11 @@ from armodal.analyzer.gap.lines import PostureLines
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.posed import PosedModel
 from armodal.analyzer.gap.records import EffectFound, Interval
-from armodal.protocols.arm.files import arm_from_texts, load_arm
+from armodal.protocols.arm.files import arm_from_texts
 from armodal.protocols.arm.rewrite import text_with_effects
 
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
-
-
-@pytest.fixture(scope="module")
-def superset():
-    return Superset(load_arm("bench57"))
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import coupling, nonproportional
@@ -13,7 +14,6 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.other_ends import other_ends
 from armodal.analyzer.gap.stages import stages_of
 from armodal.analyzer.identification.identify import estimate_frfs
-from armodal.hil_sim.study import make_case
 
 STEPS = 9
 
@@ -21,7 +21,7 @@ STEPS = 9
 @pytest.fixture(scope="module")
 def damped():
     """Broad lines of an arm with a damper, the plain arm fitted to them, the damper's links."""
-    case = make_case(seed=3103, arm="rv4frl", effect="nonproportional")
+    case = small_case(3103, "rv4frl", "nonproportional")
     session = case.session()
     superset = Superset(session.header.arm)
     _, broad, *_ = stages_of(superset, session, estimate_frfs(session, superset))

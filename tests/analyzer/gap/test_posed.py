@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.fit import Stage, fit_hypothesis
 from armodal.analyzer.gap.hypothesis import Hypothesis
@@ -15,7 +14,6 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.posed import PosedModel, Postures
 from armodal.analyzer.gap.scan import beside
 from armodal.analyzer.gap.weigh import Discrepancy
-from armodal.protocols.arm.files import load_arm
 
 ANGLES = np.deg2rad(
     [
@@ -25,11 +23,6 @@ ANGLES = np.deg2rad(
     ]
 )
 DIRECTIONS = np.array([[-0.45, -0.62, -0.6427], [0.0, 0.6, 0.8]])
-
-
-@pytest.fixture(scope="module")
-def superset():
-    return Superset(load_arm("bench57"))
 
 
 @pytest.fixture(scope="module")

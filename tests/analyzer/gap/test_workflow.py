@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.small_case import small_case
 
 from armodal.analyzer.gap.enough import notes_on
 from armodal.analyzer.gap.held_out import held_out_postures
@@ -23,7 +24,7 @@ from armodal.study.score import mark, size_found, size_of_truth
 @pytest.fixture(scope="module")
 def hidden():
     """An axis in a link; one posture more, with a known mass on the last link, is held out."""
-    case = make_case(seed=1, arm="rv4frl", effect="link_axis", magnitude="clear")
+    case = small_case(2, "bench57", "link_axis")
     laboratory = SimulatedLaboratory(case=case)
     session = laboratory.measure(None, 1)
     last = case.arm.joints[-1].link
@@ -64,7 +65,7 @@ def test_a_known_mass_is_held_out_and_a_right_name_foretells_it(hidden):
 
 
 def test_nothing_is_found_where_nothing_is_hidden():
-    session = make_case(seed=4, arm="rv4frl").session()
+    session = small_case(4, "rv4frl").session()
     result = find_gap(session, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NOTHING_DETECTABLE
     assert not result.effects

@@ -8,41 +8,26 @@ from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE
 from armodal.analyzer.report import write_report
 from armodal.analyzer.screws import line_angle_rad, line_distance_m
-from armodal.hil_sim.plant import build_plant, load_plant
+from armodal.hil_sim.plant import build_plant
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan import load_plan
 
 
-@pytest.fixture(scope="module")
-def plant():
-    return load_plant("rv4frl")
-
-
-@pytest.fixture(scope="module")
-def session():
-    return simulate_session(11)
-
-
-@pytest.fixture(scope="module")
-def result(session):
-    return identify(session)
-
-
-def test_joint_stiffness_is_within_two_per_cent_and_three_sigma(result, plant):
+def test_joint_stiffness_is_within_two_per_cent_and_three_sigma(identified, plant):
     truth = {
         link.joint: link.stiffness_n_m_per_rad
         for link in plant.truth.links
         if link.stiffness_n_m_per_rad
     }
-    for joint in result.joints:
+    for joint in identified.joints:
         error = joint.k_n_m_per_rad - truth[joint.joint]
         assert abs(error) < 0.02 * truth[joint.joint]
         assert abs(error) < 3 * joint.k_std
 
 
-def test_the_hidden_axis_is_found_in_its_link(result, plant):
-    (axis,) = result.axes
+def test_the_hidden_axis_is_found_in_its_link(identified, plant):
+    (axis,) = identified.axes
     hidden = plant.truth.hidden_axis
     assert axis.link == hidden.link
     error = axis.k_n_m_per_rad - hidden.stiffness_n_m_per_rad
@@ -52,46 +37,46 @@ def test_the_hidden_axis_is_found_in_its_link(result, plant):
     assert line_distance_m(hidden.point_m, axis.point_link_m, axis.direction_link) < 0.015
 
 
-def test_validation_frequencies_are_predicted_before_they_are_measured(result):
-    assert len(result.validation) == 8
-    for row in result.validation:
+def test_validation_frequencies_are_predicted_before_they_are_measured(identified):
+    assert len(identified.validation) == 8
+    for row in identified.validation:
         assert row.measured_hz is not None
         # 5 sigma: eight comparisons, few degrees of freedom.
         spread = np.hypot(row.predicted_std_hz, row.measured_std_hz)
         assert abs(row.predicted_hz - row.measured_hz) < 5 * spread
 
 
-def test_the_mozzi_axis_of_a_mode_shows_the_bias_the_model_predicts(result):
-    (axis,) = result.axes
+def test_the_mozzi_axis_of_a_mode_shows_the_bias_the_model_predicts(identified):
+    (axis,) = identified.axes
     first = axis.mozzi[0]
     found_bias = first.k_eq1_n_m_per_rad / axis.k_n_m_per_rad - 1
     assert found_bias == pytest.approx(first.predicted_bias_k, abs=0.02)
 
 
-def test_stiffness_follows_the_tolerance_of_the_inertias(result):
-    for joint in result.joints:
+def test_stiffness_follows_the_tolerance_of_the_inertias(identified):
+    for joint in identified.joints:
         # Masses of 5 % and inertias of 6 %, shared among several links.
         assert 0.01 < joint.k_std_model / joint.k_n_m_per_rad < 0.08
 
 
-def test_the_report_is_one_file_that_loads_nothing(session, result, tmp_path):
+def test_the_report_is_one_file_that_loads_nothing(session, identified, tmp_path):
     path = tmp_path / "report.html"
-    write_report(session, result, path)
+    write_report(session, identified, path)
     html = path.read_text(encoding="utf-8")
     page = html[: html.index("plotly.js")] if "plotly.js" in html else html
     assert "<script src=" not in html
     assert "<link " not in page
-    for joint in result.joints:
+    for joint in identified.joints:
         assert f"{joint.k_n_m_per_rad:.0f}" in html
 
 
-def test_poles_picked_by_hand_take_the_place_of_the_automatic_modes(session, result, plant):
-    first = result.modal_models[0]
+def test_poles_picked_by_hand_take_the_place_of_the_automatic_modes(session, identified, plant):
+    first = identified.modal_models[0]
     poles = [mode.pole_rad_s for mode in first.modes[:-1]]
-    by_hand = identify(session, picked={result.frfs[0].posture: poles})
+    by_hand = identify(session, picked={identified.frfs[0].posture: poles})
     assert len(by_hand.modal_models[0].modes) == len(first.modes) - 1
-    assert by_hand.modal_models[1].f_hz == pytest.approx(result.modal_models[1].f_hz)
-    assert f"posture {result.frfs[0].posture}: modes from poles picked by hand" in by_hand.notes
+    assert by_hand.modal_models[1].f_hz == pytest.approx(identified.modal_models[1].f_hz)
+    assert f"posture {identified.frfs[0].posture}: modes from poles picked by hand" in by_hand.notes
     # The stiffness comes from the FRFs and stays true.
     for joint in by_hand.joints:
         truth = {link.joint: link.stiffness_n_m_per_rad for link in plant.truth.links}

@@ -14,7 +14,7 @@ from armodal.hil_sim.plant import build_plant, load_plant
 
 
 @pytest.fixture(scope="module")
-def plant():
+def locked():
     truth = load_plant("rv4frl").truth
     held = {"stiffness_n_m_per_rad": None, "damping_n_m_s_per_rad": None}
     links = [truth.links[0].model_copy(update=held), *truth.links[1:]]
@@ -22,8 +22,8 @@ def plant():
 
 
 @pytest.fixture(scope="module")
-def axis(plant):
-    session = simulate_session(21, plant=plant)
+def axis(locked):
+    session = simulate_session(21, plant=locked)
     arm = session.header.arm
     joints = (replace(arm.joints[0], stiffness=None, damping=None), *arm.joints[1:])
     believed = replace(arm, joints=joints)
@@ -32,8 +32,8 @@ def axis(plant):
     return found
 
 
-def test_mode_model_and_triplets_agree_on_the_axis(axis, plant):
-    hidden = plant.truth.hidden_axis
+def test_mode_model_and_triplets_agree_on_the_axis(axis, locked):
+    hidden = locked.truth.hidden_axis
     direction = np.array(hidden.direction) / np.linalg.norm(hidden.direction)
     assert np.rad2deg(line_angle_rad(axis.direction_link, direction)) < 1.0
     assert axis.k_n_m_per_rad == pytest.approx(hidden.stiffness_n_m_per_rad, rel=0.01)
@@ -45,9 +45,9 @@ def test_mode_model_and_triplets_agree_on_the_axis(axis, plant):
     assert posture.predicted_bias_mm < 1e3 * triplets.distance_rms_m
 
 
-def test_the_bias_is_smaller_than_with_joint_1_free(axis):
+def test_the_bias_is_smaller_than_with_joint_1_free(axis, identified):
     """With joint 1 free, test 1's mode also turns about it, and Eq. (1) is off by an eighth."""
-    free = identify(simulate_session(21)).axes[0]
+    free = identified.axes[0]
     locked_row, free_row = (
         next(row for row in found.mozzi if row.posture == "test 1") for found in (axis, free)
     )

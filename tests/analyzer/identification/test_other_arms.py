@@ -23,6 +23,7 @@ def believed():
     return load_arm("viper_s650")
 
 
+@pytest.mark.long
 def test_five_joints_of_the_viper_are_identified_from_planned_tests(believed, tmp_path):
     """Springs 25 to 35 % off the belief, the plan made on the belief."""
     elastic = elastic_joints(believed)

@@ -13,16 +13,10 @@ from armodal.analyzer.arm import Superset, reduce_model
 from armodal.analyzer.arm.reduced import model_modes
 from armodal.analyzer.modal import convert_form, fit_modes
 from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 FREQ_HZ = np.arange(5.0, 60.0, 0.5)
 POINTS = ("1", "4", "6", "8", "11", "13")
-
-
-@pytest.fixture(scope="module")
-def superset():
-    return Superset(load_arm("rv4frl"))
 
 
 @pytest.fixture(scope="module")

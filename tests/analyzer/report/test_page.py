@@ -8,28 +8,16 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from support.offline_lab import simulate_session
 
-from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.report import write_report
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.records import Loss
 
 
 @pytest.fixture(scope="module")
-def session():
-    return simulate_session(4)
-
-
-@pytest.fixture(scope="module")
-def result(session):
-    return identify(session)
-
-
-@pytest.fixture(scope="module")
-def html(session, result, tmp_path_factory):
+def html(session, identified, tmp_path_factory):
     path = tmp_path_factory.mktemp("report") / "report.html"
-    write_report(session, result, path)
+    write_report(session, identified, path)
     return path.read_text(encoding="utf-8")
 
 
@@ -55,8 +43,8 @@ def test_nothing_is_loaded_from_elsewhere(html):
         )
 
 
-def test_every_stiffness_stands_in_it_with_both_uncertainties(html, result):
-    for row in (*result.joints, *result.axes):
+def test_every_stiffness_stands_in_it_with_both_uncertainties(html, identified):
+    for row in (*identified.joints, *identified.axes):
         for value in (row.k_n_m_per_rad, row.k_std, row.k_std_model):
             assert f"{value:.0f}" in html
 
@@ -76,36 +64,36 @@ def test_provenance_names_arm_plan_and_board(html, session):
         assert channel.serial_number in html
 
 
-def test_losses_and_warnings_stand_above_the_numbers(session, result, tmp_path):
+def test_losses_and_warnings_stand_above_the_numbers(session, identified, tmp_path):
     loss = Loss(kind="can", count=7, first_sample=None, host_s=0.0, note="frames lost")
     told = replace(session, losses=(loss,), warnings=("the tail was torn",), complete=False)
     path = tmp_path / "report.html"
-    write_report(told, result, path)
+    write_report(told, identified, path)
     html = path.read_text(encoding="utf-8")
     numbers = html.index("<h2>Stiffness</h2>")
     for said in ("frames lost", "the tail was torn", "not complete"):
         assert html.index(said) < numbers
 
 
-def test_text_from_files_is_shown_and_never_run(session, result, tmp_path):
+def test_text_from_files_is_shown_and_never_run(session, identified, tmp_path):
     evil = "<script>alert(1)</script>"
     told = replace(session, warnings=(evil,))
     path = tmp_path / "report.html"
-    write_report(told, result, path)
+    write_report(told, identified, path)
     html = path.read_text(encoding="utf-8")
     assert evil not in html
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in html
 
 
-def test_the_file_has_the_permissions_of_any_other(session, result, tmp_path):
+def test_the_file_has_the_permissions_of_any_other(session, identified, tmp_path):
     ordinary = tmp_path / "ordinary"
     ordinary.touch()
     path = tmp_path / "report.html"
-    write_report(session, result, path)
+    write_report(session, identified, path)
     assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
 
 
-def test_a_failed_write_leaves_the_older_report(session, result, tmp_path, monkeypatch):
+def test_a_failed_write_leaves_the_older_report(session, identified, tmp_path, monkeypatch):
     path = tmp_path / "report.html"
     path.write_text("older")
 
@@ -114,6 +102,6 @@ def test_a_failed_write_leaves_the_older_report(session, result, tmp_path, monke
 
     monkeypatch.setattr(Path, "replace", full)
     with pytest.raises(SessionError, match="No space left"):
-        write_report(session, result, path)
+        write_report(session, identified, path)
     assert path.read_text() == "older"
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]

@@ -18,11 +18,6 @@ EXACT = 1e-12  # of the largest value: rounding of some hundred products
 
 
 @pytest.fixture(scope="module")
-def arm():
-    return load_arm("rv4frl")
-
-
-@pytest.fixture(scope="module")
 def joints_rad(arm):
     return np.random.default_rng(1).uniform(-3.0, 3.0, size=(20, len(arm.joints)))
 

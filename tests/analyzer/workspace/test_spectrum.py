@@ -9,13 +9,7 @@ import scipy.linalg
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints, spectrum
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
-
-
-@pytest.fixture(scope="module")
-def arm():
-    return load_arm("rv4frl")
 
 
 @pytest.fixture(scope="module")

@@ -16,13 +16,7 @@ from armodal.analyzer.workspace.moments import moments_of
 from armodal.analyzer.workspace.postures import CHUNK, random_postures
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.analyzer.workspace.study import study_workspace
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
-
-
-@pytest.fixture(scope="module")
-def arm():
-    return load_arm("rv4frl")
 
 
 @given(st.lists(st.integers(1, 50), min_size=1, max_size=6), st.integers(0, 2**32 - 1))

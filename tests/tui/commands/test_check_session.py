@@ -1,12 +1,10 @@
 import json
 
-from support.offline_lab import simulate_session
-
 from armodal.tui.commands.check_session import session_checks
 
 
-def test_checks_are_plain_values_and_a_table():
-    value, table = session_checks(simulate_session(2))
+def test_checks_are_plain_values_and_a_table(session):
+    value, table = session_checks(session)
     assert json.loads(json.dumps(value)) == value
     rows = value["checks"]
     assert {row["check"] for row in rows} == {

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import pyuff
 from support.command import armodal
-from support.offline_lab import simulate_session
 from typer.testing import CliRunner
 
 from armodal.analyzer.identification.identify import identify
@@ -243,23 +242,14 @@ def test_exported_files_are_named_by_number_not_by_posture(tmp_path):
 # An arm through UFF ------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def own_session():
-    return simulate_session(1)
-
-
-@pytest.fixture(scope="module")
-def direct(own_session):
-    return identify(own_session)
-
-
-def test_joint_stiffness_survives_the_way_through_a_universal_file(tmp_path, own_session, direct):
+@pytest.mark.long
+def test_joint_stiffness_survives_the_way_through_a_universal_file(tmp_path, session, identified):
     """Responses turned into the base frame, oblique hits, an exponential window: all come back."""
-    write_session(own_session, tmp_path / "own.h5")
+    write_session(session, tmp_path / "own.h5")
     code, _, err = armodal("export", tmp_path / "own.h5", "--out", tmp_path / "x.uff", "--no-modes")
     assert code == 0, err
     lines = ['arm = "rv4frl"', 'mode = "roving-response"', "sensor_mass_kg = 0.0093"]
-    for i, posture in enumerate(own_session.header.plan.postures[:3]):
+    for i, posture in enumerate(session.header.plan.postures[:3]):
         lines += [
             "[[postures]]",
             f'name = "{posture.name}"',
@@ -270,21 +260,21 @@ def test_joint_stiffness_survives_the_way_through_a_universal_file(tmp_path, own
     code, _, err = armodal("import", tmp_path / "m.toml", "--out", tmp_path / "back.h5")
     assert code == 0, err
     through = identify(read_session(tmp_path / "back.h5"))
-    for one, other in zip(direct.joints, through.joints, strict=True):
+    for one, other in zip(identified.joints, through.joints, strict=True):
         # The same data weighted a little differently: within 3 of the larger deviation told.
         std = max(one.k_std, other.k_std)
         assert abs(one.k_n_m_per_rad - other.k_n_m_per_rad) < 3 * std
-    assert len(through.axes) == len(direct.axes) == 1
+    assert len(through.axes) == len(identified.axes) == 1
 
 
-def test_the_identified_model_is_an_arm_file_with_the_values_found(tmp_path, own_session, direct):
-    export_model(own_session, direct, tmp_path / "model.toml", software="armodal test")
+def test_the_identified_model_is_an_arm_file_with_the_values_found(tmp_path, session, identified):
+    export_model(session, identified, tmp_path / "model.toml", software="armodal test")
     arm = load_arm(tmp_path / "model.toml")
-    for joint, found in zip(arm.joints[:3], direct.joints, strict=True):
+    for joint, found in zip(arm.joints[:3], identified.joints, strict=True):
         assert joint.stiffness.value == found.k_n_m_per_rad
         assert joint.damping.value == found.c_n_m_s_per_rad
         assert "identified" in joint.stiffness.source
-    export_model(own_session, direct, tmp_path / "model.json", software="armodal test")
+    export_model(session, identified, tmp_path / "model.json", software="armodal test")
     model = json.loads((tmp_path / "model.json").read_text())
     assert len(model["joints"]) == 3
     assert len(model["structural"]) == 1

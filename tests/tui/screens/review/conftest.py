@@ -2,17 +2,11 @@ import asyncio
 from dataclasses import dataclass, replace
 
 import pytest
-from support.offline_lab import simulate_session
 from support.screen import Notices
 
 from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.posture_view import fit_automatic, opened_session
-
-
-@pytest.fixture(scope="session")
-def session():
-    return simulate_session(4, hits_per_point=2)
 
 
 @pytest.fixture(scope="session")
