@@ -6,7 +6,7 @@ scripts and notebooks; everything here takes and returns records that do not cha
 >>> import armodal
 >>> arm = armodal.load_arm("rv4frl")
 >>> [joint.name for joint in arm.joints][:3]
-['joint 1', 'joint 2', 'joint 3']
+['joint_1', 'joint_2', 'joint_3']
 
 A session file, once measured or imported, is read, fitted and explained by
 
