@@ -19,6 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.modal.noise import hit_scatter_variance, independent_line_share, smooth_lines
+from armodal.analyzer.time_order import in_time_order
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
@@ -32,8 +33,14 @@ _FEWEST = 2  # averages that a coherence below one needs
 
 
 def with_variances(session: Session) -> Session:
-    """Return the session with the variance of its given FRFs from their coherence."""
-    return replace(session, frfs=tuple(with_variance(frf) for frf in session.frfs))
+    """Return the session with its given FRFs in order of time, with variance by coherence."""
+    turned = [in_time_order(frf) for frf in session.frfs]
+    said = [f"posture {frf.posture!r}: {note}" for frf, note in turned if note]
+    return replace(
+        session,
+        frfs=tuple(with_variance(frf) for frf, _ in turned),
+        warnings=(*session.warnings, *said),
+    )
 
 
 def with_variance(frf: FrequencyResponse) -> FrequencyResponse:

@@ -2,6 +2,7 @@
 
 from armodal.analyzer.modal.chosen_hits import HitChoice, hit_choices
 from armodal.analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
+from armodal.analyzer.modal.drift_causes import DriftTold, drift_told
 from armodal.analyzer.modal.fit import fit_modes, fit_modes_at
 from armodal.analyzer.modal.forms import convert_form
 from armodal.analyzer.modal.frf import SensorAxes, posture_frf
@@ -26,6 +27,7 @@ from armodal.analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
 from armodal.analyzer.modal.stable_poles import stable_poles
 
 __all__ = [
+    "DriftTold",
     "HitChoice",
     "HitSpectra",
     "MassScaling",
@@ -38,6 +40,7 @@ __all__ = [
     "cmif",
     "coherence_random_error",
     "convert_form",
+    "drift_told",
     "fit_modes",
     "fit_modes_at",
     "frac",

@@ -6,12 +6,16 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
+from armodal.analyzer.modal.drift import ModeDrift, with_drift
 from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.lines import FittedLines
 from armodal.analyzer.modal.modes import ModalModel, Mode
 from armodal.analyzer.modal.noise import SMOOTHED_LINES
+from armodal.analyzer.modal.peaks import standing_peaks, unexplained
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.rank_one import RankOneFit
 from armodal.analyzer.modal.regression import residual_terms
+from armodal.analyzer.modal.search import Problem
 from armodal.analyzer.modal.selection import Selection
 from armodal.analyzer.modal.shape_uncertainty import (
     axis_correlation,
@@ -20,20 +24,24 @@ from armodal.analyzer.modal.shape_uncertainty import (
     shape_covariance,
     turned_std,
 )
-from armodal.analyzer.modal.uncertainty import PoleCovariance, pole_covariance
+from armodal.analyzer.modal.uncertainty import PoleCovariance, pole_covariance, with_spread
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.frf_records import Dof, FrequencyResponse
 
-__all__ = ["assemble_model"]
+__all__ = ["assemble_model", "mountings"]
 
 _Complex = npt.NDArray[np.complex128]
 
 
-def _clusters(dofs: tuple[Dof, ...]) -> npt.NDArray[np.int64]:
-    """Number of each measured point, from 0: (n_resp,). What is measured there shares hits."""
+def mountings(dofs: tuple[Dof, ...]) -> tuple[npt.NDArray[np.int64], tuple[str, ...]]:
+    """Number of each measured point, from 0: (n_resp,), and their names.
+
+    What is measured at one point shares hits.
+    """
     names: dict[str, int] = {}
-    return np.array([names.setdefault(dof.point, len(names)) for dof in dofs], dtype=np.int64)
+    number = [names.setdefault(dof.point, len(names)) for dof in dofs]
+    return np.array(number, dtype=np.int64), tuple(names)
 
 
 def _synthesis(frf: FrequencyResponse, s: _Complex, fit: RankOneFit) -> _Complex:
@@ -55,6 +63,7 @@ def _modes(
     power: int,
     gain_variance: npt.NDArray[np.float64],
     clusters: npt.NDArray[np.int64],
+    drift: tuple[ModeDrift | None, ...],
     *,
     line_dof: float,
     gain_dof: float,
@@ -105,6 +114,7 @@ def _modes(
                 dof=dof,
                 shape_dof=1.0 / float(shares**2 @ (1.0 / np.array([dof, line_dof, gain_dof]))),
                 stability=float(chosen.share[m]),
+                drift=drift[m],
                 significance=float(chosen.significance[m]),
             )
         )
@@ -140,16 +150,27 @@ def _gain_variance(
     return result
 
 
+def _peak_notes(problem: Problem, poles: _Complex) -> list[str]:
+    """What stands out and has no mode; FRFs at the mean poles, so that what moves is none."""
+    spacing_hz = float(np.median(np.diff(problem.freq_hz)))
+    peaks = standing_peaks(problem.freq_hz, problem.values)
+    return [
+        f"a peak at {peak.f_hz:.5g} Hz, {peak.height:.0f} times as high as its surroundings, is "
+        "explained by no mode; fit a band around it, or look whether it is mains or a machine"
+        for peak in unexplained(peaks, poles, spacing_hz)
+    ]
+
+
 def assemble_model(
     frf: FrequencyResponse,
-    band: tuple[float, float],
-    values: _Complex,
-    variance: npt.NDArray[np.float64],
+    lines: FittedLines,
+    problem: Problem,
     table: Stabilisation,
     chosen: Selection,
     fit: RankOneFit,
     *,
-    line_share: float,
+    drift: tuple[ModeDrift | None, ...],
+    spread: npt.NDArray[np.float64],
     transposed: bool,
 ) -> ModalModel:
     """Record of a fit; `values`, `variance` and `fit` with the longer side first.
@@ -158,22 +179,23 @@ def assemble_model(
     ----------
     frf
         Where the FRFs came from.
-    band
-        Lowest and highest line fitted, Hz.
-    values, variance
-        (n_long, n_short, n_freq), as fitted.
+    lines, problem
+        The lines fitted, and the FRFs as fitted: the longer side first.
     table, chosen, fit
         The poles over orders, the choice, the maximum-likelihood model.
-    line_share
-        Independent lines per line under the window.
+    drift
+        Of every mode; the problem's values are then those at the mean poles.
+    spread
+        (2 n_modes,) of (f, damping) over bands and weights.
     transposed
         True where references were more than responses.
     """
-    n_freq = values.shape[2]
-    freq = frf.freq_hz[(frf.freq_hz >= band[0]) & (frf.freq_hz <= band[1])]
+    values, variance, freq = problem.values, problem.variance, problem.freq_hz
+    n_freq, line_share = freq.size, problem.line_share
     synthesis = _synthesis(frf, laplace_lines(freq, frf.decay_rad_s), fit)
     misfit = values - synthesis
-    clusters = _clusters(frf.references if transposed else frf.responses)
+    clusters, names = mountings(frf.references if transposed else frf.responses)
+    long_by_short = np.broadcast_to(clusters[:, None], values.shape[:2])
     lack_of_fit = float(fit.cost.sum()) / max(2 * n_freq * fit.cost.size - fit.n_free, 1)
     hits = float(np.median(frf.n_hits))
     precision = pole_covariance(
@@ -183,6 +205,7 @@ def assemble_model(
         share=line_share,
         hit_dof=max(2.0 * (hits - 1.0), 1.0) * float(clusters.max() + 1),
     )
+    precision = with_spread(with_drift(precision, drift), spread)
     correlation = axis_correlation(misfit / np.sqrt(variance), clusters)
     modes = _modes(
         fit,
@@ -193,6 +216,7 @@ def assemble_model(
         derivative_order(frf.form),
         _gain_variance(frf, values, misfit, variance, freq, fit, transposed=transposed),
         clusters,
+        drift,
         line_dof=max(2.0 * (hits - 1.0), 1.0) * max(n_freq * line_share, 1.0),
         gain_dof=max(hits - 1.0, 1.0) * float(clusters.max() + 1),
         transposed=transposed,
@@ -206,7 +230,7 @@ def assemble_model(
     return ModalModel(
         posture=frf.posture,
         form=frf.form,
-        band_hz=band,
+        band_hz=lines.band_hz,
         modes=modes,
         residual_terms=sided(fit.residuals),
         covariance=frozen_array(precision.covariance, np.float64),
@@ -219,4 +243,7 @@ def assemble_model(
         references=frf.references,
         joints_rad=frf.joints_rad,
         stabilisation=table,
+        mountings=names,
+        mounting=frozen_array(long_by_short.T if transposed else long_by_short, np.int64),
+        notes=(*lines.notes, *_peak_notes(problem, fit.poles)),
     )

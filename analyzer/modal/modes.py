@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.modal.drift import ModeDrift
 from armodal.analyzer.modal.forms import derivative_order
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.regression import residual_terms
@@ -43,6 +44,7 @@ class Mode:
     shape_dof: float  # those of shape and participation: most of their scatter is the lines'
     stability: float  # share of the model orders at which the pole was seen
     significance: float  # rise of the misfit without the mode, over what noise alone would give
+    drift: ModeDrift | None = None  # where its resonance moves from mounting to mounting
 
     @property
     def residues(self) -> npt.NDArray[np.complex128]:
@@ -74,6 +76,9 @@ class ModalModel:
     references: tuple[Dof, ...]
     joints_rad: npt.NDArray[np.float64] | None
     stabilisation: Stabilisation
+    mountings: tuple[str, ...]  # what was measured at once: points of the longer side
+    mounting: npt.NDArray[np.int64]  # (n_resp, n_ref) of each FRF, from 0
+    notes: tuple[str, ...]  # what a person must know of the lines and peaks
 
     @property
     def f_hz(self) -> npt.NDArray[np.float64]:
@@ -108,7 +113,13 @@ def synthesise(
         residues = np.stack(
             [mode.residues for mode in model.modes], axis=-1
         ) * poles ** derivative_order(model.form)
-        both = np.concatenate([residues, residues.conj()], axis=-1)
-        total += both @ (1.0 / (s - np.concatenate([poles, poles.conj()])[:, None]))
+        drift = [mode.drift for mode in model.modes]
+        for g in range(len(model.mountings)):
+            own = np.where(model.mounting == g)
+            here = np.array(
+                [p if d is None else d.group_poles[g] for p, d in zip(poles, drift, strict=True)]
+            )
+            both = np.concatenate([residues[own], residues[own].conj()], axis=-1)
+            total[own] += both @ (1.0 / (s - np.concatenate([here, here.conj()])[:, None]))
     result: npt.NDArray[np.complex128] = total
     return result

@@ -30,14 +30,20 @@ Bell and McCaffrey, Survey Methodology 28 (2002) 169. Pustejovsky and Tipton, J.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.rank_one import RankOneFit
 
-__all__ = ["PoleCovariance", "frequency_damping_jacobian", "pole_covariance", "white_covariance"]
+__all__ = [
+    "PoleCovariance",
+    "frequency_damping_jacobian",
+    "pole_covariance",
+    "white_covariance",
+    "with_spread",
+]
 
 _PRIOR_DOF = 4.0
 _LONE = 0.99  # of a contrast's information in one cluster: its scatter is then the others' noise
@@ -248,3 +254,8 @@ def _seen(
         dof[i] = np.trace(M) ** 2 / max(float(np.sum(M * M)), tiny)
         share[i] = np.trace(M) / max(float(c @ c), tiny)
     return _Seen(share=np.clip(share, 0.0, 1.0), dof=dof)
+
+
+def with_spread(precision: PoleCovariance, spread: npt.NDArray[np.float64]) -> PoleCovariance:
+    """Covariance with what else moves the poles, independent of the noise: std (2 n_modes,)."""
+    return replace(precision, covariance=precision.covariance + np.diag(spread**2))

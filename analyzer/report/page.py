@@ -13,7 +13,7 @@ import jinja2
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.modal import hit_choices, missing_mode_hints
+from armodal.analyzer.modal import drift_told, hit_choices, missing_mode_hints
 from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
 from armodal.analyzer.report.gap_section import gap_section
 from armodal.protocols.session.records import Session
@@ -87,6 +87,7 @@ def _content(
                 "frf": frf,
                 "model": model,
                 "choices": () if frf.posture in given else hit_choices(session, frf.posture),
+                "drift": drift_told(model),
                 "hints": missing_mode_hints(frf, model),
             }
             for frf, model in zip(identification.frfs, identification.modal_models, strict=True)

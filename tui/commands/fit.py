@@ -75,6 +75,7 @@ def _lines(value: dict[str, Any]) -> list[str]:
             f"  hit {hit['hit']} left out, {hit['reason']}: {hit['note']}"
             for hit in made["hits_dropped"]
         ]
+        lines += [f"  moves: {told['words']}" for told in made["drift"]]
         lines += [
             f"  a mode may be missing near {hint['f_hz']:.4g} Hz: "
             f"{100.0 * hint['misfit_share']:.2g} % of the FRFs there is not explained"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
+    drift_told,
     fit_modes,
     hit_choices,
     mass_scaling,
@@ -58,6 +60,7 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = _stabilisation(model)
         modes += _modes(superset, frf, model)
+        warnings += [f"posture {frf.posture!r}: {note}" for note in model.notes]
         averaged_here = frf.posture not in given
         if settings.about_hits() and not averaged_here:
             warnings.append(
@@ -191,6 +194,7 @@ def _posture(
             for i, response in enumerate(model.responses)
             for j, reference in enumerate(model.references)
         ],
+        "drift": [asdict(told) for told in drift_told(model)],
         "missing_mode_hints": [
             {
                 "f_hz": hint.f_hz,

@@ -1,0 +1,84 @@
+"""The lines about some modes, the other modes taken off: a small problem of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.modal.regression import ModalData, Regression, modal_data
+
+__all__ = ["AboutModes", "about_modes", "near_runs"]
+
+_Real = npt.NDArray[np.float64]
+_Complex = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AboutModes:
+    """FRFs on the lines about some modes."""
+
+    data: ModalData
+    variance: _Real  # (n_frf, n_lines)
+    core: _Real  # (n_modes, n_lines), 1 within a half bandwidth of each mode, else 0
+
+    def of(self, member: npt.NDArray[np.bool_]) -> ModalData:
+        """Some of the FRFs (n_frf,)."""
+        data = self.data
+        return modal_data(data.form, data.s, data.values[member], self.variance[member])
+
+
+def near_runs(poles: _Complex, within: float) -> list[list[int]]:
+    """Indices by frequency, in runs whose neighbours are within so many half bandwidths."""
+    runs: list[list[int]] = []
+    for i in np.argsort(poles.imag):
+        if runs:
+            before = poles[runs[-1][-1]]
+            if poles[i].imag - before.imag < within * max(-before.real, -poles[i].real):
+                runs[-1].append(int(i))
+                continue
+        runs.append([int(i)])
+    return runs
+
+
+def about_modes(
+    data: ModalData,
+    fit: Regression,
+    own: npt.NDArray[np.intp],
+    *,
+    reach: float,
+    least_lines: int,
+) -> AboutModes:
+    """Lines about some modes of a fit, the others taken off.
+
+    Parameters
+    ----------
+    data, fit
+        All lines, and all modes.
+    own
+        Which modes.
+    reach
+        Half bandwidths of the widest of them, on either side.
+    least_lines
+        On either side.
+    """
+    others = np.setdiff1d(np.arange(fit.poles.size), own)
+    omega, poles = data.s.imag, fit.poles[own]
+    half, step = -poles.real, float(np.median(np.diff(omega)))
+    away = np.abs(omega - poles.imag[:, None])
+    lines = away.min(axis=0) <= max(reach * float(half.max()), least_lines * step)
+    s = data.s[lines]
+    values = data.values[:, lines]
+    if others.size:
+        both = np.concatenate([fit.residues[:, others], fit.residues[:, others].conj()], axis=1)
+        p = np.concatenate([fit.poles[others], fit.poles[others].conj()])
+        values = values - both @ (1.0 / (s - p[:, None]))
+    variance = np.broadcast_to(
+        1.0 / (data.row_weight[:, None] * data.weight[:, lines]), values.shape
+    )
+    return AboutModes(
+        data=modal_data(data.form, s, values, variance),
+        variance=variance,
+        core=(away[:, lines] <= np.maximum(half, step)[:, None]).astype(np.float64),
+    )

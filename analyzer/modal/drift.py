@@ -1,0 +1,406 @@
+"""Modes whose resonance is not at the same place in every measurement.
+
+A sensor that roves takes its mass along, a structure warms up between two batches: each mounting
+then has a pole of its own, and one pole for all leaves a misfit beside every resonance. Fitted
+with common poles such a mode comes out as several, each with a part of the shape.
+
+What was measured at one point is a group of FRFs. On the lines about a mode, or about modes that
+stand close enough to be copies of one another, every group is fitted with poles of its own:
+
+* Of modes that may be copies the fewest are kept with which nothing is left over that could be
+  seen as a mode.
+* Whether the groups' poles differ by more than their scatter is Cochran's question (Biometrics 10
+  (1954) 101): Q = sum_g (x_g - x)^2 / c_g of frequency, and of damping, is chi-square with one
+  degree of freedom less than groups where only scatter c_g moves them.
+* Where they do, each group's pole is x_g = x + u_g + e_g, with a variance of u beside the scatter
+  (DerSimonian and Laird, Control. Clin. Trials 7 (1986) 177), and what a group can hardly see is
+  drawn towards the mean.
+
+The FRFs are then carried over to the mean pole, and the rest of the analysis sees them as if
+nothing had moved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import chi2
+
+from armodal.analyzer.modal.about_modes import AboutModes, about_modes, near_runs
+from armodal.analyzer.modal.correlation import mpc
+from armodal.analyzer.modal.random_effects import Quantity, random_effects
+from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.regression import (
+    N_RESIDUAL,
+    ModalData,
+    Regression,
+    misfit,
+    modal_data,
+    regress,
+)
+from armodal.analyzer.modal.uncertainty import (
+    PoleCovariance,
+    frequency_damping_jacobian,
+    white_covariance,
+)
+
+__all__ = ["ModeDrift", "Settled", "settle_drift", "with_drift"]
+
+_Real = npt.NDArray[np.float64]
+_Complex = npt.NDArray[np.complex128]
+_Int = npt.NDArray[np.int64]
+
+SURE = 1e-4  # probability of calling scatter a move, a mode
+VISIBLE = 0.05  # of the FRFs' weighted amplitude at a mode: less is no mode of its own
+LINKED = 4.0  # half bandwidths between neighbours that may be copies: two half-power bandwidths
+CONSISTENT = 0.8  # MPC of a mode to be trusted: Pappa, Elliott, Schenk, J. Guidance 16 (1993) 860
+_STARTS = 3  # of a group's own poles: the misfit over their place has several hollows
+_PASSES = 4  # all but the first with the other runs at rest
+_ANEW = 2  # of them in which every group is sought anew, the rest go on from there
+REACH = 20.0  # half bandwidths on either side, on which a group's pole is fitted
+LEAST_LINES = 15  # on either side
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeDrift:
+    """One mode's frequency and damping ratio over the groups."""
+
+    f_hz: Quantity
+    damping: Quantity
+
+    @property
+    def pole_rad_s(self) -> complex:
+        """The mean pole."""
+        return complex(_pole(self.f_hz.mean, self.damping.mean))
+
+    @property
+    def group_poles(self) -> _Complex:
+        """Pole of every group, drawn: (n_groups,)."""
+        return np.asarray(_pole(self.f_hz.drawn, self.damping.drawn))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settled:
+    """FRFs as if no mode had moved, and how those moved that did."""
+
+    values: _Complex  # (n_frf, n_freq)
+    poles: _Complex  # (n_modes,) copies put together
+    kept: npt.NDArray[np.intp]  # (n_modes,) which of the poles given each stands for
+    drift: tuple[ModeDrift | None, ...]  # (n_modes,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Run:
+    """Modes that stand near one another."""
+
+    given: list[int]  # which of the poles given
+    poles: _Complex  # where they are, the means if they move
+    drift: tuple[ModeDrift, ...]  # empty: they do not
+    carried: _Complex | None  # (n_frf, n_freq) what brings the FRFs to the means
+
+
+def _pole(f_hz: _Real | float, damping: _Real | float) -> _Complex:
+    w, z = 2.0 * np.pi * np.asarray(f_hz), np.asarray(damping)
+    return np.asarray(w * (-z + 1j * np.sqrt(np.maximum(1.0 - z**2, 0.0))))
+
+
+def _own_fits(local: AboutModes, group: _Int, poles: _Complex, n: int) -> list[Regression]:
+    """Every group with `n` poles of its own.
+
+    Each begins from those of the poles given that suit it best; where these are no more than
+    wanted, moved by the number of half bandwidths that suits it best.
+    """
+    half = float(np.max(-poles.real))
+    moves = np.arange(-2.0 * LINKED, 2.0 * LINKED + 1.0) if n == poles.size else np.zeros(1)
+    starts = [
+        poles[list(chosen)] + 1j * half * move
+        for chosen in combinations(range(poles.size), n)
+        for move in moves
+    ]
+    fits = []
+    for g in range(int(group.max()) + 1):
+        data = local.of(group == g)
+        costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
+        best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
+        ends = [refine_poles(data, start) for start in best]
+        fits.append(min(ends, key=lambda fit: float(fit.cost.sum())))
+    return fits
+
+
+def _own_again(local: AboutModes, group: _Int, before: tuple[ModeDrift, ...]) -> list[Regression]:
+    """Every group from where its poles were."""
+    starts = np.array([mode.group_poles for mode in before])  # (n, n_groups)
+    return [refine_poles(local.of(group == g), start) for g, start in enumerate(starts.T)]
+
+
+def _at_modes(local: AboutModes, values: _Complex) -> _Real:
+    """Weighted power of values (n_frf, n_lines) on the core lines of each mode: (n_modes,)."""
+    power: _Real = local.core @ np.sum(np.abs(values) ** 2 / local.variance, axis=0)
+    return power
+
+
+def _left(local: AboutModes, group: _Int, fits: list[Regression]) -> _Real:
+    """What own fits leave at each mode: (n_modes,)."""
+    left = np.empty(local.data.values.shape, dtype=np.complex128)
+    for g, fit in enumerate(fits):
+        left[group == g] = misfit(local.of(group == g), fit)
+    return _at_modes(local, left)
+
+
+def _fewest(
+    local: AboutModes, group: _Int, poles: _Complex, line_share: float
+) -> list[Regression] | None:
+    """Own fits with the fewest poles that explain what these common poles do.
+
+    None where all are needed and common poles leave nothing visible.
+    """
+    common = regress(local.data, poles, pole_terms=False)
+    reference = _at_modes(local, misfit(local.data, common))
+    visible = VISIBLE**2 * _at_modes(local, local.data.values)
+    for n in range(1, poles.size):
+        fits = _own_fits(local, group, poles, n)
+        nothing_left = np.all(_left(local, group, fits) - reference < visible)
+        if nothing_left and _explains_more(local, group, fits, common, line_share):
+            return fits
+    if np.all(reference < visible):
+        return None  # no other poles can leave visibly less
+    fits = _own_fits(local, group, poles, poles.size)
+    if np.all(reference - _left(local, group, fits) < visible):
+        return None
+    rival = _one_more(local.data, poles)
+    return fits if _explains_more(local, group, fits, rival, line_share) else None
+
+
+def _one_more(data: ModalData, poles: _Complex) -> Regression:
+    """The best fit with one more pole that stands still, somewhere near: a mode not yet found."""
+    half = float(np.max(-poles.real))
+    moves = 1j * half * np.arange(-2.0 * LINKED - 0.5, 2.0 * LINKED + 1.0)
+    starts = [np.append(poles, pole + move) for pole in poles for move in moves]
+    costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
+    return refine_poles(data, starts[int(np.argmin(costs))])
+
+
+def _explains_more(
+    local: AboutModes, group: _Int, fits: list[Regression], common: Regression, line_share: float
+) -> bool:
+    """Whether fewer poles that move are believed, rather than more that stand still.
+
+    By Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716); or because what stands still
+    has shapes that no mode has and what moves has not: every lineshape is approximated by enough
+    fixed poles.
+    """
+    n_frf, lines = local.data.values.shape
+    n_groups, n, more = len(fits), fits[0].poles.size, common.poles.size
+    size_own = 2 * n * n_groups + n_frf * (2 * n + N_RESIDUAL)
+    size_common = 2 * more + n_frf * (2 * more + N_RESIDUAL)
+    cost_own = sum(float(fit.cost.sum()) for fit in fits)
+    cost_common = float(common.cost.sum())
+    real = 2 * n_frf * lines
+    noise = (
+        min(cost_own / max(real - size_own, 1), cost_common / max(real - size_common, 1))
+        / line_share
+    )
+    if cost_own / noise + 2 * size_own < cost_common / noise + 2 * size_common:
+        return True
+    moving = np.empty((n_frf, n), dtype=np.complex128)
+    for g, fit in enumerate(fits):
+        moving[group == g] = fit.residues[:, np.argsort(fit.poles.imag)]
+    own_mpc, common_mpc = (
+        min(mpc(shape) for shape in residues.T) for residues in (moving, common.residues)
+    )
+    return common_mpc < CONSISTENT <= own_mpc
+
+
+def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> list[ModeDrift]:
+    """Each mode over the groups, by rising frequency."""
+    n_groups, n = len(fits), fits[0].poles.size
+    f, z = np.empty((n_groups, n)), np.empty((n_groups, n))
+    std = np.full((n_groups, n, 2), np.inf)
+    low, high = local.data.s.imag[[0, -1]]
+    for g, fit in enumerate(fits):
+        rank = np.argsort(fit.poles.imag)
+        poles = fit.poles[rank]
+        f[g], z[g] = np.abs(poles) / (2.0 * np.pi), -poles.real / np.abs(poles)
+        if np.any((poles.imag < low) | (poles.imag > high)):
+            continue
+        n_frf = fit.cost.size
+        free = n_frf * (2 * local.data.s.size - 2 * n - N_RESIDUAL) - 2 * n
+        theta = white_covariance(
+            fit.information.sum(axis=0), float(fit.cost.sum()) / max(free, 1), line_share
+        )
+        J = frequency_damping_jacobian(fit.poles)
+        variance = np.diag(J @ theta @ J.T).reshape(n, 2)[rank]
+        # A resonance known to no better than its own width was not seen.
+        known = variance[:, 1] < z[g] ** 2
+        std[g][known] = np.sqrt(np.maximum(variance[known], 0.0))
+    return [
+        ModeDrift(
+            f_hz=random_effects(f[:, m], std[:, m, 0]),
+            damping=random_effects(z[:, m], std[:, m, 1]),
+        )
+        for m in range(n)
+    ]
+
+
+def _chances(fit: Regression, group: _Int, n_freq: int, line_share: float) -> _Real:
+    """Chance, mode by mode, that scatter alone sets the groups' poles apart; one step each."""
+    n_groups, n = int(group.max()) + 1, fit.poles.size
+    member = (group[None, :] == np.arange(n_groups)[:, None]).astype(float)
+    A, s = np.tensordot(member, fit.information, axes=1), member @ fit.score
+    n_frf, cost = member.sum(axis=1), member @ fit.cost
+    kappa = (
+        np.maximum(cost, np.finfo(float).tiny)
+        / np.maximum(n_frf * (2 * n_freq - 2 * n - N_RESIDUAL) - 2 * n, 1)
+        / line_share
+    )
+    chance = np.ones(n)
+    for m in range(n):
+        at = slice(2 * m, 2 * m + 2)
+        own = A[:, at, at] / kappa[:, None, None]
+        score = s[:, at] / kappa[:, None]
+        mean = np.linalg.solve(own.sum(axis=0), score.sum(axis=0))
+        own_step = np.linalg.pinv(own, hermitian=True) @ score[..., None]
+        step = own_step[..., 0] - mean
+        q = float(np.einsum("gi,gij,gj->", step, own, step))
+        chance[m] = chi2.sf(q, 2 * (n_groups - 1))
+    return chance
+
+
+def settle_drift(
+    data: ModalData,
+    fit: Regression,
+    group: npt.NDArray[np.int64],
+    *,
+    line_share: float,
+    put_together: bool = True,
+) -> Settled | None:
+    """Put copies of drifting modes together, and FRFs to where the mean pole is.
+
+    Parameters
+    ----------
+    data, fit
+        The FRFs, one row an FRF, and the common poles chosen for them.
+    group
+        (n_frf,) group of each row, from 0: what was measured at once.
+    line_share
+        Independent lines per line under the window.
+    put_together
+        Copies of a mode; False leaves runs of near modes as they were given.
+
+    Returns
+    -------
+    Settled or None
+        None where nothing moves and nothing is a copy.
+    """
+    if int(group.max()) == 0 or fit.poles.size == 0:
+        return None
+    chance = _chances(fit, group, data.s.size, line_share)
+    runs = [
+        _Run(given=own, poles=fit.poles[own], drift=(), carried=None)
+        for own in near_runs(fit.poles, LINKED)
+    ]
+    tried = [
+        put_together if len(run.given) > 1 else bool(chance[run.given[0]] < SURE) for run in runs
+    ]
+    if not any(tried):
+        return None
+    for number in range(_PASSES):
+        values = data.values + sum(run.carried for run in runs if run.carried is not None)
+        poles = np.concatenate([run.poles for run in runs])
+        rest = _with(data, values)
+        still = regress(rest, poles, pole_terms=False)
+        ends = np.cumsum([run.poles.size for run in runs])
+        runs = [
+            _looked_at(
+                rest,
+                still,
+                np.arange(end - run.poles.size, end),
+                run,
+                group,
+                line_share=line_share,
+                anew=number < _ANEW,
+            )
+            if try_it
+            else run
+            for run, end, try_it in zip(runs, ends, tried, strict=True)
+        ]
+        tried = [bool(run.drift) for run in runs]
+    if not any(run.drift or run.poles.size < len(run.given) for run in runs):
+        return None
+    return Settled(
+        values=data.values + sum(run.carried for run in runs if run.carried is not None),
+        poles=np.concatenate([run.poles for run in runs]),
+        kept=np.concatenate([run.given[: run.poles.size] for run in runs]).astype(np.intp),
+        drift=tuple(mode for run in runs for mode in run.drift or (None,) * run.poles.size),
+    )
+
+
+def _with(data: ModalData, values: _Complex) -> ModalData:
+    """The same lines and weights with other values."""
+    variance = 1.0 / (data.row_weight[:, None] * data.weight)
+    return modal_data(data.form, data.s, values, np.broadcast_to(variance, values.shape))
+
+
+def _looked_at(
+    data: ModalData,
+    still: Regression,
+    own: npt.NDArray[np.intp],
+    run: _Run,
+    group: _Int,
+    *,
+    line_share: float,
+    anew: bool,
+) -> _Run:
+    """The run with poles of every group, if its modes move; in `data` all runs are at rest."""
+    if run.carried is not None:
+        data = _with(data, data.values - run.carried)
+    local = about_modes(data, still, own, reach=REACH, least_lines=LEAST_LINES)
+    fits = (
+        _fewest(local, group, run.poles, line_share)
+        if anew
+        else _own_again(local, group, run.drift)
+    )
+    if fits is None:
+        return replace(run, drift=(), carried=None)
+    found = _modes_of(local, fits, line_share)
+    moved = [min(mode.f_hz.chance, mode.damping.chance) < SURE for mode in found]
+    if len(found) == len(run.given) and not any(moved):
+        return replace(run, drift=(), carried=None)
+    return _Run(
+        given=run.given,
+        poles=np.array([mode.pole_rad_s for mode in found]),
+        drift=tuple(found),
+        carried=_carried(local, group, data.s, found),
+    )
+
+
+def _carried(local: AboutModes, group: _Int, s: _Complex, found: list[ModeDrift]) -> _Complex:
+    """What the FRFs change by when every group's poles go to the means: (n_frf, n_freq)."""
+    change = np.empty((group.size, s.size), dtype=np.complex128)
+    means = np.array([mode.pole_rad_s for mode in found])
+    for g in range(int(group.max()) + 1):
+        own = np.array([mode.group_poles[g] for mode in found])
+        residues = regress(local.of(group == g), own, pole_terms=False).residues
+        both = np.concatenate([residues, residues.conj()], axis=1)
+        here, there = (np.concatenate([p, p.conj()]) for p in (own, means))
+        change[group == g] = both @ (1.0 / (s - there[:, None]) - 1.0 / (s - here[:, None]))
+    return change
+
+
+def with_drift(precision: PoleCovariance, drift: Sequence[ModeDrift | None]) -> PoleCovariance:
+    """Covariance of frequencies and dampings where some are means over groups that differ.
+
+    The variances of those are the means' own, correlations stay.
+    """
+    std = np.sqrt(np.diag(precision.covariance))
+    dof = precision.dof.copy()
+    ratio = np.ones(std.size)
+    for m, mode in enumerate(drift):
+        for at, quantity in () if mode is None else ((0, mode.f_hz), (1, mode.damping)):
+            ratio[2 * m + at] = quantity.std / max(std[2 * m + at], np.finfo(float).tiny)
+            dof[2 * m + at] = max(int(np.isfinite(quantity.value_std).sum()) - 1, 1)
+    return replace(precision, covariance=precision.covariance * np.outer(ratio, ratio), dof=dof)

@@ -1,0 +1,195 @@
+"""Which lines of FRFs are fitted, and with what variance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import median_filter
+
+from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.noise import (
+    hit_scatter_variance,
+    independent_line_share,
+    smooth_lines,
+)
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
+
+__all__ = ["FittedLines", "fitted_lines", "misfit_variance"]
+
+_Real = npt.NDArray[np.float64]
+_Complex = npt.NDArray[np.complex128]
+
+FEWEST_LINES = 8
+MEDIAN_LINES = 41  # of a running median: more than twice as many as the sharpest resonance roughens
+NOISY = 0.5  # of the roughness of pure noise: half of what is there is noise
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FittedLines:
+    """What is fitted: the lines of the band."""
+
+    freq_hz: _Real
+    values: _Complex  # (n_resp, n_ref, n_freq)
+    variance: _Real  # (n_resp, n_ref, n_freq), above 0
+    told: bool  # the variance came with the FRFs
+    share: float  # independent lines per line
+    notes: tuple[str, ...]
+
+    @property
+    def band_hz(self) -> tuple[float, float]:
+        """Lowest and highest line."""
+        return float(self.freq_hz[0]), float(self.freq_hz[-1])
+
+
+def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> FittedLines:
+    """Lines of the band that carry a measurement, with their variance.
+
+    Raises
+    ------
+    EstimateError
+        If nothing can be fitted to them, with the reason.
+    """
+    _check(frf)
+    keep = _band(frf, band_hz)
+    notes: tuple[str, ...] = ()
+    first = _blown_up(frf, keep)
+    if first is not None:
+        keep = keep & (frf.freq_hz >= frf.freq_hz[first])
+        said = (
+            f"lines below {frf.freq_hz[first]:.4g} Hz are left out: noise that integration, drift "
+            "or AC coupling has blown up, larger than the FRFs themselves"
+        )
+        notes = (said,)
+    values = np.ascontiguousarray(frf.values[..., keep])
+    given = frf.variance[..., keep]
+    told = bool(np.any(np.isfinite(given) & (given > 0.0)))
+    freq = frf.freq_hz[keep]
+    return FittedLines(
+        freq_hz=freq,
+        values=values,
+        variance=_given_variance(values, given),
+        told=told,
+        share=independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq)))),
+        notes=notes,
+    )
+
+
+def misfit_variance(left: _Complex, values: _Complex, line_share: float) -> _Real:
+    """Variance of each line from what a model leaves of the FRFs.
+
+    A noise floor that varies slowly over the lines, and an error in proportion to the FRF, as a
+    resonance that bends or leaks makes it, are told apart as for hits (`hit_scatter_variance`),
+    on the mean over all FRFs, each in units of its own floor. About a narrow peak it is too large
+    rather than too small.
+
+    Parameters
+    ----------
+    left, values
+        (n_resp, n_ref, n_freq), the misfit and the FRFs.
+    line_share
+        Independent lines per line under the window.
+    """
+    power, size = np.abs(left) ** 2, np.abs(values) ** 2
+    own = np.median(power, axis=-1, keepdims=True) / np.log(2.0)
+    largest = np.mean(size, axis=-1, keepdims=True)
+    own = np.maximum(own, np.maximum(1e-12 * largest, 1e-20 * float(largest.max())))
+    mean, mean_size = ((x / own).mean(axis=(0, 1), keepdims=True) for x in (power, size))
+    width = min(MEDIAN_LINES, mean.shape[-1])
+    # The mean of k squared magnitudes has its median at its mean but for a third of 1 / k.
+    n_frf = power.shape[0] * power.shape[1]
+    floor = median_filter(mean, size=(1, 1, width), mode="nearest") / (1.0 - 1.0 / (3.0 * n_frf))
+    shape = hit_scatter_variance(
+        mean, np.maximum(floor, 1e-12), mean_size, np.array([[1 + n_frf]]), line_share
+    )
+    result: _Real = own * shape
+    return result
+
+
+def _blown_up(frf: FrequencyResponse, keep: npt.NDArray[np.bool_]) -> int | None:
+    """First line that carries a measurement, where noise near 0 Hz is larger than the FRFs."""
+    lines = np.flatnonzero(keep)
+    values = frf.values[..., lines]
+    power = np.abs(values) ** 2
+    size = np.median(power, axis=-1, keepdims=True)
+    power /= np.maximum(size, 1e-12 * float(power.max()))
+    level = power.sum(axis=(0, 1))
+    # Of noise the squared second difference is its neighbours' power, of what is smooth nothing.
+    rough = np.abs(values[..., :-2] - 2.0 * values[..., 1:-1] + values[..., 2:]) ** 2
+    rough /= np.maximum(size, 1e-12 * float(np.abs(values).max() ** 2))
+    full = power[..., :-2] + 4.0 * power[..., 1:-1] + power[..., 2:]
+    near = smooth_lines(np.stack([rough.sum(axis=(0, 1)), full.sum(axis=(0, 1))]), 1)
+    noisy = near[0] > NOISY * near[1]
+    if not noisy[0]:
+        return None
+    # A second difference reaches one line further than its middle.
+    end = 2 + (int(np.argmin(noisy)) if not noisy.all() else noisy.size)
+    if lines.size - end < FEWEST_LINES or level[:end].max() < level[end:].max():
+        return None
+    return int(lines[end])
+
+
+def _given_variance(values: _Complex, given: _Real) -> _Real:
+    """Line variances, never zero; FRFs without one share one by their mean square."""
+    mean_square = np.mean(np.abs(values) ** 2, axis=-1, keepdims=True)
+    largest = float(mean_square.max())
+    known = np.isfinite(given) & (given > 0.0)
+    shared = np.maximum(mean_square, 1e-12 * largest)
+    # Below 1e-12 of the mean square a variance is rounding, and no longer a weight.
+    least = np.maximum(1e-12 * mean_square, 1e-20 * largest)
+    filled: _Real = np.where(known, np.maximum(given, least), shared)
+    return filled
+
+
+def _check(frf: FrequencyResponse) -> None:
+    """Refuse FRFs nothing can be fitted to, with the reason."""
+    where = f"FRFs of posture {frf.posture!r}"
+    derivative_order(frf.form)
+    wanted = (len(frf.responses), len(frf.references), frf.freq_hz.size)
+    if frf.values.shape != wanted or frf.variance.shape != wanted:
+        raise EstimateError(
+            f"{where}: wanted values and variance of shape {wanted}, got {frf.values.shape} and "
+            f"{frf.variance.shape}; rebuild the FRFs"
+        )
+    if min(wanted[:2]) == 0:
+        raise EstimateError(f"{where}: there are none; wanted a response and a reference at least")
+    bad = ~np.isfinite(frf.values).all(axis=-1)
+    if np.any(bad):
+        i, j = np.argwhere(bad)[0]
+        raise EstimateError(
+            f"{where}: {np.count_nonzero(bad)} of {bad.size} FRFs hold values that are not "
+            f"finite, the first at response {frf.responses[i].point} {frf.responses[i].label}, "
+            f"reference {frf.references[j].point}; leave those FRFs out"
+        )
+    if wanted[2] < FEWEST_LINES:
+        raise EstimateError(
+            f"{where}: a fit needs at least {FEWEST_LINES} lines, got {wanted[2]}; record longer"
+        )
+    f = frf.freq_hz
+    if not np.all(np.isfinite(f)) or np.any(np.diff(f) <= 0.0) or f[0] <= 0.0:
+        raise EstimateError(
+            f"{where}: frequencies must be finite, increase, and be above 0 Hz; "
+            "sort the lines, drop 0 Hz"
+        )
+    if np.any(frf.coherence > 1.0 + 1e-6):
+        raise EstimateError(
+            f"{where}: coherence reaches {np.nanmax(frf.coherence):.3g}, it cannot exceed 1; "
+            "rebuild it from the hits"
+        )
+    if not np.any(frf.values):
+        raise EstimateError(f"{where}: all values are zero; check the response channels")
+
+
+def _band(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> npt.NDArray[np.bool_]:
+    if band_hz is None:
+        keep = np.ones(frf.freq_hz.size, dtype=bool)
+    else:
+        keep = (frf.freq_hz >= band_hz[0]) & (frf.freq_hz <= band_hz[1])
+    if np.count_nonzero(keep) < FEWEST_LINES:
+        raise EstimateError(
+            f"posture {frf.posture!r}: a fit needs at least {FEWEST_LINES} lines, the band holds "
+            f"{np.count_nonzero(keep)} of {frf.freq_hz.size}; widen it or record longer"
+        )
+    return keep
