@@ -56,6 +56,7 @@ def analysis_of(manifest, folder):
     ]
 
 
+@pytest.mark.long
 def test_an_arm_is_imported_identified_and_reported_without_what_windows_lacks(
     arm_session, tmp_path
 ):

@@ -47,6 +47,7 @@ def hidden(*kinds):
     return tables, {effect["name"]: effect for effect in truth["effects"]}
 
 
+@pytest.mark.long
 def test_an_effect_is_the_same_beside_any_other_in_any_order():
     _, alone = hidden("coupling")
     _, first = hidden("coupling", "channel_gain")

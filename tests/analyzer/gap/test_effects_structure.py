@@ -360,6 +360,7 @@ def off_zero(hypothesis, rng):
 ALLOWED = 0.04
 
 
+@pytest.mark.long
 def test_derivatives_by_everything_are_those_of_differences_with_any_effect(ordinary, lines, posed):
     """Aims beside turned hits, gains beside exchanged axes, joints beside what they carry."""
     levelled = replace(ordinary, level_span=0.4)

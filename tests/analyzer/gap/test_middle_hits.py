@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
-from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap import middle_hits
@@ -266,13 +265,6 @@ def test_nobody_asks_where_neither_is_best(names, standing, monkeypatch):
     monkeypatch.setattr(middle_hits, "bow_of", lambda *_: pytest.fail("asked"))
     before = Judged(named=None, standing=standing(*names), phi=1.0)
     assert told_by_hits_between(before, "sharp", pytest.fail, 20.0) == (before, [])
-
-
-def test_a_joint_that_softens_is_told_by_the_hits_between_of_a_small_session():
-    session = small_case(1, "bench57", "softening", ladder=True).session()
-    result = find_gap(session, gates=False, modes=False, advice=False).result
-    assert [effect.name for effect in result.effects] == ["softening"]
-    assert any(note.endswith("which is a spring that softens") for note in result.notes)
 
 
 @pytest.fixture(

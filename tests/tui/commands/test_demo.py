@@ -45,11 +45,11 @@ def found(tmp_path_factory):
 
 
 def test_a_short_demo_runs_from_hits_to_truth_and_a_report(tmp_path, monkeypatch):
-    run = demo(tmp_path, points=("1", "6", "9", "14"), postures=3, hits=2)
+    run = demo(tmp_path, points=("1", "6", "9", "14"), postures=2, hits=2)
     monkeypatch.setattr(armodal.tui.commands.demo, "run_demo", run)
     said = CliRunner().invoke(app, ["demo", "--out", str(tmp_path / "out"), "--seed", "5"])
     assert said.exit_code == 0, said.output
-    for words in ("24 hits accepted", "joint_1", "truth", "report "):
+    for words in ("16 hits accepted", "joint_1", "truth", "report "):
         assert words in said.output
     assert (tmp_path / "out" / "report.html").exists()
 
