@@ -82,7 +82,10 @@ def test_the_torture_notices_a_journal_that_is_not_synced(record, folder):
 @pytest.mark.parametrize("lasting", [False, True])
 @pytest.mark.parametrize(
     "code",
-    [errno.EIO, *(pytest.param(code, marks=pytest.mark.long) for code in (errno.ENOSPC, errno.EROFS))],
+    [
+        errno.EIO,
+        *(pytest.param(code, marks=pytest.mark.long) for code in (errno.ENOSPC, errno.EROFS)),
+    ],
 )
 def test_a_disk_that_refuses_a_change_is_named_and_loses_nothing(
     record, folder, lab, code, lasting

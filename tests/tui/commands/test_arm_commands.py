@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+from collections import Counter
+from importlib import import_module
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -32,6 +36,25 @@ def refused(*arguments: str) -> str:
     return str(result.exception)
 
 
+def told_to_machines_and_people(monkeypatch, module, name, *arguments):
+    """Return what a command prints with and without `--json`; it computes `name` once for both."""
+    where = import_module(f"armodal.tui.commands.{module}")
+    compute, kept = getattr(where, name), []
+
+    def once(*given, **named):
+        if not kept:
+            kept.append(compute(*given, **named))
+        return kept[0]
+
+    monkeypatch.setattr(where, name, once)
+    value = value_of(*arguments, "--json")
+    if "--out" in arguments:
+        Path(arguments[arguments.index("--out") + 1]).unlink()
+    shown = run(*arguments)
+    assert shown.exit_code == 0, shown.output
+    return value, shown.stdout
+
+
 # Statements of file 002 to which the computed answer is no, each with its reason.
 DENIED = {
     "joints 2 and 3 alone give similar standard deviations of modes 4 and 5",
@@ -39,8 +62,13 @@ DENIED = {
 }
 
 
-def test_every_published_figure_has_a_status_and_only_denied_statements_differ():
-    figures = value_of("reproduce", "--postures", "20000", "--json")["figures"]
+def test_every_published_figure_has_a_status_and_only_denied_statements_differ(monkeypatch):
+    figures, shown = told_to_machines_and_people(
+        monkeypatch, "reproduce", "reproduce_papers", "reproduce", "--postures", "20000"
+    )
+    figures = figures["figures"]
+    for status, number in Counter(figure["status"] for figure in figures).items():
+        assert re.search(rf"^ *{status} +{number} *$", shown, re.MULTILINE)
     assert {figure["paper"] for figure in figures} == {"000", "001", "002"}
     keys = {"paper", "table", "item", "published", "ours", "margin", "status"}
     assert all(keys <= set(figure) for figure in figures)
@@ -63,9 +91,16 @@ def test_every_published_figure_has_a_status_and_only_denied_statements_differ()
     assert sorted(pulls)[17] < 2.0
 
 
-def test_a_plan_is_written_beside_the_papers_postures_and_a_session_can_run_it(tmp_path):
+def test_a_plan_is_written_beside_the_papers_postures_and_a_session_can_run_it(
+    tmp_path, monkeypatch
+):
     path = tmp_path / "plan.toml"
-    value = value_of("plan", "viper_s650", "--tests", "3", "--out", str(path), "--json")
+    value, shown = told_to_machines_and_people(
+        monkeypatch, "plan", "plan_tests", "plan", "viper_s650", "--tests", "3", "--out", str(path)
+    )
+    assert "Tests for viper_s650: the first " in " ".join(shown.split())
+    for mode in value["tests"][0]["modes"]:
+        assert f"{mode['f_hz']:.1f}" in shown
     plan = load_plan(path, load_arm("viper_s650"))
     assert len(plan.postures) == len(value["tests"]) == 3
     assert plan.fixed_point == value["hit_point"]
@@ -111,9 +146,9 @@ def test_random_postures_are_ranked():
 
 
 def test_a_workspace_is_surveyed_into_page_and_arrays(tmp_path):
-    value = value_of(
-        "workspace", "rv4frl", "--postures", "2000", "--out", str(tmp_path / "w"), "--json"
-    )
+    arguments = ("workspace", "rv4frl", "--postures", "2000", "--out", str(tmp_path / "w"))
+    value = value_of(*arguments, "--json")
+    assert f"{value['f_mean_hz'][0]:.2f}" in run(*arguments).stdout
     page = (tmp_path / "w" / "workspace.html").read_text()
     assert value["page"].endswith("workspace.html")
     assert "Frequency of mode 1" in page
@@ -121,16 +156,20 @@ def test_a_workspace_is_surveyed_into_page_and_arrays(tmp_path):
     assert (tmp_path / "w" / "workspace.npz").stat().st_size > 0
 
 
-def test_inertias_are_calibrated_into_a_new_arm(tmp_path):
+def test_inertias_are_calibrated_into_a_new_arm(tmp_path, monkeypatch):
     path = tmp_path / "viper.toml"
-    value = value_of(
+    value, shown = told_to_machines_and_people(
+        monkeypatch,
+        "calibrate_inertia",
+        "calibrate",
         "calibrate-inertia",
         str(TARGETS / "viper_s650-uncalibrated.toml"),
         str(TARGETS / "viper_s650-without-table4.toml"),
         "--out",
         str(path),
-        "--json",
     )
+    for link in value["links"]:
+        assert f"{link['mass_kg']:.3f}" in shown
     arm = load_arm(path)
     assert arm.name == "viper"
     assert [link["mass_kg"] for link in value["links"]] == pytest.approx(

@@ -13,6 +13,7 @@ import armodal.tui.commands.gap
 from armodal.analyzer.gap.hit_levels import has_levels
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.hdf5 import read_session
+from armodal.study.closed_loop import run_loop
 from armodal.tui.cli import app
 
 
@@ -80,6 +81,13 @@ def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why
     tmp_path, monkeypatch
 ):
     monkeypatch.setattr(armodal.tui.commands.gap, "make_case", small_case)
+    done = []
+
+    def once(*given, **named):
+        done[:] = done or [run_loop(*given, **named)]
+        return done[0]
+
+    monkeypatch.setattr(armodal.tui.commands.gap, "run_loop", once)
     folder = tmp_path / "lab"
     where = ["--lab", "--lab-arm", "bench57", "--out", str(folder), "--budget", "1", "--seed", "1"]
     result = CliRunner().invoke(
@@ -96,3 +104,9 @@ def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why
     assert test["words"]
     assert test["why"]
     assert (folder / "test-2.h5").exists()
+    for_people = CliRunner().invoke(
+        app, ["gap", *where, "--hide", "softening", "--arm-out", str(folder / "again.toml")]
+    )
+    shown = " ".join(for_people.stdout.split())
+    for words in (f"test 2: {test['words']}", said["summary"], "in truth: softening"):
+        assert words in shown

@@ -70,9 +70,8 @@ def test_a_pole_is_picked_by_hand_refitted_saved_and_found_again(drive, session,
         await pilot.press("space", "s")
         assert not picked_path(app.path).exists()  # not saved before the refit
         await pilot.press("r")
-        await app.workers.wait_for_complete()
-        await pilot.pause()
-        assert app.state.view.by_hand
+        while not app.state.view.by_hand:
+            await pilot.pause(0.02)
         assert app.state.n_modes == 1
         assert app.state.unsaved
         await pilot.press("s")
@@ -241,6 +240,62 @@ def test_a_click_on_a_pole_goes_there(drive):
         assert abs(clicked - table.f_hz[was]) <= cell_hz
 
     drive(steps, size=(160, 45))
+
+
+def test_keys_move_the_cursor_and_zoom_about_it(drive):
+    async def steps(app, pilot):
+        picture = app.query_one("#frf-main")
+        await pilot.press("right")
+        line, whole = picture.cursor_line(), picture.x_scale()
+        await pilot.press("shift+right", "left")
+        assert picture.cursor_line() == line + 9
+        about_hz = picture.cursor_hz
+        await pilot.press("plus", "plus")
+        near = picture.x_scale()
+        assert near.high - near.low < whole.high - whole.low
+        assert near.holds(about_hz)
+        await pilot.press(*["shift+right"] * 40)  # the window goes with the cursor
+        assert picture.x_scale().holds(picture.cursor_hz)
+        assert not picture.x_scale().holds(about_hz)
+        await pilot.press("0")
+        assert picture.x_scale().high == picture.freq_hz[-1]
+        await pilot.press("n")
+        assert app.state.mode == 1
+
+    drive(steps)
+
+
+def test_g_shows_sums_of_groups_of_points_and_again_the_singular_values(drive):
+    async def steps(app, pilot):
+        await pilot.press("2", "g")
+        await pilot.pause()
+        assert "sums of" in screen_text(app)
+        await pilot.press("g")
+        await pilot.pause()
+        assert "singular value" in screen_text(app)
+
+    drive(steps)
+
+
+def test_arrows_go_to_the_next_pole_of_an_order_and_to_the_next_order(drive):
+    async def steps(app, pilot):
+        await pilot.press("3")
+        await pilot.pause()
+        picture = app.query_one("#poles-main")
+        table = app.state.view.automatic.stabilisation
+        was = picture.pole
+        await pilot.press("down")
+        lower = picture.pole
+        assert table.order[lower] < table.order[was]
+        await pilot.press("right")
+        assert table.order[picture.pole] == table.order[lower]
+        assert table.f_hz[picture.pole] > table.f_hz[lower]
+        await pilot.press("left")
+        assert picture.pole == lower
+        await pilot.press("up")
+        assert table.order[picture.pole] == table.order[was]
+
+    drive(steps)
 
 
 def test_the_automatic_choice_comes_back_without_another_fit(drive, monkeypatch):
