@@ -272,6 +272,7 @@ def full_response(plant, mounting, blow, t):
     return np.array(felt)
 
 
+@pytest.mark.long
 def test_freezing_the_mass_matrix_costs_less_than_a_thousandth(quiet):
     mounting = straight(quiet, "5")
     blow = blow_of(peak_n=150.0, width_s=0.003)

@@ -67,6 +67,7 @@ def _one_bearing_a_joint(effects):
     return [e for e in effects if e["kind"] != "bearing" or e is last[e["joint"]]]
 
 
+@pytest.mark.long
 def test_the_seed_decides_everything():
     cases = [make_case(seed, "bench57", "channel_gain") for seed in (3, 3, 4)]
     hashes = []

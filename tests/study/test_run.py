@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
+import pytest
 from support.small_case import SmallCase
 
 import armodal.study.run
@@ -12,6 +13,7 @@ from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
 
 
+@pytest.mark.long
 def test_a_small_study_is_sealed_judged_marked_and_goes_on_where_it_stopped(tmp_path, monkeypatch):
     monkeypatch.setattr(armodal.study.run, "sealed", SmallCase)
     specs = draw_study(

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,10 +14,24 @@ from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
 
 
-@pytest.fixture(scope="module")
-def measured():
+@cache
+def good():
     session = simulate_session(3)
     return session, Superset(session.header.arm)
+
+
+@cache
+def good_poles(at):
+    """Poles of a posture: what is wrong with a sensor moves none."""
+    session, superset = good()
+    hits = session.accepted(session.header.plan.postures[at].name)
+    (frf,) = estimate_frfs(replace(session, hits=hits), superset)
+    return [mode.pole_rad_s for mode in fit_modes(frf).modes]
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return good()
 
 
 def posture_inputs(session, superset, at):
@@ -28,7 +43,7 @@ def posture_inputs(session, superset, at):
     single = hit_frfs(hit_spectra(session, hits, band_hz=band))
     points = np.array([hit.sensor_point for hit in hits])
     by_point = {p: single[points == p] for p in dict.fromkeys(points.tolist())}
-    return frf, by_point, [mode.pole_rad_s for mode in fit_modes(frf).modes], superset
+    return frf, by_point, good_poles(at), superset
 
 
 def links(session, superset, at=1):

@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from support.small_case import small_plan
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import gravity_compensator, servo
@@ -42,8 +43,9 @@ def found(plain):
 
 @pytest.fixture(scope="module")
 def asked(case):
-    """A session as it asks for: at three levels about those of before."""
-    return case.session(levels_n=(8.0, 18.0, 40.0), run=1)
+    """A session as it asks for: at three levels about those of before; few postures and points."""
+    plan = small_plan(case.plan, case.arm)
+    return case.session(plan, levels_n=(8.0, 18.0, 40.0), run=1)
 
 
 @pytest.mark.long

@@ -32,32 +32,38 @@ def hidden():
     posture = replace(case.plan.postures[2], name="loaded", known_mass=body, validation=False)
     text = text_with_posture(case.plan, case.arm, posture, comment="loaded")
     loaded = laboratory.measure(plan_from_text(text, case.arm, origin="loaded"), 2)
-    found = find_gap(session, more=[loaded], gates=False, modes=False, advice=False)
-    return case, session, found.result
+    return case, session, loaded
 
 
-def test_a_hidden_axis_is_named_and_its_size_found(hidden):
-    case, _, result = hidden
+@pytest.fixture(scope="module")
+def found(hidden):
+    _, session, loaded = hidden
+    return find_gap(session, more=[loaded], gates=False, modes=False, advice=False).result
+
+
+@pytest.mark.long
+def test_a_hidden_axis_is_named_and_its_size_found(hidden, found):
+    case, *_ = hidden
     truth = json.loads(case.open_truth())
-    assert mark(truth, result).outcome == "right"
-    found, low, high = size_found(result.effects[0])
+    assert mark(truth, found).outcome == "right"
+    size, low, high = size_found(found.effects[0])
     true = size_of_truth(truth["effects"][0], {})
     # Masses and gains are known to some per cent only: the compliance is no better than they.
-    assert found == pytest.approx(true, rel=0.1)
+    assert size == pytest.approx(true, rel=0.1)
     assert low < true < high
 
 
-def test_the_gap_shrinks_on_postures_that_were_not_fitted(hidden):
-    *_, result = hidden
-    for before, after in zip(result.gap_before, result.gap_after, strict=True):
+@pytest.mark.long
+def test_the_gap_shrinks_on_postures_that_were_not_fitted(found):
+    for before, after in zip(found.gap_before, found.gap_after, strict=True):
         if after.held_out:
             assert after.frf_error < before.frf_error / 2
 
 
-def test_a_known_mass_is_held_out_and_a_right_name_foretells_it(hidden):
-    *_, result = hidden
-    (before,) = [row for row in result.gap_before if "4.0 kg on" in row.posture]
-    (after,) = [row for row in result.gap_after if "4.0 kg on" in row.posture]
+@pytest.mark.long
+def test_a_known_mass_is_held_out_and_a_right_name_foretells_it(found):
+    (before,) = [row for row in found.gap_before if "4.0 kg on" in row.posture]
+    (after,) = [row for row in found.gap_after if "4.0 kg on" in row.posture]
     assert before.held_out
     assert after.held_out
     # Clear is three times the true model's error.

@@ -32,6 +32,7 @@ def axis(locked):
     return found
 
 
+@pytest.mark.long
 def test_mode_model_and_triplets_agree_on_the_axis(axis, locked):
     hidden = locked.truth.hidden_axis
     direction = np.array(hidden.direction) / np.linalg.norm(hidden.direction)
@@ -45,6 +46,7 @@ def test_mode_model_and_triplets_agree_on_the_axis(axis, locked):
     assert posture.predicted_bias_mm < 1e3 * triplets.distance_rms_m
 
 
+@pytest.mark.long
 def test_the_bias_is_smaller_than_with_joint_1_free(axis, identified):
     """With joint 1 free, test 1's mode also turns about it, and Eq. (1) is off by an eighth."""
     free = identified.axes[0]
@@ -54,6 +56,7 @@ def test_the_bias_is_smaller_than_with_joint_1_free(axis, identified):
     assert abs(locked_row.predicted_bias_k) < abs(free_row.predicted_bias_k)
 
 
+@pytest.mark.long
 def test_triplets_scatter_about_the_axis_of_all_points(axis):
     posture = next(row for row in axis.mozzi if row.posture == "test 1")
     triplets = posture.triplets

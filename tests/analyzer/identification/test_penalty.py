@@ -151,6 +151,7 @@ def test_a_joint_no_mode_strains_is_named(superset):
         fit_by_penalty(superset, truth, (only,), (2,))
 
 
+@pytest.mark.long
 def test_on_a_session_it_starts_from_one_joint_values_and_nears_the_truth(tmp_path_factory):
     folder = tmp_path_factory.getbasetemp()
     session, result = viper_session(folder), viper_result(folder)

@@ -96,6 +96,7 @@ def test_shapes_answer_to_stiffness_as_their_differences_do(superset):
     np.testing.assert_allclose(found.strain_share.sum(axis=0), 1.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("posture_deg", [(0, 30, 30, 0, 90, 0), (30, -50, 160, 0, 90, 0)])
 def test_a_session_predicts_postures_it_never_saw(posture_deg, tmp_path_factory):
     folder = tmp_path_factory.getbasetemp()

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from pathlib import Path
 
 import pytest
-from support.viper_session import true_values, viper_result, viper_session
+from support.viper_session import true_values, viper_session
 from typer.testing import CliRunner
 
+from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.predicted_posture import predict_posture
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError
-from armodal.protocols.session.hdf5 import write_session
+from armodal.protocols.session.hdf5 import read_session, write_session
 from armodal.tui.cli import app
 from armodal.tui.commands.predict import prediction_tables
 
@@ -23,6 +25,23 @@ def session_file(tmp_path_factory):
     path = folder / "session.h5"
     write_session(viper_session(folder), path)
     return str(path)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def identified(session_file):
+    """What every command here identifies, once for all: by the first that asks."""
+    kept = []
+
+    def once(*given, **named):
+        if not kept:
+            kept.append(identify(*given, **named))
+        return kept[0]
+
+    with pytest.MonkeyPatch.context() as patch:
+        for command in ("identify", "predict", "report"):
+            module = import_module(f"armodal.tui.commands.{command}")
+            patch.setattr(module, "identify", once)
+        yield lambda: once(read_session(Path(session_file)))
 
 
 def run(*arguments: str):
@@ -56,10 +75,9 @@ def test_postures_are_predicted_for_people_and_machines(session_file):
             assert set(mode["point_shape_m_per_rad"]) == {str(i) for i in range(1, 11)}
 
 
-def test_a_prediction_is_told_in_tables(session_file):
-    folder = Path(session_file).parent
+def test_a_prediction_is_told_in_tables(identified):
     arm = load_arm("viper_s650")
-    found = predict_posture(arm, viper_result(folder), [0.0, 30.0, 30.0, 0.0, 90.0, 0.0])
+    found = predict_posture(arm, identified(), [0.0, 30.0, 30.0, 0.0, 90.0, 0.0])
     modes, shapes = prediction_tables(found)
     assert str(modes.title).startswith("Predicted at 0 30 30 0 90 0 deg")
     assert modes.row_count == len(shapes.columns) - 1 == 5
