@@ -30,6 +30,7 @@ def test_exactly_the_true_modes_are_found_at_the_mean_of_the_drift(bandwidths, b
     assert min(mode.mpc for mode in model.modes) > 0.98
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("by", "cause"), [("sensor", "sensor mass"), ("batch", "order")])
 def test_what_moves_a_mode_is_told_with_its_ends(by, cause):
     made = drifting(np.random.default_rng(5), 1.0, by=by)
@@ -62,6 +63,7 @@ def test_nothing_moves_where_only_noise_does():
         assert drift_told(model) == ()
 
 
+@pytest.mark.long
 def test_two_modes_close_to_one_another_are_not_one_that_moves():
     """13 and 13.4 Hz, a half bandwidth apart, seen by thirty mountings of one axis."""
     for seed in range(3):

@@ -134,6 +134,7 @@ def test_synthesis_repeats_the_measured_frfs():
     assert model.lack_of_fit == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_intervals_cover_under_correlated_axes_and_misjudged_variance():
     poles = poles_of([12.0, 30.0], [0.03, 0.02])
     truth = np.array([12.0, 0.03, 30.0, 0.02])

@@ -89,7 +89,7 @@ def test_shared_shapes_leave_less_error_than_free_residues():
     assert np.mean(bound) < 0.85 * np.mean(free)
 
 
-@pytest.mark.parametrize("n_ref", [2, 3])
+@pytest.mark.parametrize("n_ref", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_several_references_reach_the_bound_of_all_of_them(n_ref):
     scaled = []
     for seed in range(6):

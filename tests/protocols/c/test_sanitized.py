@@ -47,7 +47,9 @@ def sanitizing_compiler(tmp_path_factory):
 
 
 # Both CRCs are tested: the small table of a microcontroller and the fast ones.
-@pytest.fixture(scope="module", params=["0", "1"], ids=["small", "fast"])
+@pytest.fixture(
+    scope="module", params=[pytest.param("0", marks=pytest.mark.long), "1"], ids=["small", "fast"]
+)
 def programs(request, sanitizing_compiler, tmp_path_factory):
     folder = tmp_path_factory.mktemp("sanitized")
     made = {}
