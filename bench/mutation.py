@@ -28,7 +28,7 @@ import pytest
 import scipy.optimize
 import scipy.signal
 import scipy.stats  # noqa: F401
-from mutants import drawn
+from mutants import Mutant, drawn
 from touching_tests import Tests, reach
 
 ROOT = Path(__file__).parents[1]
@@ -90,21 +90,27 @@ def main() -> None:
     parser.add_argument("--budget", type=float, default=15.0, help="seconds of tests per mutant")
     told = parser.parse_args()
     tests, rng = Tests(told.coverage, told.durations), random.Random(told.seed)  # noqa: S311
-    lines = told.out.read_text().splitlines() if told.out.exists() else []
-    done = [{**row, "verdict": "", "tests": 0} for row in map(json.loads, lines)]
+    without = [f"--deselect={test}" for test in tests.failing]
+    plan = []
     for package in told.packages:
         name, _, size = package.partition("=")
         for mutant in drawn(rng, ROOT, name, int(size), told.without):
-            row = asdict(mutant) | {"verdict": "", "tests": 0}
-            if row in done:
-                continue
-            source = (ROOT / mutant.module).read_text()
-            chosen = tests.chosen(mutant.module, reach(source, mutant.line), told.budget)
-            seconds = sum(tests.seconds[test] for test in chosen)
-            loader = Loader(mutant.module, mutant.source(source))
-            row |= {"verdict": verdict(loader, chosen, seconds), "tests": len(chosen)}
-            with told.out.open("a") as out:
-                print(json.dumps(row), file=out)
+            lines = reach((ROOT / mutant.module).read_text(), mutant.line)
+            plan.append((mutant, tests.chosen(mutant.module, lines, told.budget)))
+    rows = told.out.read_text().splitlines() if told.out.exists() else []
+    done = {Mutant(**json.loads(row)["mutant"]) for row in rows}
+    ahead = [(mutant, chosen) for mutant, chosen in plan if mutant not in done]
+    every = sorted({test for _, chosen in ahead for test in chosen})
+    first = ahead[0][0].module
+    if verdict(Loader(first, (ROOT / first).read_text()), [*every, *without], 900.0) != "survived":
+        sys.exit("the tests fail without a change")
+    for mutant, chosen in ahead:
+        loader = Loader(mutant.module, mutant.source((ROOT / mutant.module).read_text()))
+        seconds = sum(tests.seconds[test] for test in chosen)
+        found = verdict(loader, [*chosen, *without] if chosen else [], seconds)
+        with told.out.open("a") as out:
+            row = {"mutant": asdict(mutant), "verdict": found, "tests": chosen}
+            print(json.dumps(row), file=out)
 
 
 if __name__ == "__main__":

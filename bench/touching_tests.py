@@ -12,12 +12,15 @@ from coverage import CoverageData
 
 def reach(source: str, line: int) -> range:
     """Lines of the innermost statement: only the head of a block, but all of a function."""
-    statements = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.stmt))
-    around = (node for node in statements if node.lineno <= line <= node.end_lineno)
-    inner = max(around, key=lambda node: node.lineno)
-    if getattr(inner, "body", None) and not isinstance(inner, ast.FunctionDef):
-        return range(inner.lineno, max(inner.body[0].lineno, line + 1))
-    return range(inner.lineno, inner.end_lineno + 1)
+    spans = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.stmt):
+            first = min(d.lineno for d in (node, *getattr(node, "decorator_list", ())))
+            last = node.end_lineno
+            if getattr(node, "body", None) and not isinstance(node, ast.FunctionDef):
+                last = max(first, node.body[0].lineno - 1)
+            spans.append(range(first, last + 1))
+    return max((span for span in spans if line in span), key=lambda span: span.start)
 
 
 class Tests:
@@ -26,8 +29,11 @@ class Tests:
     def __init__(self, coverage: str, durations: str) -> None:
         self.data = CoverageData(coverage)
         self.data.read()
+        printed = Path(durations).read_text()
+        # What fails without a change says nothing of one.
+        self.failing = set(re.findall(r"(?m)^(?:FAILED|ERROR) ([^\[\s]+)", printed))
         self.seconds = defaultdict(float)
-        rows = re.findall(r"(?m)^([\d.]+)s \w+ +([^\[\s]+)", Path(durations).read_text())
+        rows = re.findall(r"(?m)^([\d.]+)s \w+ +([^\[\s]+)", printed)
         for took, test in rows:
             self.seconds[test] += float(took)
             self.seconds[test.partition("::")[0]] += float(took)
@@ -42,7 +48,8 @@ class Tests:
         # What a fixture did, every test of its file may look at.
         files = {c.partition("::")[0] for c in contexts if c.endswith("|setup")}
         single = {re.match(r"[^\[|]+", c)[0] for c in contexts}
-        return files | {test for test in single if test.partition("::")[0] not in files}
+        single = {test for test in single if test.partition("::")[0] not in files}
+        return files | (single - self.failing)
 
     def chosen(self, module: str, lines: range, budget_s: float) -> list[str]:
         near = f"tests/{Path(module).parent}/"
