@@ -36,7 +36,6 @@ class Tests:
         rows = re.findall(r"(?m)^([\d.]+)s \w+ +([^\[\s]+)", printed)
         for took, test in rows:
             self.seconds[test] += float(took)
-            self.seconds[test.partition("::")[0]] += float(took)
 
     def touching(self, module: str, lines: range) -> set[str]:
         path = next((f for f in self.data.measured_files() if f.endswith("/" + module)), "")
@@ -44,12 +43,11 @@ class Tests:
         contexts = {c for line in lines for c in by_line.get(line, ())}
         if "" in contexts:  # on import: every test of the module may tell
             contexts = {c for of_line in by_line.values() for c in of_line}
-        contexts = {c for c in contexts if c.startswith("tests/")}
+        touching = {re.match(r"[^\[|]*", context)[0] for context in contexts}
         # What a fixture did, every test of its file may look at.
         files = {c.partition("::")[0] for c in contexts if c.endswith("|setup")}
-        single = {re.match(r"[^\[|]+", c)[0] for c in contexts}
-        single = {test for test in single if test.partition("::")[0] not in files}
-        return files | (single - self.failing)
+        beside = {test for test in self.seconds if test.partition("::")[0] in files}
+        return {t for t in touching | beside if t.startswith("tests/")} - self.failing
 
     def chosen(self, module: str, lines: range, budget_s: float) -> list[str]:
         near = f"tests/{Path(module).parent}/"
