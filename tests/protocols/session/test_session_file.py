@@ -71,6 +71,7 @@ def check_nxdata(group: h5py.Group) -> None:
         if name != ".":
             assert group[name].shape == (signal.shape[dimension],)
             assert group[name].attrs["units"]
+            assert group.attrs[f"{name}_indices"] == dimension
     assert signal.attrs["units"]
     assert signal.attrs["interpretation"] == "spectrum"
     assert signal.dtype.kind in "fi"
@@ -105,6 +106,19 @@ def test_calibration_stands_in_words(header: SessionHeader, written: Path) -> No
             assert channels["unit"][index].decode() == channel.unit
             assert channels["serial_number"][index].decode() == channel.serial_number
             assert bytes.fromhex(channels["teds_hex"][index].decode()) == channel.teds
+
+
+def test_file_says_what_it_is(written: Path) -> None:
+    with h5py.File(written) as file:
+        assert file["session/definition"][()] == b"armodal-session"
+        assert file["session/format_version"][()] == 1
+
+
+def test_columns_of_hits_have_units_where_there_are_such(written: Path) -> None:
+    with h5py.File(written) as file:
+        table = file["session/hits/table"]
+        units = {name: table[name].attrs["units"] for name in table if "units" in table[name].attrs}
+    assert units == {"trigger_host_s": "s", "peak_n": "N", "width_s": "s"}
 
 
 def test_interrupted_write_leaves_the_old_file(
@@ -146,6 +160,9 @@ def test_session_that_contradicts_itself_is_not_written(
     unreadable = replace(session.header, dictionary_bytes=b"\0")
     with pytest.raises(SessionError, match="dictionary"):
         write_session(replace(example.session, header=unreadable), tmp_path / "a.h5")
+    negative = replace(session.losses[0], count=-1)
+    with pytest.raises(SessionError, match="is not written: loss: count"):
+        write_session(replace(example.session, losses=(negative,)), tmp_path / "a.h5")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -233,6 +250,8 @@ def recalibrate(file: h5py.File) -> None:
         (change_counts, "CRC-32"),
         (exchange_arm, "not the one the session began with"),
         (recalibrate, "what the board's dictionary says"),
+        (lambda f: put(f, "session/board/channels/unit", np.array([b"A"] * 4)), "dictionary says"),
+        (lambda f: put(f, "session/board/channels/unit", np.array([b"z"] * 4)), "dictionary says"),
         (lambda f: put(f, "session/definition", np.bytes_(b"NXarpes")), "definition"),
         (lambda f: put(f, "session/format_version", np.int64(9)), "version 9"),
         (lambda f: put(f, "session/session_id", "vlen"), "fixed-length"),
@@ -260,6 +279,13 @@ def test_harmed_file_is_refused_in_one_message(
         read_session(written)
     assert "\n" not in str(caught.value)
     assert "armodal recover" in str(caught.value)
+
+
+def test_frfs_harmed_in_the_file_are_refused_with_their_place(written: Path) -> None:
+    with h5py.File(written, "r+") as file:
+        file["session/frf_002/responses/direction"][0] *= 2
+    with pytest.raises(SessionError, match=r"frf_002: .*a unit vector was wanted.*armodal recover"):
+        read_frfs(written)
 
 
 def test_repacked_file_is_read(example, written: Path) -> None:

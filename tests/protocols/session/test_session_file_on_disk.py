@@ -58,6 +58,25 @@ def test_what_a_killed_writer_left_is_removed_and_a_living_one_s_file_is_not(exa
     assert all(path.exists() for path in others)
 
 
+@pytest.mark.parametrize("number", [0, 2**31])  # of a group of processes; more than there may be
+def test_what_is_left_under_a_number_no_process_has_is_removed(example, tmp_path, number):
+    left = tmp_path / f".a.h5.{number}.part"
+    left.write_bytes(b"half")
+    write_session(example.session, tmp_path / "a.h5")
+    assert not left.exists()
+
+
+def test_what_another_user_s_process_is_writing_is_left(example, tmp_path, monkeypatch):
+    def refuse(_pid: int, _signal: int) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    theirs = tmp_path / f".a.h5.{os.getppid()}.part"
+    theirs.write_bytes(b"half")
+    monkeypatch.setattr("os.kill", refuse)
+    write_session(example.session, tmp_path / "a.h5")
+    assert theirs.exists()
+
+
 def test_a_link_where_the_temporary_file_should_be_is_not_followed(example, tmp_path):
     precious = tmp_path / "precious"
     precious.write_text("precious")
