@@ -152,7 +152,7 @@ def _left(local: AboutModes, group: _Int, fits: list[Regression]) -> _Real:
 
 
 def _fewest(
-    local: AboutModes, group: _Int, poles: _Complex, line_share: float
+    local: AboutModes, group: _Int, poles: _Complex, line_share: float, *, searched: bool
 ) -> list[Regression] | None:
     """Own fits with the fewest poles that explain what these common poles do.
 
@@ -171,6 +171,8 @@ def _fewest(
     fits = _own_fits(local, group, poles, poles.size)
     if np.all(reference - _left(local, group, fits) < visible):
         return None
+    if searched:
+        return fits
     rival = _one_more(local.data, poles)
     return fits if _explains_more(local, group, fits, rival, line_share) else None
 
@@ -277,6 +279,7 @@ def settle_drift(
     *,
     line_share: float,
     put_together: bool = True,
+    searched: bool = False,
 ) -> Settled | None:
     """Put copies of drifting modes together, and FRFs to where the mean pole is.
 
@@ -290,6 +293,8 @@ def settle_drift(
         Independent lines per line under the window.
     put_together
         Copies of a mode; False leaves runs of near modes as they were given.
+    searched
+        Modes that stand still were looked for already: a mode alone that seems to move does.
 
     Returns
     -------
@@ -323,12 +328,14 @@ def settle_drift(
                 group,
                 line_share=line_share,
                 anew=number < _ANEW,
+                searched=searched,
             )
             if try_it
             else run
             for run, end, try_it in zip(runs, ends, tried, strict=True)
         ]
-        tried = [bool(run.drift) for run in runs]
+        if number + 1 >= _ANEW:
+            tried = [bool(run.drift) for run in runs]
     if not any(run.drift or run.poles.size < len(run.given) for run in runs):
         return None
     return Settled(
@@ -354,13 +361,14 @@ def _looked_at(
     *,
     line_share: float,
     anew: bool,
+    searched: bool,
 ) -> _Run:
     """The run with poles of every group, if its modes move; in `data` all runs are at rest."""
     if run.carried is not None:
         data = _with(data, data.values - run.carried)
     local = about_modes(data, still, own, reach=REACH, least_lines=LEAST_LINES)
     fits = (
-        _fewest(local, group, run.poles, line_share)
+        _fewest(local, group, run.poles, line_share, searched=searched)
         if anew
         else _own_again(local, group, run.drift)
     )

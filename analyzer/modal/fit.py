@@ -155,7 +155,12 @@ def _reweighted(
     data = problem.data()
     fit = regress(data, poles)
     still = settle_drift(
-        data, fit, problem.rows, line_share=problem.line_share, put_together=put_together
+        data,
+        fit,
+        problem.rows,
+        line_share=problem.line_share,
+        put_together=put_together,
+        searched=True,
     )
     if still is not None:
         data = replace(problem, values=still.values.reshape(problem.values.shape)).data()
@@ -184,6 +189,7 @@ def _fitted(
         problem.rows,
         line_share=lines.share,
         put_together=put_together,
+        searched=True,
     )
     if still is not None:
         problem = replace(problem, values=still.values.reshape(problem.values.shape))
