@@ -13,6 +13,7 @@ from armodal.analyzer.modal.lines import FittedLines, fitted_lines, misfit_varia
 from armodal.analyzer.modal.modes import ModalModel
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.rank_one import refine_rank_one
+from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import misfit, regress
 from armodal.analyzer.modal.search import Problem, search_poles, stabilisation
 from armodal.analyzer.modal.selection import keep_modes
@@ -107,6 +108,8 @@ def fit_modes_at(
     seen = np.array([_share_of_orders(stabilisation, pole) for pole in poles])
     problem, transposed = _problem(frf, lines)
     try:
+        # A pole picked is some order's, not yet where the FRFs have it.
+        poles = refine_poles(problem.data(), poles).poles
         if not lines.told:
             problem = _reweighted(problem, poles, put_together=False)
         return _fitted(
