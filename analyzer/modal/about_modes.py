@@ -52,6 +52,8 @@ def about_modes(
 ) -> AboutModes:
     """Lines about some modes of a fit, the others taken off.
 
+    What is not yet known of the others stands about them: lines nearer to them are theirs.
+
     Parameters
     ----------
     data, fit
@@ -67,7 +69,10 @@ def about_modes(
     omega, poles = data.s.imag, fit.poles[own]
     half, step = -poles.real, float(np.median(np.diff(omega)))
     away = np.abs(omega - poles.imag[:, None])
-    lines = away.min(axis=0) <= max(reach * float(half.max()), least_lines * step)
+    beside = np.abs(omega - fit.poles[others].imag[:, None]).min(axis=0, initial=np.inf)
+    near = away.min(axis=0)
+    within = (near <= reach * float(half.max())) & (near <= beside)
+    lines = within | (near <= least_lines * step)
     s = data.s[lines]
     values = data.values[:, lines]
     if others.size:

@@ -56,7 +56,7 @@ _Int = npt.NDArray[np.int64]
 
 SURE = 1e-4  # probability of calling scatter a move, a mode
 VISIBLE = 0.05  # of the FRFs' weighted amplitude at a mode: less is no mode of its own
-LINKED = 4.0  # half bandwidths between neighbours that may be copies: two half-power bandwidths
+LINKED = 6.0  # half bandwidths between neighbours that may be copies: two, of those two apart, more
 CONSISTENT = 0.8  # MPC of a mode to be trusted: Pappa, Elliott, Schenk, J. Guidance 16 (1993) 860
 _STARTS = 3  # of a group's own poles: the misfit over their place has several hollows
 _PASSES = 4  # all but the first with the other runs at rest

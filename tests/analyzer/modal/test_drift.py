@@ -12,7 +12,7 @@ from armodal.analyzer.modal import drift_told, fit_modes, synthesise
 from armodal.protocols.frf_records import FrfForm
 
 # Below a twentieth of a half-power bandwidth nothing can be seen to move; two are the most asked.
-RANGES = (0.5, *(pytest.param(one, marks=pytest.mark.long) for one in (0.0, 0.1, 1.0, 2.0)))
+RANGES = (0.0, 0.1, 0.5, 1.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -23,6 +23,7 @@ RANGES = (0.5, *(pytest.param(one, marks=pytest.mark.long) for one in (0.0, 0.1,
             pytest.param(bandwidths, by, marks=pytest.mark.long)
             for bandwidths in RANGES
             for by in ("sensor", "batch")
+            if (bandwidths, by) != (1.0, "sensor")
         ),
     ],
 )
