@@ -108,11 +108,14 @@ def _pole(f_hz: _Real | float, damping: _Real | float) -> _Complex:
     return np.asarray(w * (-z + 1j * np.sqrt(np.maximum(1.0 - z**2, 0.0))))
 
 
-def _own_fits(local: AboutModes, group: _Int, poles: _Complex, n: int) -> list[Regression]:
-    """Every group with `n` poles of its own.
+def _own_fits(
+    local: AboutModes, group: _Int, poles: _Complex, n: int, most: _Real
+) -> tuple[list[Regression], _Real] | None:
+    """Every group with `n` poles of its own, and what is left at each mode; None beyond `most`.
 
     Each begins from those of the poles given that suit it best; where these are no more than
-    wanted, moved by the number of half bandwidths that suits it best.
+    wanted, moved by the number of half bandwidths that suits it best. The groups that show most
+    come first.
     """
     half = float(np.max(-poles.real))
     moves = np.arange(-2.0 * LINKED, 2.0 * LINKED + 1.0) if n == poles.size else np.zeros(1)
@@ -121,14 +124,19 @@ def _own_fits(local: AboutModes, group: _Int, poles: _Complex, n: int) -> list[R
         for chosen in combinations(range(poles.size), n)
         for move in moves
     ]
-    fits = []
-    for g in range(int(group.max()) + 1):
+    shown = np.bincount(group, np.sum(np.abs(local.data.values) ** 2 / local.variance, axis=1))
+    fits: dict[int, Regression] = {}
+    left = np.zeros(poles.size)
+    for g in np.argsort(-shown):
         data = local.of(group == g)
         costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
         best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
         ends = [refine_poles(data, start) for start in best]
-        fits.append(min(ends, key=lambda fit: float(fit.cost.sum())))
-    return fits
+        fits[int(g)] = min(ends, key=lambda fit: float(fit.cost.sum()))
+        left += _at_modes(local, misfit(data, fits[int(g)]), group == g)
+        if np.any(left >= most):
+            return None
+    return [fits[g] for g in range(len(fits))], left
 
 
 def _own_again(local: AboutModes, group: _Int, before: tuple[ModeDrift, ...]) -> list[Regression]:
@@ -137,18 +145,12 @@ def _own_again(local: AboutModes, group: _Int, before: tuple[ModeDrift, ...]) ->
     return [refine_poles(local.of(group == g), start) for g, start in enumerate(starts.T)]
 
 
-def _at_modes(local: AboutModes, values: _Complex) -> _Real:
-    """Weighted power of values (n_frf, n_lines) on the core lines of each mode: (n_modes,)."""
-    power: _Real = local.core @ np.sum(np.abs(values) ** 2 / local.variance, axis=0)
+def _at_modes(
+    local: AboutModes, values: _Complex, rows: npt.NDArray[np.bool_] | slice = slice(None)
+) -> _Real:
+    """Weighted power of values (n_rows, n_lines) on the core lines of each mode: (n_modes,)."""
+    power: _Real = local.core @ np.sum(np.abs(values) ** 2 / local.variance[rows], axis=0)
     return power
-
-
-def _left(local: AboutModes, group: _Int, fits: list[Regression]) -> _Real:
-    """What own fits leave at each mode: (n_modes,)."""
-    left = np.empty(local.data.values.shape, dtype=np.complex128)
-    for g, fit in enumerate(fits):
-        left[group == g] = misfit(local.of(group == g), fit)
-    return _at_modes(local, left)
 
 
 def _fewest(
@@ -162,19 +164,18 @@ def _fewest(
     reference = _at_modes(local, misfit(local.data, common))
     visible = VISIBLE**2 * _at_modes(local, local.data.values)
     for n in range(1, poles.size):
-        fits = _own_fits(local, group, poles, n)
-        nothing_left = np.all(_left(local, group, fits) - reference < visible)
-        if nothing_left and _explains_more(local, group, fits, common, line_share):
-            return fits
+        own = _own_fits(local, group, poles, n, reference + visible)
+        if own is not None and _explains_more(local, group, own[0], common, line_share):
+            return own[0]
     if np.all(reference < visible):
         return None  # no other poles can leave visibly less
-    fits = _own_fits(local, group, poles, poles.size)
-    if np.all(reference - _left(local, group, fits) < visible):
+    own = _own_fits(local, group, poles, poles.size, np.full(poles.size, np.inf))
+    if own is None or np.all(reference - own[1] < visible):
         return None
     if searched:
-        return fits
+        return own[0]
     rival = _one_more(local.data, poles)
-    return fits if _explains_more(local, group, fits, rival, line_share) else None
+    return own[0] if _explains_more(local, group, own[0], rival, line_share) else None
 
 
 def _one_more(data: ModalData, poles: _Complex) -> Regression:
