@@ -7,8 +7,7 @@ with common poles such a mode comes out as several, each with a part of the shap
 What was measured at one point is a group of FRFs. On the lines about a mode, or about modes that
 stand close enough to be copies of one another, every group is fitted with poles of its own:
 
-* Of modes that may be copies the fewest are kept with which nothing is left over that could be
-  seen as a mode.
+* Of modes that may be copies the fewest are kept (`own_poles`).
 * Whether the groups' poles differ by more than their scatter is Cochran's question (Biometrics 10
   (1954) 101): Q = sum_g (x_g - x)^2 / c_g of frequency, and of damping, is chi-square with one
   degree of freedom less than groups where only scatter c_g moves them.
@@ -24,21 +23,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 from scipy.stats import chi2
 
 from armodal.analyzer.modal.about_modes import AboutModes, about_modes, near_runs
-from armodal.analyzer.modal.correlation import mpc
+from armodal.analyzer.modal.own_poles import LINKED, own_fits, own_fits_again
 from armodal.analyzer.modal.random_effects import Quantity, random_effects
-from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import (
     N_RESIDUAL,
     ModalData,
     Regression,
-    misfit,
     modal_data,
     regress,
 )
@@ -55,10 +51,6 @@ _Complex = npt.NDArray[np.complex128]
 _Int = npt.NDArray[np.int64]
 
 SURE = 1e-4  # probability of calling scatter a move, a mode
-VISIBLE = 0.05  # of the FRFs' weighted amplitude at a mode: less is no mode of its own
-LINKED = 6.0  # half bandwidths between neighbours that may be copies: two, of those two apart, more
-CONSISTENT = 0.8  # MPC of a mode to be trusted: Pappa, Elliott, Schenk, J. Guidance 16 (1993) 860
-_STARTS = 3  # of a group's own poles: the misfit over their place has several hollows
 _PASSES = 4  # all but the first with the other runs at rest
 _ANEW = 2  # of them in which every group is sought anew, the rest go on from there
 REACH = 20.0  # half bandwidths on either side, on which a group's pole is fitted
@@ -106,116 +98,6 @@ class _Run:
 def _pole(f_hz: _Real | float, damping: _Real | float) -> _Complex:
     w, z = 2.0 * np.pi * np.asarray(f_hz), np.asarray(damping)
     return np.asarray(w * (-z + 1j * np.sqrt(np.maximum(1.0 - z**2, 0.0))))
-
-
-def _own_fits(
-    local: AboutModes, group: _Int, poles: _Complex, n: int, most: _Real
-) -> tuple[list[Regression], _Real] | None:
-    """Every group with `n` poles of its own, and what is left at each mode; None beyond `most`.
-
-    Each begins from those of the poles given that suit it best; where these are no more than
-    wanted, moved by the number of half bandwidths that suits it best. The groups that show most
-    come first.
-    """
-    half = float(np.max(-poles.real))
-    moves = np.arange(-2.0 * LINKED, 2.0 * LINKED + 1.0) if n == poles.size else np.zeros(1)
-    starts = [
-        poles[list(chosen)] + 1j * half * move
-        for chosen in combinations(range(poles.size), n)
-        for move in moves
-    ]
-    shown = np.bincount(group, np.sum(np.abs(local.data.values) ** 2 / local.variance, axis=1))
-    fits: dict[int, Regression] = {}
-    left = np.zeros(poles.size)
-    for g in np.argsort(-shown):
-        data = local.of(group == g)
-        costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
-        best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
-        ends = [refine_poles(data, start) for start in best]
-        fits[int(g)] = min(ends, key=lambda fit: float(fit.cost.sum()))
-        left += _at_modes(local, misfit(data, fits[int(g)]), group == g)
-        if np.any(left >= most):
-            return None
-    return [fits[g] for g in range(len(fits))], left
-
-
-def _own_again(local: AboutModes, group: _Int, before: tuple[ModeDrift, ...]) -> list[Regression]:
-    """Every group from where its poles were."""
-    starts = np.array([mode.group_poles for mode in before])  # (n, n_groups)
-    return [refine_poles(local.of(group == g), start) for g, start in enumerate(starts.T)]
-
-
-def _at_modes(
-    local: AboutModes, values: _Complex, rows: npt.NDArray[np.bool_] | slice = slice(None)
-) -> _Real:
-    """Weighted power of values (n_rows, n_lines) on the core lines of each mode: (n_modes,)."""
-    power: _Real = local.core @ np.sum(np.abs(values) ** 2 / local.variance[rows], axis=0)
-    return power
-
-
-def _fewest(
-    local: AboutModes, group: _Int, poles: _Complex, line_share: float, *, searched: bool
-) -> list[Regression] | None:
-    """Own fits with the fewest poles that explain what these common poles do.
-
-    None where all are needed and common poles leave nothing visible.
-    """
-    common = regress(local.data, poles, pole_terms=False)
-    reference = _at_modes(local, misfit(local.data, common))
-    visible = VISIBLE**2 * _at_modes(local, local.data.values)
-    for n in range(1, poles.size):
-        own = _own_fits(local, group, poles, n, reference + visible)
-        if own is not None and _explains_more(local, group, own[0], common, line_share):
-            return own[0]
-    if np.all(reference < visible):
-        return None  # no other poles can leave visibly less
-    own = _own_fits(local, group, poles, poles.size, np.full(poles.size, np.inf))
-    if own is None or np.all(reference - own[1] < visible):
-        return None
-    if searched:
-        return own[0]
-    rival = _one_more(local.data, poles)
-    return own[0] if _explains_more(local, group, own[0], rival, line_share) else None
-
-
-def _one_more(data: ModalData, poles: _Complex) -> Regression:
-    """The best fit with one more pole that stands still, somewhere near: a mode not yet found."""
-    half = float(np.max(-poles.real))
-    moves = 1j * half * np.arange(-2.0 * LINKED - 0.5, 2.0 * LINKED + 1.0)
-    starts = [np.append(poles, pole + move) for pole in poles for move in moves]
-    costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
-    return refine_poles(data, starts[int(np.argmin(costs))])
-
-
-def _explains_more(
-    local: AboutModes, group: _Int, fits: list[Regression], common: Regression, line_share: float
-) -> bool:
-    """Whether fewer poles that move are believed, rather than more that stand still.
-
-    By Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716); or because what stands still
-    has shapes that no mode has and what moves has not: every lineshape is approximated by enough
-    fixed poles.
-    """
-    n_frf, lines = local.data.values.shape
-    n_groups, n, more = len(fits), fits[0].poles.size, common.poles.size
-    size_own = 2 * n * n_groups + n_frf * (2 * n + N_RESIDUAL)
-    size_common = 2 * more + n_frf * (2 * more + N_RESIDUAL)
-    cost_own = sum(float(fit.cost.sum()) for fit in fits)
-    cost_common = float(common.cost.sum())
-    real = 2 * n_frf * lines
-    noise = (
-        min(cost_own / max(real - size_own, 1), cost_common / max(real - size_common, 1))
-        / line_share
-    )
-    if cost_own / noise + 2 * size_own < cost_common / noise + 2 * size_common:
-        return True
-    moving = np.empty((n_frf, n), dtype=np.complex128)
-    for g, fit in enumerate(fits):
-        moving[group == g] = fit.residues[:, np.argsort(fit.poles.imag)]
-    own_mpc, common_mpc = (
-        min(mpc(shape) for shape in residues.T) for residues in (moving, common.residues)
-    )
-    return common_mpc < CONSISTENT <= own_mpc
 
 
 def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> list[ModeDrift]:
@@ -369,9 +251,9 @@ def _looked_at(
         data = _with(data, data.values - run.carried)
     local = about_modes(data, still, own, reach=REACH, least_lines=LEAST_LINES)
     fits = (
-        _fewest(local, group, run.poles, line_share, searched=searched)
+        own_fits(local, group, run.poles, line_share, searched=searched)
         if anew
-        else _own_again(local, group, run.drift)
+        else own_fits_again(local, group, np.array([mode.group_poles for mode in run.drift]))
     )
     if fits is None:
         return replace(run, drift=(), carried=None)

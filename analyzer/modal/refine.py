@@ -59,8 +59,9 @@ def refine_poles(
     for _ in range(_MOST_STEPS):
         A = current.information.sum(axis=0)
         g = current.score.sum(axis=0)
-        diagonal = np.maximum(np.diag(A), np.finfo(float).tiny)
-        scale = 1.0 / np.sqrt(diagonal)
+        # A pole that nothing tells of stays where it is.
+        told = np.diag(A) > np.finfo(float).tiny
+        scale = np.where(told, 1.0 / np.sqrt(np.where(told, np.diag(A), 1.0)), 0.0)
         normal = A * scale[:, None] * scale[None, :] + damping * np.eye(g.size)
         step = np.linalg.solve(normal, g * scale) * scale
         moved = current.poles + step[0::2] + 1j * step[1::2]

@@ -1,0 +1,152 @@
+"""Every group's own poles about some modes, and how many poles a group needs.
+
+Of modes that may be copies of one that moves the fewest are kept with which nothing is left over
+that could be seen as a mode, if they are believed rather than more that stand still.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.modal.about_modes import AboutModes
+from armodal.analyzer.modal.correlation import mpc
+from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, misfit, regress
+
+__all__ = ["LINKED", "own_fits", "own_fits_again"]
+
+_Real = npt.NDArray[np.float64]
+_Complex = npt.NDArray[np.complex128]
+_Int = npt.NDArray[np.int64]
+
+LINKED = 6.0  # half bandwidths between neighbours that may be copies: two, of those two apart, more
+VISIBLE = 0.05  # of the FRFs' weighted amplitude at a mode: less is no mode of its own
+CONSISTENT = 0.8  # MPC of a mode to be trusted: Pappa, Elliott, Schenk, J. Guidance 16 (1993) 860
+_STARTS = 3  # of a group's own poles: the misfit over their place has several hollows
+
+
+def own_fits(
+    local: AboutModes, group: _Int, poles: _Complex, line_share: float, *, searched: bool
+) -> list[Regression] | None:
+    """Own fits with the fewest poles that explain what these common poles do.
+
+    None where all are needed and common poles leave nothing visible. What fewer poles leave over
+    counts for as much as it is a mode: not where neither common nor own poles make one of it.
+    """
+    common = regress(local.data, poles, pole_terms=False)
+    reference = _at_modes(local, misfit(local.data, common))
+    visible = VISIBLE**2 * _at_modes(local, local.data.values)
+    any_left = np.full(poles.size, np.inf)
+    every = (
+        _own_fits(local, group, poles, poles.size, any_left)
+        if not _is_mode(common.residues)
+        else None
+    )
+    no_modes = every is not None and not _is_mode(_moving(group, every[0]))
+    for n in range(1, poles.size):
+        own = _own_fits(local, group, poles, n, any_left if no_modes else reference + visible)
+        if own is not None and _explains_more(local, group, own[0], common, line_share):
+            return own[0]
+    if np.all(reference < visible):
+        return None  # no other poles can leave visibly less
+    every = every or _own_fits(local, group, poles, poles.size, any_left)
+    if every is None or np.all(reference - every[1] < visible):
+        return None
+    if searched:
+        return every[0]
+    rival = _one_more(local.data, poles)
+    return every[0] if _explains_more(local, group, every[0], rival, line_share) else None
+
+
+def own_fits_again(local: AboutModes, group: _Int, starts: _Complex) -> list[Regression]:
+    """Every group from where its poles were: starts (n, n_groups)."""
+    return [refine_poles(local.of(group == g), start) for g, start in enumerate(starts.T)]
+
+
+def _own_fits(
+    local: AboutModes, group: _Int, poles: _Complex, n: int, most: _Real
+) -> tuple[list[Regression], _Real] | None:
+    """Every group with `n` poles of its own, and what is left at each mode; None beyond `most`.
+
+    Each begins from those of the poles given that suit it best; where these are no more than
+    wanted, moved by the number of half bandwidths that suits it best. The groups that show most
+    come first.
+    """
+    half = float(np.max(-poles.real))
+    moves = np.arange(-2.0 * LINKED, 2.0 * LINKED + 1.0) if n == poles.size else np.zeros(1)
+    starts = [
+        poles[list(chosen)] + 1j * half * move
+        for chosen in combinations(range(poles.size), n)
+        for move in moves
+    ]
+    shown = np.bincount(group, np.sum(np.abs(local.data.values) ** 2 / local.variance, axis=1))
+    fits: dict[int, Regression] = {}
+    left = np.zeros(poles.size)
+    for g in np.argsort(-shown):
+        data = local.of(group == g)
+        costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
+        best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
+        ends = [refine_poles(data, start) for start in best]
+        fits[int(g)] = min(ends, key=lambda fit: float(fit.cost.sum()))
+        left += _at_modes(local, misfit(data, fits[int(g)]), group == g)
+        if np.any(left >= most):
+            return None
+    return [fits[g] for g in range(len(fits))], left
+
+
+def _at_modes(
+    local: AboutModes, values: _Complex, rows: npt.NDArray[np.bool_] | slice = slice(None)
+) -> _Real:
+    """Weighted power of values (n_rows, n_lines) on the core lines of each mode: (n_modes,)."""
+    power: _Real = local.core @ np.sum(np.abs(values) ** 2 / local.variance[rows], axis=0)
+    return power
+
+
+def _is_mode(residues: _Complex) -> bool:
+    """Whether all these (n_frf, n) are shapes that a mode can have."""
+    return min(mpc(shape) for shape in residues.T) >= CONSISTENT
+
+
+def _moving(group: _Int, fits: list[Regression]) -> _Complex:
+    """Residues (n_frf, n) of own fits, by rising frequency in every group."""
+    moving = np.empty((group.size, fits[0].poles.size), dtype=np.complex128)
+    for g, fit in enumerate(fits):
+        moving[group == g] = fit.residues[:, np.argsort(fit.poles.imag)]
+    return moving
+
+
+def _one_more(data: ModalData, poles: _Complex) -> Regression:
+    """The best fit with one more pole that stands still, somewhere near: a mode not yet found."""
+    half = float(np.max(-poles.real))
+    moves = 1j * half * np.arange(-2.0 * LINKED - 0.5, 2.0 * LINKED + 1.0)
+    starts = [np.append(poles, pole + move) for pole in poles for move in moves]
+    costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
+    return refine_poles(data, starts[int(np.argmin(costs))])
+
+
+def _explains_more(
+    local: AboutModes, group: _Int, fits: list[Regression], common: Regression, line_share: float
+) -> bool:
+    """Whether fewer poles that move are believed, rather than more that stand still.
+
+    By Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716); or because what stands still
+    has shapes that no mode has and what moves has not: every lineshape is approximated by enough
+    fixed poles.
+    """
+    n_frf, lines = local.data.values.shape
+    n_groups, n, more = len(fits), fits[0].poles.size, common.poles.size
+    size_own = 2 * n * n_groups + n_frf * (2 * n + N_RESIDUAL)
+    size_common = 2 * more + n_frf * (2 * more + N_RESIDUAL)
+    cost_own = sum(float(fit.cost.sum()) for fit in fits)
+    cost_common = float(common.cost.sum())
+    real = 2 * n_frf * lines
+    noise = (
+        min(cost_own / max(real - size_own, 1), cost_common / max(real - size_common, 1))
+        / line_share
+    )
+    if cost_own / noise + 2 * size_own < cost_common / noise + 2 * size_common:
+        return True
+    return _is_mode(_moving(group, fits)) and not _is_mode(common.residues)
