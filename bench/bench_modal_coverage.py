@@ -1,7 +1,8 @@
 """Coverage of nominal 95 % intervals of f, damping and shape, and of joint k and c.
 
 Modes: every session is simulated hit by hit: three hits a point, three axes that share each hit,
-counts, noise on every channel, an aim that changes with each hit. Joints: the simulated
+counts, noise on every channel, an aim that changes with each hit; band and order of the fit given,
+or drawn at random. Joints: the simulated
 laboratory's front end, hand and small motion on an arm known exactly, one posture of eight points,
 from counts to stiffness.
 """
@@ -39,13 +40,18 @@ C_N_M_S_PER_RAD = (15.2, 8.46, 5.9)
 POINTS = ("1", "3", "5", "7", "9", "11", "13", "15")
 
 
-def run(name: str, *, noise: float, aim: float) -> None:
+def run(name: str, *, noise: float, aim: float, choose: bool = False) -> None:
     inside, shapes, errors, missed = [], [], [], 0
     for seed in SEEDS:
         rng = np.random.default_rng(seed)
         R = 0.3 * rng.standard_normal((4, 8, 3)) / (2j * POLES.imag[:, None, None])
         session = hammer.session(POLES, R, rng=rng, noise=noise, aim=aim, anti_alias=True)
-        model = fit_modes(posture_frf(session, "p", lambda _: np.eye(3), band_hz=(3.0, 150.0)))
+        frf = posture_frf(session, "p", lambda _: np.eye(3), band_hz=(3.0, 150.0))
+        if choose:  # as different people would
+            band = (float(rng.uniform(3.0, 8.0)), float(rng.uniform(85.0, 150.0)))
+            model = fit_modes(frf, band_hz=band, max_order=int(rng.integers(16, 61)))
+        else:
+            model = fit_modes(frf)
         if len(model.modes) != len(POLES):
             missed += 1
             continue
@@ -101,6 +107,7 @@ def main() -> None:
     run("noise and aim", noise=0.1, aim=0.02)
     # Next to no noise: what is left are the effects that no interval knows of, at 1e-5 of f.
     run("aim alone", noise=0.001, aim=0.02)
+    run("noise and aim, band and order at random", noise=0.1, aim=0.02, choose=True)
     run_joints()
 
 

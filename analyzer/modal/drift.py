@@ -196,17 +196,14 @@ def settle_drift(
     ]
     if not any(tried):
         return None
+    rest, still = data, fit
+    at = [np.array(run.given, dtype=np.intp) for run in runs]
     for number in range(_PASSES):
-        values = data.values + sum(run.carried for run in runs if run.carried is not None)
-        poles = np.concatenate([run.poles for run in runs])
-        rest = _with(data, values)
-        still = regress(rest, poles, pole_terms=False)
-        ends = np.cumsum([run.poles.size for run in runs])
         runs = [
             _looked_at(
                 rest,
                 still,
-                np.arange(end - run.poles.size, end),
+                own,
                 run,
                 group,
                 line_share=line_share,
@@ -215,14 +212,19 @@ def settle_drift(
             )
             if try_it
             else run
-            for run, end, try_it in zip(runs, ends, tried, strict=True)
+            for run, own, try_it in zip(runs, at, tried, strict=True)
         ]
+        if not any(run.drift or run.poles.size < len(run.given) for run in runs):
+            return None
         if number + 1 >= _ANEW:
             tried = [bool(run.drift) for run in runs]
-    if not any(run.drift or run.poles.size < len(run.given) for run in runs):
-        return None
+        carried = [run.carried for run in runs if run.carried is not None]
+        rest = _with(data, data.values + sum(carried)) if carried else data
+        still = regress(rest, np.concatenate([run.poles for run in runs]), pole_terms=False)
+        ends = np.cumsum([run.poles.size for run in runs])
+        at = [np.arange(e - run.poles.size, e) for run, e in zip(runs, ends, strict=True)]
     return Settled(
-        values=data.values + sum(run.carried for run in runs if run.carried is not None),
+        values=rest.values,
         poles=np.concatenate([run.poles for run in runs]),
         kept=np.concatenate([run.given[: run.poles.size] for run in runs]).astype(np.intp),
         drift=tuple(mode for run in runs for mode in run.drift or (None,) * run.poles.size),

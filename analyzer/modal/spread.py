@@ -2,14 +2,16 @@
 
 A deviation from noise alone does not cover what the choice of band and weighting changes: a
 resonance that leaks or bends has another best pole on its top than on its flanks. Every run of near
-modes is fitted again on few lines, weighted as the whole, and on many, all weighted alike; what the
-poles move by beyond the scatter of such fits is theirs as much as the noise is.
+modes is fitted again on few lines, weighted as the whole, and on many, all weighted alike; where
+the poles move by more than the scatter of such fits explains, that is theirs as much as the noise
+is.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import chi2
 
 from armodal.analyzer.modal.about_modes import AboutModes, about_modes, near_runs
 from armodal.analyzer.modal.refine import refine_poles
@@ -21,6 +23,7 @@ __all__ = ["pole_spread"]
 _Real = npt.NDArray[np.float64]
 
 TOGETHER = 10.0  # half bandwidths within which modes are fitted together
+SURE = 1e-3  # probability of calling scatter a move
 FEW, MANY = (4.0, 6), (25.0, 30)  # half bandwidths, and lines at least, on either side
 
 
@@ -69,5 +72,6 @@ def _moved(data: ModalData, fit: Regression, own: npt.NDArray[np.intp], line_sha
     )
     J = frequency_damping_jacobian(again.poles)
     scatter = np.diag(J @ theta @ J.T)
-    moved: _Real = np.maximum((after - before) ** 2 - scatter, 0.0)
-    return moved
+    moved = (after - before) ** 2
+    beyond: _Real = np.where(chi2.sf(moved / scatter, 1) < SURE, moved - scatter, 0.0)
+    return beyond
