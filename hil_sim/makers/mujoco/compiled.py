@@ -1,0 +1,153 @@
+"""A machine in a posture as a MuJoCo model at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from armodal.hil_sim.makers.arm_table import Array
+from armodal.hil_sim.makers.mujoco.machine import Body, Machine, Servo, Spring, turned
+
+__all__ = ["Compiled", "compiled", "jacobian"]
+
+SERVO_HISTORY = 64  # samples of a delayed servo's memory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compiled:
+    """Model and data; generalised coordinates are zero at rest."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+
+
+def compiled(machine: Machine, joints_rad: Mapping[str, float], step_s: float) -> Compiled:
+    """Write and compile the model; springs are stretched so that the posture is at rest.
+
+    Parameters
+    ----------
+    joints_rad
+        True angle of every joint.
+    """
+    spec = mujoco.MjSpec()
+    spec.option.timestep = step_s
+    spec.option.gravity = machine.gravity_m_s2
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
+    written = {"": spec.worldbody}
+    for body in _outwards(machine):
+        written[body.name] = _write(written[body.parent], body, joints_rad.get(body.joint, 0.0))
+    for name, place in machine.places.items():
+        site = written[place.body].add_site(name=f"point {name}", pos=place.at_m)
+        quat = np.zeros(4)
+        mujoco.mju_mat2Quat(quat, place.R_body_sensor.reshape(9))
+        site.quat = quat
+    for spring in machine.springs:
+        _write_spring(spec, written, spring)
+    for servo in machine.servos:
+        _write_servo(spec, servo, step_s)
+    for name in machine.places:
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_ACCELEROMETER,
+            objtype=mujoco.mjtObj.mjOBJ_SITE,
+            objname=f"point {name}",
+        )
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    _stretch(machine, model, data)
+    return Compiled(model=model, data=data)
+
+
+def jacobian(here: Compiled, body: str, at_m: Array) -> tuple[Array, Array, Array]:
+    """Jacobians of a place, (3, nv) linear and angular, and the body's rotation (3, 3)."""
+    model, data = here.model, here.data
+    i = model.body(body).id
+    R = data.xmat[i].reshape(3, 3).copy()
+    linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+    mujoco.mj_jac(model, data, linear, angular, R @ at_m + data.xpos[i], i)
+    return linear, angular, R
+
+
+def _outwards(machine: Machine) -> list[Body]:
+    """Bodies, each after its parent."""
+    ordered: list[Body] = []
+    waiting = list(machine.bodies.values())
+    known = {""}
+    while waiting:
+        ready = [body for body in waiting if body.parent in known]
+        if not ready:
+            raise ValueError(f"bodies without a parent: {[body.name for body in waiting]}")
+        ordered += ready
+        known |= {body.name for body in ready}
+        waiting = [body for body in waiting if body.name not in known]
+    return ordered
+
+
+def _write(parent: mujoco.MjsBody, body: Body, angle_rad: float) -> mujoco.MjsBody:
+    T = body.T_parent_body @ turned(body.drive_axis, angle_rad)
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(T[:3, :3]).reshape(9))
+    written = parent.add_body(name=body.name, pos=T[:3, 3], quat=quat)
+    if body.inertial is not None:
+        written.explicitinertial = True
+        written.mass = body.inertial.mass_kg
+        written.ipos = body.inertial.center_m
+        written.fullinertia = body.inertial.inertia_kg_m2
+    for axis in body.axes:
+        kind = mujoco.mjtJoint.mjJNT_SLIDE if axis.slide else mujoco.mjtJoint.mjJNT_HINGE
+        written.add_joint(
+            name=axis.name,
+            type=kind,
+            axis=axis.direction,
+            pos=axis.at_m,
+            stiffness=[axis.stiffness, 0.0, 0.0],
+            damping=[axis.damping, 0.0, 0.0],
+            armature=axis.inertia,
+            frictionloss=axis.coulomb,
+        )
+    return written
+
+
+def _write_spring(spec: mujoco.MjSpec, written: dict[str, mujoco.MjsBody], spring: Spring) -> None:
+    tendon = spec.add_tendon(
+        name=spring.name,
+        stiffness=list(spring.stiffness),
+        damping=[spring.damping, 0.0, 0.0],
+        springyield=spring.yields_at,
+    )
+    if spring.ends is None:
+        half = 0.5 * spring.dead_band
+        tendon.springlength = [-half, half]
+        for axis, coefficient in spring.axes.items():
+            tendon.wrap_joint(axis, coefficient)
+        return
+    if spring.rest_m is not None:
+        tendon.springlength = [spring.rest_m, spring.rest_m]
+    for i, (body, at_m) in enumerate(spring.ends):
+        written[body].add_site(name=f"{spring.name} {i}", pos=at_m)
+        tendon.wrap_site(f"{spring.name} {i}")
+
+
+def _write_servo(spec: mujoco.MjSpec, servo: Servo, step_s: float) -> None:
+    actuator = spec.add_actuator(
+        name=f"servo {servo.axis}", target=servo.axis, trntype=mujoco.mjtTrn.mjTRN_JOINT
+    )
+    actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
+    del step_s
+
+
+def _stretch(machine: Machine, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Stretch each axis's spring by what gravity and other springs load it with at rest."""
+    del machine
+    mujoco.mj_forward(model, data)
+    loads = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
+    for axis in range(model.njnt):
+        stiffness = float(model.jnt_stiffness[axis])
+        dof, place = int(model.jnt_dofadr[axis]), int(model.jnt_qposadr[axis])
+        if stiffness > 0.0:
+            model.qpos_spring[place] = -loads[dof] / stiffness
+    mujoco.mj_forward(model, data)
