@@ -13,7 +13,11 @@ from armodal.hil_sim.makers.mujoco.machine import Body, Machine, Servo, Spring, 
 
 __all__ = ["Compiled", "compiled", "jacobian"]
 
-SERVO_HISTORY = 64  # samples of a delayed servo's memory
+# Of a fourth-order Runge-Kutta step times a mode's angular frequency; beyond 2.8 it is unstable.
+FASTEST = 1.3
+# A joint that sticks loses its creep within two steps of the simulation, the least MuJoCo takes.
+STICKS = (1e-3, 1.0)
+STICKS_HOW_WELL = (0.99, 0.999, 0.001, 0.5, 2.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,22 +28,32 @@ class Compiled:
     data: mujoco.MjData
 
 
-def compiled(machine: Machine, joints_rad: Mapping[str, float], step_s: float) -> Compiled:
+def compiled(
+    machine: Machine, joints_rad: Mapping[str, float], step_s: float, *, slowed: bool = False
+) -> Compiled:
     """Write and compile the model; springs are stretched so that the posture is at rest.
 
     Parameters
     ----------
     joints_rad
         True angle of every joint.
+    slowed
+        Give axes that are no joint's enough inertia that steps of `step_s` can follow them
+        (selective mass scaling, Belytschko, Nonlinear Finite Elements, section 6.2).
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = step_s
     spec.option.gravity = machine.gravity_m_s2
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
+    spec.option.disableflags = (
+        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    )
+    fastest = FASTEST / step_s if slowed else np.inf
     written = {"": spec.worldbody}
     for body in _outwards(machine):
-        written[body.name] = _write(written[body.parent], body, joints_rad.get(body.joint, 0.0))
+        written[body.name] = _write(
+            written[body.parent], body, joints_rad.get(body.joint, 0.0), fastest
+        )
     for name, place in machine.places.items():
         site = written[place.body].add_site(name=f"point {name}", pos=place.at_m)
         quat = np.zeros(4)
@@ -48,7 +62,7 @@ def compiled(machine: Machine, joints_rad: Mapping[str, float], step_s: float) -
     for spring in machine.springs:
         _write_spring(spec, written, spring)
     for servo in machine.servos:
-        _write_servo(spec, servo, step_s)
+        _write_servo(spec, servo)
     for name in machine.places:
         spec.add_sensor(
             name=name,
@@ -58,7 +72,7 @@ def compiled(machine: Machine, joints_rad: Mapping[str, float], step_s: float) -
         )
     model = spec.compile()
     data = mujoco.MjData(model)
-    _stretch(machine, model, data)
+    _stretch(model, data)
     return Compiled(model=model, data=data)
 
 
@@ -87,7 +101,9 @@ def _outwards(machine: Machine) -> list[Body]:
     return ordered
 
 
-def _write(parent: mujoco.MjsBody, body: Body, angle_rad: float) -> mujoco.MjsBody:
+def _write(
+    parent: mujoco.MjsBody, body: Body, angle_rad: float, fastest_rad_s: float
+) -> mujoco.MjsBody:
     T = body.T_parent_body @ turned(body.drive_axis, angle_rad)
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, np.ascontiguousarray(T[:3, :3]).reshape(9))
@@ -99,6 +115,7 @@ def _write(parent: mujoco.MjsBody, body: Body, angle_rad: float) -> mujoco.MjsBo
         written.fullinertia = body.inertial.inertia_kg_m2
     for axis in body.axes:
         kind = mujoco.mjtJoint.mjJNT_SLIDE if axis.slide else mujoco.mjtJoint.mjJNT_HINGE
+        scaled = 0.0 if axis.name == body.joint else axis.stiffness / fastest_rad_s**2
         written.add_joint(
             name=axis.name,
             type=kind,
@@ -106,8 +123,10 @@ def _write(parent: mujoco.MjsBody, body: Body, angle_rad: float) -> mujoco.MjsBo
             pos=axis.at_m,
             stiffness=[axis.stiffness, 0.0, 0.0],
             damping=[axis.damping, 0.0, 0.0],
-            armature=axis.inertia,
+            armature=axis.inertia + scaled,
             frictionloss=axis.coulomb,
+            solref_friction=STICKS,
+            solimp_friction=STICKS_HOW_WELL,
         )
     return written
 
@@ -115,7 +134,7 @@ def _write(parent: mujoco.MjsBody, body: Body, angle_rad: float) -> mujoco.MjsBo
 def _write_spring(spec: mujoco.MjSpec, written: dict[str, mujoco.MjsBody], spring: Spring) -> None:
     tendon = spec.add_tendon(
         name=spring.name,
-        stiffness=list(spring.stiffness),
+        stiffness=[spring.stiffness, 0.0, spring.cubic],
         damping=[spring.damping, 0.0, 0.0],
         springyield=spring.yields_at,
     )
@@ -132,22 +151,22 @@ def _write_spring(spec: mujoco.MjSpec, written: dict[str, mujoco.MjsBody], sprin
         tendon.wrap_site(f"{spring.name} {i}")
 
 
-def _write_servo(spec: mujoco.MjSpec, servo: Servo, step_s: float) -> None:
+def _write_servo(spec: mujoco.MjSpec, servo: Servo) -> None:
     actuator = spec.add_actuator(
         name=f"servo {servo.axis}", target=servo.axis, trntype=mujoco.mjtTrn.mjTRN_JOINT
     )
     actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
-    del step_s
 
 
-def _stretch(machine: Machine, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Stretch each axis's spring by what gravity and other springs load it with at rest."""
-    del machine
+def _stretch(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Load each axis's spring or servo with what gravity and other springs ask at rest."""
     mujoco.mj_forward(model, data)
     loads = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
     for axis in range(model.njnt):
         stiffness = float(model.jnt_stiffness[axis])
-        dof, place = int(model.jnt_dofadr[axis]), int(model.jnt_qposadr[axis])
         if stiffness > 0.0:
-            model.qpos_spring[place] = -loads[dof] / stiffness
+            model.qpos_spring[model.jnt_qposadr[axis]] = -loads[model.jnt_dofadr[axis]] / stiffness
+    for servo in range(model.nu):
+        axis = int(model.actuator_trnid[servo, 0])
+        model.actuator_biasprm[servo, 0] = -loads[model.jnt_dofadr[axis]]
     mujoco.mj_forward(model, data)

@@ -10,6 +10,7 @@ import numpy as np
 
 from armodal.hil_sim.makers.arm_table import Array
 from armodal.hil_sim.makers.mujoco.compiled import Compiled
+from armodal.protocols.errors import PlantError
 
 __all__ = ["ring_in_time"]
 
@@ -29,6 +30,11 @@ def ring_in_time(
         (nv,) generalised force per newton.
     forces_n
         (samples,) on the model's own steps.
+
+    Raises
+    ------
+    PlantError
+        If the simulation does not stay finite.
     """
     models = [run.model for run in runs]
     spec = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
@@ -43,4 +49,9 @@ def ring_in_time(
         control,
         control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED),
     )
+    if not np.all(np.isfinite(readings)):
+        raise PlantError(
+            "the simulation in time did not stay finite: an effect of this size is stiffer or "
+            "lighter than its steps can follow"
+        )
     return list(readings)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+import mujoco
 import numpy as np
 from scipy import signal
 
@@ -19,10 +20,10 @@ from armodal.hil_sim.makers.mujoco.small_signal import ring_linear, small_signal
 from armodal.hil_sim.makers.session_records import Recorded, Recorder, session_of
 from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.plan_records import Mode, Plan, PlannedPosture
+from armodal.protocols.plan_records import KnownMass, Mode, Plan, PlannedPosture
 from armodal.protocols.session.records import Session
 
-__all__ = ["Laboratory", "true_angles"]
+__all__ = ["Laboratory", "site_jacobian", "true_angles"]
 
 Streams = Callable[..., np.random.Generator]
 
@@ -46,7 +47,7 @@ class Laboratory:
         self,
         plan: Plan,
         levels_n: Sequence[float] | None = None,
-        known: tuple[str, float, Array] | None = None,
+        known: KnownMass | None = None,
         run: int = 0,
         *,
         brakes: bool = False,
@@ -56,9 +57,9 @@ class Laboratory:
         streams = partial(stream, self.seed, "mujoco", "measurement", run)
         for posture in plan.postures:
             machine = self.machine.copy()
-            for body in (known, _of_posture(posture)):
+            for number, body in enumerate((known, posture.known_mass)):
                 if body is not None:
-                    _bolt_on(machine, *body)
+                    _bolt_on(machine, body, f"known mass {number}")
             if brakes or posture.brakes:
                 for servo in machine.servos:
                     servo.stiffness *= BRAKES_HOLD
@@ -189,19 +190,10 @@ def true_angles(drawn: Ordinary, told_rad: Array) -> dict[str, float]:
     }
 
 
-def _of_posture(posture: PlannedPosture) -> tuple[str, float, Array] | None:
-    mass = posture.known_mass
-    return None if mass is None else (mass.link, mass.mass_kg, mass.center_m)
-
-
-def _bolt_on(machine: Machine, link: str, mass_kg: float, center_m: Array) -> None:
-    side = 0.1 * (mass_kg / 7.85) ** (1.0 / 3.0)  # a cube of steel
-    own = mass_kg * side * side / 6.0
-    body = Inertial.of(mass_kg, center_m, own * np.eye(3))
-    T = np.eye(4)
-    machine.bodies["known mass"] = Body(
-        name="known mass", parent=link, T_parent_body=T, inertial=body
-    )
+def _bolt_on(machine: Machine, mass: KnownMass, name: str) -> None:
+    side = (mass.mass_kg / 7850.0) ** (1.0 / 3.0)  # a cube of steel
+    body = Inertial.of(mass.mass_kg, mass.center_m, mass.mass_kg * side**2 / 6.0 * np.eye(3))
+    machine.bodies[name] = Body(name=name, parent=mass.link, T_parent_body=np.eye(4), inertial=body)
 
 
 def _with_sensor(
@@ -225,7 +217,7 @@ def _with_sensor(
             T_parent_body=T,
             inertial=Inertial.of(mass, place.at_m, own),
         )
-    return compiled(loaded, angles, step)
+    return compiled(loaded, angles, step, slowed=machine.nonlinear)
 
 
 def _load(machine: Machine, plant: Compiled, struck: str, swing: Blow) -> Array:
@@ -259,8 +251,6 @@ def _rung(
 
 def site_jacobian(plant: Compiled) -> tuple[Array, Array, Array]:
     """Jacobians, (3, nv) each, of the only sensor, and its rotation (3, 3)."""
-    import mujoco  # noqa: PLC0415
-
     linear, angular = np.zeros((3, plant.model.nv)), np.zeros((3, plant.model.nv))
     site = int(plant.model.sensor_objid[0])
     mujoco.mj_jacSite(plant.model, plant.data, linear, angular, site)

@@ -52,7 +52,8 @@ class Spring:
     name: str
     axes: dict[str, float] = field(default_factory=dict)
     ends: tuple[tuple[str, Array], tuple[str, Array]] | None = None  # body, (3,) its frame
-    stiffness: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of x, x|x|, x^3
+    stiffness: float = 0.0
+    cubic: float = 0.0  # force over stretch to the third
     damping: float = 0.0
     dead_band: float = 0.0  # rad, whole width
     yields_at: float = 0.0  # rad or m of stretch; 0 never
@@ -61,12 +62,11 @@ class Spring:
 
 @dataclass(slots=True, kw_only=True)
 class Servo:
-    """Position servo of an axis."""
+    """Position servo of an axis, which has no spring of its own then."""
 
     axis: str
     stiffness: float  # N m/rad
     damping: float  # N m s/rad
-    delay_s: float
 
 
 @dataclass(slots=True, kw_only=True)
@@ -103,9 +103,9 @@ class Machine:
     @property
     def nonlinear(self) -> bool:
         """Whether hits have to be simulated in time one by one."""
-        bent = any(any(s.stiffness[1:]) or s.dead_band or s.yields_at for s in self.springs)
+        bent = any(s.cubic or s.dead_band or s.yields_at for s in self.springs)
         dry = any(axis.coulomb for body in self.bodies.values() for axis in body.axes)
-        return bent or dry or any(servo.delay_s for servo in self.servos)
+        return bent or dry
 
 
 def read_machine(text: str) -> Machine:

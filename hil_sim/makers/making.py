@@ -1,0 +1,99 @@
+"""Cases by maker, seed, arm and effect."""
+
+from __future__ import annotations
+
+from importlib import import_module, util
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import Any
+
+from armodal.hil_sim.makers.arms import ARMS, WRISTS, arm_table
+from armodal.hil_sim.makers.case import SIZES, Case, CaseSpec
+from armodal.protocols.errors import PlantError
+
+__all__ = ["MAKERS", "effects_of", "make_case"]
+
+_HERE = Path(__file__).parent
+MAKERS = tuple(sorted(m.name for m in iter_modules([str(_HERE)]) if m.ispkg and m.name != "arms"))
+_NEEDS = {"mujoco": "mujoco"}
+
+
+def make_case(
+    maker: str,
+    seed: int,
+    arm: str,
+    effect: str | tuple[str, ...] | None = None,
+    size_class: str = "clear",
+    *,
+    wrist: str = "elastic",
+    number: int = 1,
+) -> Case:
+    """Close a case.
+
+    Parameters
+    ----------
+    maker
+        One of `MAKERS`.
+    seed
+        Decides everything; each cause draws from a stream of its own.
+    arm
+        One of `ARMS`.
+    effect
+        Name in `effects_of(maker)`, several of them, or None for a null.
+    size_class
+        "faint", "medium" or "clear": how far it stands out of what is ordinary.
+    wrist
+        "elastic": every joint gives way; "rigid": the wrist's do not.
+
+    Raises
+    ------
+    PlantError
+        If a name is unknown, the effect has no place in this arm, or a package is not installed.
+    """
+    kinds = () if effect is None else (effect,) if isinstance(effect, str) else effect
+    for what, name, known in (
+        ("arm", arm, ARMS),
+        ("size class", size_class, SIZES),
+        ("wrist", wrist, WRISTS),
+    ):
+        _check(what, name, known)
+    known_effects = effects_of(maker)
+    for kind in kinds:
+        _check("effect", kind, known_effects)
+    spec = CaseSpec(
+        maker=maker,
+        seed=seed,
+        arm=arm,
+        wrist=wrist,
+        kinds=kinds,
+        size_class=size_class,
+        number=number,
+    )
+    return Case(spec, _part(maker, "maker").made(arm_table(arm), spec))
+
+
+def effects_of(maker: str) -> tuple[str, ...]:
+    """Return the effects that a maker can hide, one a module of its folder.
+
+    Raises
+    ------
+    PlantError
+        If there is no such maker, or a package it needs is not installed.
+    """
+    return tuple(_part(maker, "maker").EFFECTS)
+
+
+def _part(maker: str, name: str) -> Any:
+    _check("maker", maker, MAKERS)
+    needed = _NEEDS.get(maker)
+    if needed is not None and util.find_spec(needed) is None:
+        raise PlantError(
+            f"maker {maker!r} needs the package {needed}, which is not installed; install "
+            "armodal[makers]"
+        )
+    return import_module(f"armodal.hil_sim.makers.{maker}.{name}")
+
+
+def _check(what: str, name: str, known: tuple[str, ...]) -> None:
+    if name not in known:
+        raise PlantError(f"no {what} is called {name!r}; wanted one of {', '.join(known)}")

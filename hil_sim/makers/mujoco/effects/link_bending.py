@@ -1,0 +1,40 @@
+"""A link that bends: its outer half turns about both axes across its shell."""
+
+import numpy as np
+
+from armodal.hil_sim.makers.mujoco.machine import Axis
+from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
+from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
+from armodal.hil_sim.makers.mujoco.split import outer_half
+
+SPAN = (0.005, 1.5)  # compliance of the bend over the arm's
+LOSS_TIME_S = (1e-5, 2e-4)
+
+
+def places(drawn: Ordinary) -> list[str]:
+    """The second or third link."""
+    return [row.link for row in drawn.table.links[1:3]]
+
+
+def put(rig: Rig, place: str, size: float) -> Parameters:
+    """Let the halves bend against each other, in place of the ordinary bend."""
+    row = rig.row(place)
+    outer, at, tangent = outer_half(rig.machine, row)
+    stiffness, loss = 1.0 / (size * rig.compliance), float(rig.rng.uniform(*LOSS_TIME_S))
+    outer.axes = [axis for axis in outer.axes if not axis.name.startswith("bend ")]
+    for i, direction in enumerate(np.linalg.svd(tangent[None, :])[2][1:]):
+        outer.axes.append(
+            Axis(
+                name=f"bend {place} {i + 1}",
+                direction=direction,
+                at_m=at,
+                stiffness=stiffness,
+                damping=loss * stiffness,
+            )
+        )
+    length = float(np.sum(np.linalg.norm(np.diff(np.array(row.shell.path), axis=0), axis=1)))
+    return {
+        "hinge_n_m_per_rad": stiffness,
+        "bending_stiffness_n_m2": stiffness * length,
+        "loss_time_s": loss,
+    }
