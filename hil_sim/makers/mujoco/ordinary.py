@@ -82,6 +82,7 @@ class Ordinary:
     tolerances: dict[str, float]
     stiffness: dict[str, Believed]
     damping: dict[str, Believed]
+    loose: dict[str, float]  # std of the ordinary compliance of each axis that is no drive's
 
 
 def ordinary(table: ArmTable, wrist: str, seed: int) -> Ordinary:
@@ -106,7 +107,7 @@ def ordinary(table: ArmTable, wrist: str, seed: int) -> Ordinary:
         row.joint for row in table.links if wrist == "elastic" or row.joint not in table.wrist
     )
     stiffness, damping = _put_drives(table, machine, elastic, streams)
-    _put_compliance(table, machine, elastic, streams)
+    loose = _put_compliance(table, machine, elastic, streams)
     offset = np.deg2rad(tolerances["encoder_offset_deg"])
     return Ordinary(
         table=table,
@@ -119,6 +120,7 @@ def ordinary(table: ArmTable, wrist: str, seed: int) -> Ordinary:
         tolerances=tolerances,
         stiffness=stiffness,
         damping=damping,
+        loose=loose,
     )
 
 
@@ -212,33 +214,36 @@ def _inertia_about(table: ArmTable, joint: str) -> float:
 
 def _put_compliance(
     table: ArmTable, machine: Machine, elastic: tuple[str, ...], streams: Streams
-) -> None:
-    """Bearings of the first three joints, the base's rocking, and the two longest links."""
+) -> dict[str, float]:
+    """Bearings of the first three joints, the base's rocking, and two long links.
+
+    Returns half of the most that each can have, as its standard deviation.
+    """
     drives = {name: machine.axis(name).stiffness for name in elastic}
+    rows = {row.joint: row for row in table.links}
+    loose: dict[str, float] = {}
+
+    def give(
+        body: Body, name: str, at_m: Array, normal: Array, drive: str, span: tuple[float, float]
+    ) -> None:
+        stiffness = drives[drive] / _within(streams("compliance", name), span)
+        loss = stiffness * _within(streams("loss", name), LOSS_TIME_S)
+        for i, direction in enumerate(np.linalg.svd(normal[None, :])[2][1:]):
+            axis = _axis(f"{name} {i + 1}", direction, stiffness, loss)
+            axis.at_m = at_m
+            body.axes.append(axis)
+            loose[axis.name] = 0.5 * span[1] / drives[drive]
+
     for joint in elastic[:3]:
-        body, give = machine.moved_by(joint), _within(streams("bearing", joint), BEARING_COMPLIANCE)
-        loss = _within(streams("bearing loss", joint), LOSS_TIME_S)
-        _across(body, f"bearing {joint}", np.zeros(3), body.drive_axis, drives[joint] / give, loss)
-    base, give = machine.bodies["base"], _within(streams("base"), BASE_COMPLIANCE)
-    loss = _within(streams("base loss"), LOSS_TIME_S)
-    up, stiffness = np.array([0.0, 0.0, 1.0]), drives[elastic[0]] / give
-    _across(base, "base", np.zeros(3), up, stiffness, loss)
-    rows = {row.joint: row for row in table.links if row.joint in elastic}
+        body = machine.moved_by(joint)
+        name = f"bearing {joint}"
+        give(body, name, np.zeros(3), body.drive_axis, joint, BEARING_COMPLIANCE)
+    up = np.array([0.0, 0.0, 1.0])
+    give(machine.bodies["base"], "base", np.zeros(3), up, elastic[0], BASE_COMPLIANCE)
     for joint in elastic[1:3]:
         outer, at, tangent = outer_half(machine, rows[joint])
-        give = _within(streams("link", joint), LINK_COMPLIANCE)
-        loss = _within(streams("link loss", joint), LOSS_TIME_S)
-        _across(outer, f"bend {rows[joint].link}", at, tangent, drives[joint] / give, loss)
-
-
-def _across(
-    body: Body, name: str, at_m: Array, normal: Array, stiffness: float, loss_s: float
-) -> None:
-    """Two axes across a normal."""
-    for i, direction in enumerate(np.linalg.svd(normal[None, :])[2][1:]):
-        axis = _axis(f"{name} {i + 1}", direction, stiffness, stiffness * loss_s)
-        axis.at_m = at_m
-        body.axes.append(axis)
+        give(outer, f"bend {rows[joint].link}", at, tangent, joint, LINK_COMPLIANCE)
+    return loose
 
 
 def _bench(table: ArmTable, tolerances: dict[str, float], streams: Streams) -> Bench:

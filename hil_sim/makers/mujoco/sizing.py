@@ -20,26 +20,29 @@ def size_to_stand_out(
 ) -> tuple[float, float]:
     """Return the size in a span that stands out as its class wants, and how far it does.
 
-    Where no size does, the nearest that was tried. False position in logarithms, halved where it
-    leaves the bracket.
+    Where no size does, the nearest that was tried. False position in logarithms (Illinois variant:
+    an end that stays counts half), from a middle of the span outwards.
     """
     wanted = STANDS_OUT[size_class]
-    low, high = np.log(span[0]), np.log(span[1])
+    ends = [np.log(span[0]), np.log(span[1])]
+    misses: list[float | None] = [None, None]  # ln of found over wanted, at the ends tried
     tried: list[tuple[float, float]] = []
-    at = 0.5 * (low + high)
+    at = 0.5 * (ends[0] + ends[1])
     for _ in range(TRIALS):
         found = stands_out(float(np.exp(at)))
-        tried.append((at, found))
-        if wanted / NEAR <= found <= wanted * NEAR:
+        miss = float(np.log(max(found, 1e-9) / wanted))
+        tried.append((at, miss))
+        if abs(miss) <= np.log(NEAR) or ends[1] - ends[0] < 1e-3:
             break
-        if found < wanted:
-            low = at
-        else:
-            high = at
-        if high - low < 0.02:
-            break
-        # Far below its class an effect grows in proportion to its size.
-        guess = at + np.log(wanted / max(found, 1e-9))
-        at = guess if low < guess < high else 0.5 * (low + high)
-    best, found = min(tried, key=lambda pair: abs(np.log(max(pair[1], 1e-9) / wanted)))
-    return float(np.exp(best)), found
+        side = int(miss > 0.0)
+        other = misses[1 - side]
+        if other is not None and misses[side] is not None:
+            misses[1 - side] = 0.5 * other
+        ends[side], misses[side] = at, miss
+        low, high = misses
+        if low is not None and high is not None:
+            at = ends[0] + (ends[1] - ends[0]) * low / (low - high)
+        else:  # an effect far below its class grows in proportion to its size
+            at = float(np.clip(at - 1.2 * miss, ends[0], ends[1]))
+    best, miss = min(tried, key=lambda pair: abs(pair[1]))
+    return float(np.exp(best)), float(wanted * np.exp(miss))

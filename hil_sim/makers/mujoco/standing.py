@@ -28,6 +28,7 @@ Complex = npt.NDArray[np.complex128]
 
 POSTURES = (0, 2)
 LINES_HZ = np.geomspace(4.0, 160.0, 72)
+OF_ALL = 0.01  # of the root mean square of all FRFs: below it no model of an arm is right
 SHIFT_RAD_S = 4.0  # lines lie at s = shift + j omega, so that records of finite length suffice
 LOCAL = 0.01  # of a line's magnitude, that repeating a session changes
 OF_CHANNEL = 0.004  # of its FRF's root mean square
@@ -84,6 +85,7 @@ class Bystander:
         force = PULSE_AREA * bench.pulse_s * drawn.table.peaks_n[1]
         noise = bench.noise_m_s2 / np.sqrt(2.0 * SHIFT_RAD_S * SIMULATED_HZ) / force
         square = (LOCAL * np.abs(plain)) ** 2 + (OF_CHANNEL * rms) ** 2 + noise**2 / REPEATS
+        square += np.mean((OF_ALL * rms) ** 2)
         for turn in (np.roll(np.eye(3), 1, axis=0), np.roll(np.eye(3), 2, axis=0)):
             aside = self._frfs(drawn.machine, bench, timed=False, own_turn=turn)
             square += bench.aim_rad**2 / REPEATS * np.abs(aside) ** 2
@@ -101,11 +103,12 @@ class Bystander:
                 axis = machine.axis(joint)
                 setattr(axis, name, getattr(axis, name) * (1.0 + 0.1 * std))
                 changes.append(10.0 * (self._frfs(machine, drawn.bench, timed=False) - plain))
+        for name, std in drawn.loose.items():
+            machine = drawn.machine.copy()
+            axis = machine.axis(name)
+            axis.stiffness = 1.0 / (1.0 / axis.stiffness + 0.1 * std)
+            changes.append(10.0 * (self._frfs(machine, drawn.bench, timed=False) - plain))
         for name, body in drawn.machine.bodies.items():
-            for give in (axis.name for axis in body.axes if axis.name not in drawn.elastic):
-                machine = drawn.machine.copy()  # as soft again as it is: nobody knows these
-                machine.axis(give).stiffness /= 1.1
-                changes.append(10.0 * (self._frfs(machine, drawn.bench, timed=False) - plain))
             if body.inertial is None or not body.parent:
                 continue
             for changed in _bodies(body.inertial, tolerances):

@@ -6,7 +6,7 @@ from armodal.hil_sim.makers.mujoco.machine import Axis
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 
-SPAN = (0.003, 1.0)  # rocking compliance over the arm's
+SPAN = (0.005, 2.0)  # rocking compliance over the arm's
 ASKEW = (0.5, 2.0)  # of the second rocking stiffness over the first
 TURN = (1.0, 4.0)  # of the stiffness about the vertical over that of rocking
 LEG_M = (0.12, 0.4)  # root of rocking over shifting stiffness: half the distance of its feet

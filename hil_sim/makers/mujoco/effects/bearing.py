@@ -6,7 +6,7 @@ from armodal.hil_sim.makers.mujoco.machine import Axis
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 
-SPAN = (0.01, 3.0)  # tilt compliance over the drive's compliance
+SPAN = (0.02, 4.0)  # tilt compliance over the drive's compliance
 LOSS_TIME_S = (2e-5, 4e-4)
 
 

@@ -1,5 +1,7 @@
 """Two neighbouring drives share a part that gives way: turning one loads the other."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from armodal.hil_sim.makers.mujoco.machine import Spring
@@ -12,7 +14,7 @@ SPAN = (0.01, 0.6)  # of the geometric mean of both stiffnesses
 def places(drawn: Ordinary) -> list[str]:
     """Neighbours among the first four elastic joints."""
     names = drawn.elastic[:4]
-    return [f"{a}|{b}" for a, b in zip(names, names[1:], strict=False)]
+    return [f"{a}|{b}" for a, b in pairwise(names)]
 
 
 def put(rig: Rig, place: str, size: float) -> Parameters:

@@ -7,7 +7,7 @@ from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 from armodal.hil_sim.makers.mujoco.split import outer_half
 
-SPAN = (0.005, 1.5)  # compliance of the bend over the arm's
+SPAN = (0.004, 3.0)  # compliance of the bend over the arm's
 LOSS_TIME_S = (1e-5, 2e-4)
 
 
