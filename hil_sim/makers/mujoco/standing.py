@@ -29,7 +29,7 @@ Complex = npt.NDArray[np.complex128]
 POSTURES = (0, 2)
 LINES_HZ = np.geomspace(4.0, 160.0, 72)
 OF_ALL = 0.01  # of the root mean square of all FRFs: below it no model of an arm is right
-SHIFT_RAD_S = 4.0  # lines lie at s = shift + j omega, so that records of finite length suffice
+BROAD = 0.06  # lines lie at s = (BROAD + j) omega: changes below that part of omega stay linear
 LOCAL = 0.01  # of a line's magnitude, that repeating a session changes
 OF_CHANNEL = 0.004  # of its FRF's root mean square
 REPEATS = 3  # hits a point
@@ -83,7 +83,7 @@ class Bystander:
         rms = np.sqrt(np.mean(np.abs(plain) ** 2, axis=-1, keepdims=True))
         # White noise under a decaying weight, over the spectrum of a middle hit.
         force = PULSE_AREA * bench.pulse_s * drawn.table.peaks_n[1]
-        noise = bench.noise_m_s2 / np.sqrt(2.0 * SHIFT_RAD_S * SIMULATED_HZ) / force
+        noise = bench.noise_m_s2 / np.sqrt(2.0 * _lines(bench)[0].real * SIMULATED_HZ) / force
         square = (LOCAL * np.abs(plain)) ** 2 + (OF_CHANNEL * rms) ** 2 + noise**2 / REPEATS
         square += np.mean((OF_ALL * rms) ** 2)
         for turn in (np.roll(np.eye(3), 1, axis=0), np.roll(np.eye(3), 2, axis=0)):
@@ -188,7 +188,7 @@ def _hit_load(
 
 def _lines(bench: Bench) -> tuple[Complex, Array]:
     """Lines, and the factor on the FRFs that delay and hammer bring, each (lines,)."""
-    s = SHIFT_RAD_S + 2j * np.pi * LINES_HZ
+    s = (BROAD + 1j) * 2.0 * np.pi * LINES_HZ
     return s, np.exp(-s * bench.late_s) / bench.hammer_gain
 
 

@@ -1,0 +1,109 @@
+"""Matrices of a straight beam with shear, in space: Timoshenko's beam of two nodes.
+
+Przemieniecki, Theory of Matrix Structural Analysis, sections 5.6 and 11.5.
+The mass, with rotary inertia, is that of the beam without shear. Degrees of freedom of a node: three displacements, three rotations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armodal.hil_sim.makers.arm_table import Array
+
+__all__ = ["Section", "beam_mass", "beam_stiffness", "tube"]
+
+POISSON = 0.33  # of aluminium
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """A section of equal bending stiffness both ways."""
+
+    area_m2: float
+    second_moment_m4: float  # of bending
+    torsion_m4: float
+    shear_area_m2: float
+    youngs_pa: float
+    density_kg_m3: float
+
+    @property
+    def shear_pa(self) -> float:
+        """Shear modulus."""
+        return self.youngs_pa / (2.0 * (1.0 + POISSON))
+
+
+def tube(diameter_m: float, wall_m: float, youngs_pa: float, density_kg_m3: float) -> Section:
+    """Section of a round tube; half of a thin tube's area carries its shear."""
+    outer, inner = 0.5 * diameter_m, 0.5 * diameter_m - wall_m
+    area = np.pi * (outer**2 - inner**2)
+    second = 0.25 * np.pi * (outer**4 - inner**4)
+    return Section(
+        area_m2=area,
+        second_moment_m4=second,
+        torsion_m4=2.0 * second,
+        shear_area_m2=0.5 * area,
+        youngs_pa=youngs_pa,
+        density_kg_m3=density_kg_m3,
+    )
+
+
+def beam_stiffness(section: Section, start: Array, end: Array) -> Array:
+    """Stiffness, (12, 12), between two nodes, world axes."""
+    L = float(np.linalg.norm(end - start))
+    E, G, inertia = section.youngs_pa, section.shear_pa, section.second_moment_m4
+    phi = 12.0 * E * inertia / (G * section.shear_area_m2 * L**2)
+    a = 12.0 * E * inertia / (L**3 * (1.0 + phi))
+    b = 6.0 * E * inertia / (L**2 * (1.0 + phi))
+    c = (4.0 + phi) * E * inertia / (L * (1.0 + phi))
+    d = (2.0 - phi) * E * inertia / (L * (1.0 + phi))
+    bending = np.array([[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]])
+    return _turned(bending, E * section.area_m2 / L, G * section.torsion_m4 / L, _PULL, start, end)
+
+
+def beam_mass(section: Section, start: Array, end: Array) -> Array:
+    """Consistent mass, (12, 12), between two nodes, world axes."""
+    L = float(np.linalg.norm(end - start))
+    m = section.density_kg_m3 * section.area_m2 * L
+    bending = (m / 420.0) * np.array(
+        [
+            [156.0, 22.0 * L, 54.0, -13.0 * L],
+            [22.0 * L, 4.0 * L**2, 13.0 * L, -3.0 * L**2],
+            [54.0, 13.0 * L, 156.0, -22.0 * L],
+            [-13.0 * L, -3.0 * L**2, -22.0 * L, 4.0 * L**2],
+        ]
+    )
+    rotary = m * section.second_moment_m4 / section.area_m2 / (30.0 * L**2)
+    bending += rotary * np.array(
+        [
+            [36.0, 3.0 * L, -36.0, 3.0 * L],
+            [3.0 * L, 4.0 * L**2, -3.0 * L, -(L**2)],
+            [-36.0, -3.0 * L, 36.0, -3.0 * L],
+            [3.0 * L, -(L**2), -3.0 * L, 4.0 * L**2],
+        ]
+    )
+    turning = m * section.torsion_m4 / section.area_m2
+    return _turned(bending, m / 6.0, turning / 6.0, _SHARE, start, end)
+
+
+_PULL = np.array([[1.0, -1.0], [-1.0, 1.0]])
+_SHARE = np.array([[2.0, 1.0], [1.0, 2.0]])
+
+
+def _turned(
+    bending: Array, along: float, about: float, pair: Array, start: Array, end: Array
+) -> Array:
+    """Put bending in two planes, tension and torsion together, and turn them into world axes."""
+    local = np.zeros((12, 12))
+    mirrored = np.diag([1.0, -1.0, 1.0, -1.0])  # a turn about y lowers z
+    local[np.ix_([0, 6], [0, 6])] = along * pair
+    local[np.ix_([3, 9], [3, 9])] = about * pair
+    local[np.ix_([1, 5, 7, 11], [1, 5, 7, 11])] = bending
+    local[np.ix_([2, 4, 8, 10], [2, 4, 8, 10])] = mirrored @ bending @ mirrored
+    x = (end - start) / np.linalg.norm(end - start)
+    y = np.cross(np.eye(3)[int(np.argmin(np.abs(x)))], x)
+    y /= np.linalg.norm(y)
+    R = np.kron(np.eye(4), np.array([x, y, np.cross(x, y)]))
+    turned: Array = R.T @ local @ R
+    return turned

@@ -1,0 +1,42 @@
+"""A footing that gives way in all six ways."""
+
+import numpy as np
+
+from armodal.hil_sim.makers.frame.everyday import Everyday
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+
+RANGE = (0.004, 3.0)  # rocking compliance over the softest drive's
+ASKEW = (0.4, 1.0)  # stiffness of the other rocking
+YAW = (1.2, 5.0)
+FEET = (0.35, 1.0)  # root of rocking over shift stiffness, over the base's diameter
+LOSS = (0.02, 0.15)
+
+
+def where(drawn: Everyday) -> list[str]:
+    """There is one."""
+    del drawn
+    return ["base"]
+
+
+def hide(kit: Kit, place: str, size: float) -> Hidden:
+    """Put the plate on softer springs, turned about the vertical."""
+    del place
+    rock = 1.0 / (size * kit.softest())
+    other, yaw = rock * kit.rng.uniform(*ASKEW), rock * kit.rng.uniform(*YAW)
+    shift = rock / (kit.drawn.table.base_shell.diameter_m * kit.rng.uniform(*FEET)) ** 2
+    turn, loss = kit.rng.uniform(0.0, np.pi), float(kit.rng.uniform(*LOSS))
+    R = np.eye(3)
+    R[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+    plate = np.zeros((6, 6))
+    plate[:3, :3] = np.diag([shift, shift, 1.5 * shift])
+    plate[3:, 3:] = R @ np.diag([rock, other, yaw]) @ R.T
+    kit.parts.plate, kit.parts.plate_loss = plate, loss
+    return {
+        "rock_x_n_m_per_rad": float(plate[3, 3]),
+        "rock_y_n_m_per_rad": float(plate[4, 4]),
+        "rock_xy_n_m_per_rad": float(plate[3, 4]),
+        "turn_n_m_per_rad": float(yaw),
+        "shift_n_per_m": float(shift),
+        "base_mass_kg": kit.drawn.table.base.mass_kg,
+        "loss_factor": loss,
+    }

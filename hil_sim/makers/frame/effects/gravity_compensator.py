@@ -1,0 +1,48 @@
+"""A gas spring beside the second joint: stiffness along its line, force across it."""
+
+import numpy as np
+
+from armodal.hil_sim.makers.frame.everyday import Everyday
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.standing import Standing, middle_of
+
+RANGE = (0.005, 1.5)  # stiffness about the joint over the drive's
+EYE = (0.25, 0.6)  # of the link's line
+FORCE = (0.02, 0.25)  # over stiffness times length
+
+
+def where(drawn: Everyday) -> list[str]:
+    """The second joint."""
+    return [drawn.elastic[1]]
+
+
+def hide(kit: Kit, place: str, size: float) -> Hidden:
+    """Span a bar with a force in it from the link before to the link that the joint moves."""
+    rows = kit.drawn.table.links
+    row = kit.row(place)
+    parent = rows[rows.index(row) - 1].link
+    eye = middle_of(row, float(kit.rng.uniform(*EYE)))
+    lever = float(np.linalg.norm(eye))
+    anchor = np.array(row.xyz_m) + lever * kit.rng.uniform(0.6, 1.1) * kit.anywhere()
+    stiffness = size * kit.parts.drives[place].stiffness / lever**2
+    strain = float(kit.rng.uniform(*FORCE))
+
+    def span(standing: Standing) -> None:
+        ends = standing.place(parent, anchor), standing.place(row.link, eye)
+        line = ends[1] - ends[0]
+        length = float(np.linalg.norm(line))
+        along = np.outer(line, line) / length**2
+        # Along its line the spring; across, its force over its length (Przemieniecki, eq. 15.28).
+        block = stiffness * along + stiffness * strain * (np.eye(3) - along)
+        six = np.zeros((6, 6))
+        six[:3, :3] = block
+        spots = standing.spot(parent, anchor), standing.spot(row.link, eye)
+        standing.structure.spring(*spots, six)
+
+    kit.parts.last.append(span)
+    return {
+        "stiffness_n_per_m": stiffness,
+        "anchor_m": anchor.tolist(),
+        "eye_m": np.asarray(eye).tolist(),
+        "pull_over_stiffness_times_length": strain,
+    }

@@ -1,0 +1,25 @@
+"""A shell that bends more than its section should."""
+
+from dataclasses import replace
+
+from armodal.hil_sim.makers.frame.everyday import Everyday
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+
+RANGE = (1.5, 2000.0)  # times as soft as the section
+
+
+def where(drawn: Everyday) -> list[str]:
+    """One of the long links."""
+    return [row.link for row in drawn.table.links[1:3]]
+
+
+def hide(kit: Kit, place: str, size: float) -> Hidden:
+    """Thin the section's stiffness, not its mass."""
+    section = kit.parts.sections[place]
+    bending = section.youngs_pa * section.second_moment_m4 / size
+    twisting = section.shear_pa * section.torsion_m4
+    kit.parts.sections[place] = replace(
+        section,
+        second_moment_m4=section.second_moment_m4 / size,
+    )
+    return {"bending_stiffness_n_m2": bending, "torsional_stiffness_n_m2": twisting}

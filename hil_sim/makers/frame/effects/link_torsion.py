@@ -1,0 +1,21 @@
+"""A shell that twists more than its section should."""
+
+from dataclasses import replace
+
+from armodal.hil_sim.makers.frame.everyday import Everyday
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+
+RANGE = (1.5, 2000.0)  # times as soft as the section
+
+
+def where(drawn: Everyday) -> list[str]:
+    """One of the long links."""
+    return [row.link for row in drawn.table.links[1:3]]
+
+
+def hide(kit: Kit, place: str, size: float) -> Hidden:
+    """Thin the section against torsion."""
+    section = kit.parts.sections[place]
+    thinned = replace(section, torsion_m4=section.torsion_m4 / size)
+    kit.parts.sections[place] = thinned
+    return {"torsional_stiffness_n_m2": thinned.shear_pa * thinned.torsion_m4}

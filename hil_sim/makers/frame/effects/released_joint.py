@@ -1,0 +1,20 @@
+"""A joint of a wrist believed rigid is not locked: its drive gives way."""
+
+from armodal.hil_sim.makers.frame.everyday import Everyday, power_law
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+
+RANGE = (0.02, 80.0)  # compliance over the softest drive's
+LOSS = (0.02, 0.12)
+
+
+def where(drawn: Everyday) -> list[str]:
+    """The joints of a rigid wrist; none where all are elastic."""
+    return [row.joint for row in drawn.table.links if row.joint not in drawn.elastic]
+
+
+def hide(kit: Kit, place: str, size: float) -> Hidden:
+    """Give the drive a stiffness that nobody believes in."""
+    drive, loss = kit.parts.drives[place], float(kit.rng.uniform(*LOSS))
+    drive.stiffness = 1.0 / (size * kit.softest())
+    drive.law = power_law(drive.stiffness, loss, 1.0)
+    return {"stiffness_n_m_per_rad": drive.stiffness, "loss_factor": loss}

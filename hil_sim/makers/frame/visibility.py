@@ -1,0 +1,136 @@
+"""How visible an effect is: its change of the FRFs over what tolerances scatter them.
+
+This maker's measure of size. FRFs on broad lines are compared with those of the everyday arm; what
+other stiffnesses and losses of the drives explain best is taken off first, since nobody knows
+these; what is left is counted in standard deviations of everyday arms drawn within the tolerances.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from armodal.hil_sim.makers.arm_table import Array
+from armodal.hil_sim.makers.frame.everyday import (
+    PLATE,
+    TILT,
+    Everyday,
+    Gear,
+    power_law,
+    redrawn,
+    within,
+)
+from armodal.hil_sim.makers.frame.frfs import felt_per_wrench
+from armodal.hil_sim.makers.frame.modal import modal
+from armodal.hil_sim.makers.frame.parts import Parts
+from armodal.hil_sim.makers.frame.standing import stand
+from armodal.hil_sim.makers.frame.structure import Complex
+from armodal.hil_sim.streams import stream
+from armodal.protocols.plan_records import Plan
+
+__all__ = ["VISIBLE", "Witness"]
+
+# Root mean square of standard deviations that each class is visible by, met to a seventh.
+VISIBLE = {"faint": 0.8, "medium": 1.8, "clear": 4.0}
+
+SEEN = (0, 2)  # postures
+EVERY = 2  # every other point is looked at
+LINES = np.geomspace(5.0, 140.0, 48)
+WIDTH = 0.05  # of a line, of its frequency
+DRAWS = 10
+OWN_SCATTER = 0.01  # of an FRF's magnitude: gains and repeats
+OTHER_SCATTER = 0.006  # of the root mean square of all FRFs
+STEP = 0.02  # of ln of a drive's stiffness and loss
+
+
+@dataclass(frozen=True)
+class Witness:
+    """Somebody who has seen many everyday arms like this one."""
+
+    drawn: Everyday
+    plan: Plan
+    seed: int
+
+    def sees(self, parts: Parts, gear: Gear) -> float:
+        """Visibility of what differs from the everyday arm."""
+        change = _parted((self._frfs(parts, gear) - self._plain) / self._scatter)
+        explained, *_ = np.linalg.lstsq(self._drives, change, rcond=None)
+        left = change - self._drives @ explained
+        return float(np.sqrt(2.0 * np.mean(left**2)))
+
+    @cached_property
+    def _plain(self) -> Complex:
+        return self._frfs(self.drawn.parts, self.drawn.gear)
+
+    @cached_property
+    def _scatter(self) -> Array:
+        """Standard deviation of every FRF and line over everyday arms."""
+        drawn, plain = self.drawn, self._plain
+        total = (OWN_SCATTER * np.abs(plain)) ** 2
+        total += np.mean(np.abs(OTHER_SCATTER * plain) ** 2)
+        for k in range(DRAWS):
+            streams = partial(stream, self.seed, "frame", "witness", k)
+            parts = redrawn(drawn, streams)
+            for joint in drawn.elastic[:3]:
+                other = drawn.parts.drives[joint].stiffness / within(streams("tilt", joint), TILT)
+                parts.drives[joint].tilt = (other, other)
+            rock = drawn.parts.drives[drawn.elastic[0]].stiffness / within(streams("plate"), PLATE)
+            parts.plate = drawn.parts.plate * (rock / drawn.parts.plate[3, 3])
+            total += np.abs(self._less_drives(self._frfs(parts, drawn.gear) - plain)) ** 2 / DRAWS
+        return np.sqrt(total)
+
+    @cached_property
+    def _slopes(self) -> list[Complex]:
+        """Change of the FRFs with ln of each drive's stiffness and loss."""
+        slopes = []
+        for joint in self.drawn.elastic:
+            loss, power = self.drawn.loss[joint]
+            drive = self.drawn.parts.drives[joint]
+            for stiffer, looser in ((np.exp(STEP), 1.0), (1.0, np.exp(STEP))):
+                parts = self.drawn.parts.copy()
+                parts.drives[joint].stiffness = drive.stiffness * stiffer
+                parts.drives[joint].law = power_law(drive.stiffness, loss * looser, power)
+                slopes.append((self._frfs(parts, self.drawn.gear) - self._plain) / STEP)
+        return slopes
+
+    @cached_property
+    def _drives(self) -> Array:
+        return np.column_stack([_parted(slope / self._scatter) for slope in self._slopes])
+
+    def _less_drives(self, change: Complex) -> Complex:
+        """Take off what other drives explain, weighed by the FRFs' own magnitudes."""
+        weight = OWN_SCATTER * np.abs(self._plain) + OTHER_SCATTER * np.abs(self._plain).mean()
+        columns = np.column_stack([_parted(slope / weight) for slope in self._slopes])
+        explained, *_ = np.linalg.lstsq(columns, _parted(change / weight), rcond=None)
+        for slope, share in zip(self._slopes, explained, strict=True):
+            change = change - share * slope
+        return change
+
+    def _frfs(self, parts: Parts, gear: Gear) -> Complex:
+        """FRFs, (postures, points, lines, 3)."""
+        s = (WIDTH + 1j) * 2.0 * np.pi * LINES
+        seen = []
+        for i in SEEN:
+            posture = self.plan.postures[i]
+            standing = stand(parts, posture.joints_rad)
+            names = posture.points[::EVERY]
+            at = [standing.point(gear.exchanged.get(name, name)) for name in names]
+            fixed = standing.point(gear.exchanged.get(self.plan.fixed_point, self.plan.fixed_point))
+            kg = self.plan.sensor.mass_kg + gear.added_kg
+            spots = [spot for spot, _ in at]
+            felt = felt_per_wrench(standing, modal(standing, 400.0), s, spots, [fixed[0]], kg)
+            told = posture.hit_direction if posture.hit_direction is not None else -fixed[1][:, 2]
+            factor = (np.exp(-s * gear.lag_s) / gear.force_gain)[:, None]
+            seen.append(
+                [
+                    (f[:, :, 0, :3] @ told) @ axes @ gear.response.T * factor
+                    for f, (_, axes) in zip(felt, at, strict=True)
+                ]
+            )
+        return np.array(seen)
+
+
+def _parted(values: Complex) -> Array:
+    return np.concatenate([values.real.ravel(), values.imag.ravel()])
