@@ -1,7 +1,7 @@
 """Matrices of a straight beam with shear, in space: Timoshenko's beam of two nodes.
 
-Przemieniecki, Theory of Matrix Structural Analysis, sections 5.6 and 11.5.
-The mass, with rotary inertia, is that of the beam without shear. Degrees of freedom of a node: three displacements, three rotations.
+Przemieniecki, Theory of Matrix Structural Analysis, sections 5.6 and 11.5. The mass, with rotary
+inertia, is that of the beam without shear. A node has three displacements and three rotations.
 """
 
 from __future__ import annotations

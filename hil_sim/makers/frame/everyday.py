@@ -6,7 +6,7 @@ Each cause draws from its own stream, evenly between bounds of this maker's own.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -50,6 +50,7 @@ PLATE: Span = (0.0006, 0.005)  # rocking compliance of the base's footing over t
 PLATE_LEVER: Span = (0.4, 1.2)  # root of rocking over shift stiffness, over the base's diameter
 PLATE_LOSS: Span = (0.02, 0.06)
 MODULUS: Span = (0.85, 1.1)  # of the shells, over the table's
+BEND: Span = (0.0004, 0.004)  # compliance of a whole link over the softest drive's; ribs see to it
 SHELL_LOSS: Span = (0.002, 0.01)
 POINT_OFF_M: Span = (0.001, 0.003)
 BLOW_OFF_M: Span = (0.001, 0.0035)
@@ -124,12 +125,7 @@ def everyday(table: ArmTable, wrist: str, seed: int) -> Everyday:
         row.joint for row in table.links if wrist == "elastic" or row.joint not in table.wrist
     )
     drives, loss = _drives(table, elastic, streams)
-    modulus = table.youngs_modulus_pa * within(streams("modulus"), MODULUS)
-    shells = {"base": table.base_shell} | {row.link: row.shell for row in table.links}
-    sections: dict[str, Section] = {
-        name: tube(shell.diameter_m, shell.wall_m, modulus, table.density_kg_m3)
-        for name, shell in shells.items()
-    }
+    sections = _sections(table, max(1.0 / drives[joint].stiffness for joint in elastic[:3]), streams)
     rock = drives[elastic[0]].stiffness / within(streams("plate"), PLATE)
     lever = table.base_shell.diameter_m * within(streams("plate lever"), PLATE_LEVER)
     offset = np.deg2rad(tolerances["encoder_offset_deg"])
@@ -220,6 +216,20 @@ def _drives(
         )
         losses[row.joint] = (loss, power)
     return drives, losses
+
+
+def _sections(table: ArmTable, softest: float, streams: Streams) -> dict[str, Section]:
+    """Shells of the table's tubes, ribbed where a plain tube would bend more than drawn."""
+    shells = {"base": table.base_shell} | {row.link: row.shell for row in table.links}
+    modulus = table.youngs_modulus_pa * within(streams("modulus"), MODULUS)
+    sections = {}
+    for name, shell in shells.items():
+        plain = tube(shell.diameter_m, shell.wall_m, modulus, table.density_kg_m3)
+        length = float(np.sum(np.linalg.norm(np.diff(np.array(shell.path), axis=0), axis=1)))
+        bend = within(streams("bend", name), BEND) * softest
+        ribbed = length / (plain.second_moment_m4 * bend)
+        sections[name] = replace(plain, youngs_pa=max(modulus, ribbed))
+    return sections
 
 
 def _believed(

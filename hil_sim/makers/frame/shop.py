@@ -25,7 +25,7 @@ __all__ = ["Shop"]
 
 Streams = Callable[..., np.random.Generator]
 
-WRAP = 1e-6  # what is left, at the record's end, of what would come round again
+WRAP = 1e-6  # what is left of what would come round again, after twice the record
 PASS, STOP = 0.4, 0.47  # of the rate: ends of the recorder's low pass
 GRID_S = 5e-5  # of the pulse's integral
 ANGLE_NOISE_RAD = 1.5e-5
@@ -82,8 +82,8 @@ class Shop:
         standing = stand(parts, posture.joints_rad)
         modes = modal(standing)
         rate, n = float(plan.sampling.rate_hz), plan.sampling.samples
-        sigma = -np.log(WRAP) * rate / n
-        s = sigma + 2j * np.pi * np.fft.rfftfreq(n, 1.0 / rate)
+        sigma = -np.log(WRAP) * rate / (2 * n)
+        s = sigma + 2j * np.pi * np.fft.rfftfreq(2 * n, 1.0 / rate)
         roving = plan.mode is Mode.ROVING_RESPONSE
         points = list(posture.points)
         at = [standing.point(gear.exchanged.get(name, name)) for name in points]
@@ -145,7 +145,8 @@ class Shop:
         ramp = np.clip((hz / rate - PASS) / (STOP - PASS), 0.0, 1.0)
         through = 0.5 * (1.0 + np.cos(np.pi * ramp)) * s / (s + 2.0 * np.pi * gear.corner_hz)
         t = np.arange(n) / rate
-        record = np.fft.irfft(spectra * through[:, None], n, axis=0) * rate
+        # The low pass rings before the blow too: that comes round to the half that is cut off.
+        record = np.fft.irfft(spectra * through[:, None], 2 * n, axis=0)[:n] * rate
         record *= np.exp(sigma * t)[:, None]
         record[:, 0] += gear.noise_n * streams("force noise").standard_normal(n)
         record[:, 1:] += gear.noise_m_s2 * streams("noise").standard_normal((n, 3))
