@@ -38,8 +38,8 @@ SPREAD = np.sqrt(3.0)  # an even draw of one standard deviation reaches so far
 DRIVE_OFF = 0.4  # of ln of the true stiffness from the table's, at most
 SHEET_OFF = 0.15  # of ln of the believed one
 DOUBT: Span = (0.3, 0.5)  # relative std of the believed stiffness
-DRIVE_LOSS: Span = (0.015, 0.07)  # loss factor at `LOSS_AT_HZ`
-LOSS_AT_HZ = 25.0
+DRIVE_LOSS: Span = (0.025, 0.09)  # loss factor at `LOSS_AT_HZ`
+LOSS_AT_HZ = 15.0
 LOSS_POWER: Span = (0.94, 1.0)  # of frequency; 1 is a viscous damper
 TILT: Span = (0.0015, 0.015)  # compliance of a bearing over its drive's
 TILT_ASKEW: Span = (0.65, 1.5)  # of one tilt's stiffness over the other's
@@ -125,7 +125,9 @@ def everyday(table: ArmTable, wrist: str, seed: int) -> Everyday:
         row.joint for row in table.links if wrist == "elastic" or row.joint not in table.wrist
     )
     drives, loss = _drives(table, elastic, streams)
-    sections = _sections(table, max(1.0 / drives[joint].stiffness for joint in elastic[:3]), streams)
+    sections = _sections(
+        table, max(1.0 / drives[joint].stiffness for joint in elastic[:3]), streams
+    )
     rock = drives[elastic[0]].stiffness / within(streams("plate"), PLATE)
     lever = table.base_shell.diameter_m * within(streams("plate lever"), PLATE_LEVER)
     offset = np.deg2rad(tolerances["encoder_offset_deg"])

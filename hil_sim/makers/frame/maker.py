@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,8 +29,8 @@ from armodal.protocols.session.records import Session
 __all__ = ["EFFECTS", "Made", "made"]
 
 EFFECTS: dict[str, HidesInFrame] = modules_of(effects.__name__, effects.__path__)
-CAMPAIGN = {"rate_hz": "1280", "samples": 2048, "pretrigger": 64, "hits_per_point": 3}
-SENSOR_KG = 0.008
+RATE_HZ, SAMPLES, PRETRIGGER = "1280", 2048, 64
+HITS, SENSOR_KG = 3, 0.008
 CLOSE = 1.15  # a visibility within this factor of its class is met
 LOOKS = 10
 
@@ -64,20 +65,18 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
         mode=Mode.ROVING_RESPONSE,
         sensor_kg=SENSOR_KG,
         trigger_n=round(0.05 * table.peaks_n[0], 3),
-        **CAMPAIGN,
+        rate_hz=RATE_HZ,
+        samples=SAMPLES,
+        pretrigger=PRETRIGGER,
+        hits_per_point=HITS,
     )
     plan = planned(table, arm, campaign)
     witness = Witness(drawn, plan, spec.seed)
     parts, gear, hidden = drawn.parts, drawn.gear, []
     for i, kind in enumerate(spec.kinds):
         hiding = _Hiding(drawn, spec, kind, spec.kinds[:i].count(kind))
-        size, visible = _sized(
-            lambda size, hiding=hiding: witness.sees(
-                *hiding.put(drawn.parts, drawn.gear, size)[:2]
-            ),
-            EFFECTS[kind].RANGE,
-            VISIBLE[spec.size_class],
-        )
+        seen = partial(_seen, witness, hiding)
+        size, visible = _sized(seen, EFFECTS[kind].RANGE, VISIBLE[spec.size_class])
         parts, gear, told = hiding.put(parts, gear, size)
         where = hiding.place.split("|")
         place = where if len(where) > 1 else where[0]
@@ -116,6 +115,12 @@ class _Hiding:
         )
         told = EFFECTS[self.kind].hide(kit, self.place, size)
         return kit.parts, kit.gear, told
+
+
+def _seen(witness: Witness, hiding: _Hiding, size: float) -> float:
+    """How visible the effect is alone on the everyday arm."""
+    parts, gear, _ = hiding.put(hiding.drawn.parts, hiding.drawn.gear, size)
+    return witness.sees(parts, gear)
 
 
 def _sized(

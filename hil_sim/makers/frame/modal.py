@@ -40,8 +40,7 @@ class Modal:
         moved = np.linalg.solve(
             Z, np.broadcast_to(self.shapes.T @ right, (len(s), m, right.shape[1]))
         )
-        answer: Complex = (left @ self.shapes) @ moved
-        return answer
+        return np.asarray((left @ self.shapes) @ moved, dtype=np.complex128)
 
 
 def loss_law(s: Complex) -> Complex:

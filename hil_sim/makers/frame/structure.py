@@ -14,6 +14,7 @@ from armodal.hil_sim.makers.frame.beams import Section, beam_mass, beam_stiffnes
 __all__ = ["Complex", "Law", "Spot", "Structure", "cross"]
 
 Complex = npt.NDArray[np.complex128]
+Rows = npt.NDArray[np.intp]
 Law = Callable[[Complex], Complex]
 """Dynamic stiffness beyond the static one, over lines s."""
 
@@ -31,8 +32,8 @@ class Structure:
     """Nodes and what is between them; matrices are dense and of some hundred rows."""
 
     nodes: list[Array] = field(default_factory=list)  # (3,) each, world
-    elastic: list[tuple[Array, Array, float]] = field(default_factory=list)  # rows, K, loss factor
-    masses: list[tuple[Array, Array]] = field(default_factory=list)
+    elastic: list[tuple[Rows, Array, float]] = field(default_factory=list)  # rows, K, loss factor
+    masses: list[tuple[Rows, Array]] = field(default_factory=list)
     laws: list[tuple[Array, Law]] = field(default_factory=list)  # (n,) vector, law
     weights: list[tuple[int, Array, float]] = field(default_factory=list)  # node, place, mass
     carried: list[tuple[int, int, bool]] = field(default_factory=list)  # node, before it, jointed
@@ -70,7 +71,7 @@ class Structure:
         rows, B = self.between(first, second)
         self.elastic.append((rows, B.T @ stiffness @ B, loss))
 
-    def between(self, first: Spot, second: Spot) -> tuple[Array, Array]:
+    def between(self, first: Spot, second: Spot) -> tuple[Rows, Array]:
         """Rows, and the (6, n) matrix of the second spot's motion less the first's."""
         pairs = [(s, sign) for s, sign in ((first, -1.0), (second, 1.0)) if s.node >= 0]
         rows = np.concatenate([_rows(spot.node) for spot, _ in pairs])
@@ -156,8 +157,8 @@ def _pulled(L: Array, f: Array) -> Array:
     return (f @ L) * np.eye(3) - 0.5 * (np.outer(f, L) + np.outer(L, f))
 
 
-def _rows(node: int) -> Array:
-    return np.arange(6 * node, 6 * node + 6)
+def _rows(node: int) -> Rows:
+    return np.arange(6 * node, 6 * node + 6, dtype=np.intp)
 
 
 def _of_node(arm_m: Array) -> Array:

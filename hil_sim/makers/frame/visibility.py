@@ -110,7 +110,7 @@ class Witness:
 
     def _frfs(self, parts: Parts, gear: Gear) -> Complex:
         """FRFs, (postures, points, lines, 3)."""
-        s = (WIDTH + 1j) * 2.0 * np.pi * LINES
+        s = np.asarray((WIDTH + 1j) * 2.0 * np.pi * LINES, dtype=np.complex128)
         seen = []
         for i in SEEN:
             posture = self.plan.postures[i]

@@ -36,7 +36,7 @@ TOLERANCES = {
 }
 DRIVE_SCATTER = 0.25  # of ln k about a data sheet's value
 DRIVE_DOUBT = 0.35  # relative std that the arm file states
-DAMPING_RATIO = (0.006, 0.035)  # of a joint alone
+DAMPING_RATIO = (0.01, 0.045)  # of a joint alone
 BEARING_COMPLIANCE = (0.001, 0.02)  # of its drive's
 BASE_COMPLIANCE = (0.0004, 0.005)  # of the drive's of joint 1
 LINK_COMPLIANCE = (0.0004, 0.004)  # of the drive's that carries it, about each axis across

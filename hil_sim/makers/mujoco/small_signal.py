@@ -35,8 +35,8 @@ class SmallSignal:
     def receptance(self, s: Complex, loads: Array) -> Complex:
         """Generalised displacement, (lines, n, k), of loads (n, k) at lines s."""
         lines = s[:, None, None]
-        moved: Complex = np.linalg.solve(self.M * lines**2 + self.C * lines + self.K, loads + 0j)
-        return moved
+        Z = self.M * lines**2 + self.C * lines + self.K
+        return np.asarray(np.linalg.solve(Z, loads + 0j), dtype=np.complex128)
 
 
 def small_signal(here: Compiled) -> SmallSignal:

@@ -89,7 +89,7 @@ class Bystander:
         for turn in (np.roll(np.eye(3), 1, axis=0), np.roll(np.eye(3), 2, axis=0)):
             aside = self._frfs(drawn.machine, bench, timed=False, own_turn=turn)
             square += bench.aim_rad**2 / REPEATS * np.abs(aside) ** 2
-        return np.sqrt(square)
+        return np.asarray(np.sqrt(square))
 
     @cached_property
     def _ordinary_causes(self) -> list[Complex]:
@@ -145,8 +145,8 @@ class Bystander:
         for posture, told in enumerate(self.joints_rad):
             angles = true_angles(self.drawn, told)
             if offsets is not None:
-                names = (row.joint for row in self.drawn.table.links)
-                angles = {j: a + offsets[j] for j, a in zip(names, told, strict=True)}
+                joints = (row.joint for row in self.drawn.table.links)
+                angles = {j: a + offsets[j] for j, a in zip(joints, told, strict=True)}
             sensor = bench.stands_at.get("1", "1")
             whole = machine.copy()
             whole.places = {"1": machine.places[sensor]}
@@ -188,7 +188,7 @@ def _hit_load(
 
 def _lines(bench: Bench) -> tuple[Complex, Array]:
     """Lines, and the factor on the FRFs that delay and hammer bring, each (lines,)."""
-    s = (BROAD + 1j) * 2.0 * np.pi * LINES_HZ
+    s = np.asarray((BROAD + 1j) * 2.0 * np.pi * LINES_HZ, dtype=np.complex128)
     return s, np.exp(-s * bench.late_s) / bench.hammer_gain
 
 

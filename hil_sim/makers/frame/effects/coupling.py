@@ -25,7 +25,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
 
     def span(standing: Standing) -> None:
         a, b = standing.turn(first), standing.turn(second)
-        rows = np.arange(len(a))
+        rows = np.arange(len(a), dtype=np.intp)
         standing.structure.elastic.append((rows, cross * (np.outer(a, b) + np.outer(b, a)), 0.0))
 
     kit.parts.last.append(span)

@@ -1,5 +1,7 @@
 """The inertia of a rotor, turned through the gear with the joint."""
 
+import numpy as np
+
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 
@@ -14,5 +16,5 @@ def where(drawn: Everyday) -> list[str]:
 def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Let it turn with the joint's own angle."""
     drive = kit.parts.drives[place]
-    drive.rotor_kg_m2 = size * drive.stiffness / 94.25**2
+    drive.rotor_kg_m2 = size * drive.stiffness / (2.0 * np.pi * 15.0) ** 2
     return {"inertia_kg_m2": drive.rotor_kg_m2}

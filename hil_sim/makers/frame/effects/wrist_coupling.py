@@ -25,7 +25,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         a, b = standing.turn(before), standing.turn(last)
         both = ratio * a + b
         change = stiffness * (np.outer(both, both) - np.outer(b, b))
-        standing.structure.elastic.append((np.arange(len(a)), change, 0.0))
+        standing.structure.elastic.append((np.arange(len(a), dtype=np.intp), change, 0.0))
 
     kit.parts.last.append(span)
     return {"ratio": ratio}

@@ -22,7 +22,7 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
     """Hang a mass on a slide in a drawn direction."""
     rng, row = rig.rng, rig.row(place)
     mass = size * sum(body.mass_kg for body in rig.drawn.table.inertials())
-    omega = 6.283 * float(np.exp(rng.uniform(*np.log(OWN_HZ))))
+    omega = 2.0 * np.pi * float(np.exp(rng.uniform(*np.log(OWN_HZ))))
     ratio = float(rng.uniform(*DAMPING_RATIO))
     center = along(row.shell, float(rng.uniform(0.3, 1.0)))[0]
     direction = rig.direction()
@@ -44,7 +44,7 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
     )
     return {
         "mass_kg": mass,
-        "frequency_hz": omega / 6.283,
+        "frequency_hz": omega / (2.0 * np.pi),
         "damping_ratio": ratio,
         "direction": direction.tolist(),
         "center_m": center.tolist(),

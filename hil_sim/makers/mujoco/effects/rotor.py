@@ -1,5 +1,7 @@
 """The inertia of a rotor that turns with the joint through the gear."""
 
+import numpy as np
+
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 
@@ -14,5 +16,5 @@ def places(drawn: Ordinary) -> list[str]:
 def put(rig: Rig, place: str, size: float) -> Parameters:
     """Turn an armature with the joint."""
     drive = rig.drive(place)
-    drive.inertia += size * drive.stiffness / (6.283 * 20.0) ** 2
+    drive.inertia += size * drive.stiffness / (2.0 * np.pi * 20.0) ** 2
     return {"inertia_kg_m2": drive.inertia}

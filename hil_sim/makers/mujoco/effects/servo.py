@@ -1,5 +1,7 @@
 """A servo that gives way behind the gear, with the rotor's inertia."""
 
+import numpy as np
+
 from armodal.hil_sim.makers.mujoco.machine import Axis, Servo
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
@@ -21,7 +23,7 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
     To first order a delay takes delay times stiffness from the servo's damping.
     """
     rng, drive = rig.rng, rig.drive(place)
-    stiffness, omega = drive.stiffness / size, 6.283 * float(rng.uniform(*OWN_HZ))
+    stiffness, omega = drive.stiffness / size, 2.0 * np.pi * float(rng.uniform(*OWN_HZ))
     inertia = stiffness / omega**2
     delay = float(rng.uniform(*DELAY_S))
     damping = 2.0 * float(rng.uniform(*DAMPING_RATIO)) * stiffness / omega
