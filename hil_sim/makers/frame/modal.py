@@ -37,9 +37,8 @@ class Modal:
         Z += loss_law(s)[:, None, None] * self.lost
         for vector, law in self.laws:
             Z += law(s)[:, None, None] * np.outer(vector, vector)
-        moved = np.linalg.solve(
-            Z, np.broadcast_to(self.shapes.T @ right, (len(s), m, right.shape[1]))
-        )
+        loads = np.broadcast_to(self.shapes.T @ right, (len(s), m, right.shape[1]))
+        moved = np.linalg.solve(Z, loads)
         return np.asarray((left @ self.shapes) @ moved, dtype=np.complex128)
 
 
@@ -48,8 +47,7 @@ def loss_law(s: Complex) -> Complex:
 
     Biot, Proc. 3rd US Nat. Congr. Appl. Mech. (1958) 1: (2 / pi) ln(1 + s / epsilon).
     """
-    law: Complex = (2.0 / np.pi) * np.log(1.0 + s / LOSS_FROM_RAD_S)
-    return law
+    return np.asarray((2.0 / np.pi) * np.log(1.0 + s / LOSS_FROM_RAD_S), dtype=np.complex128)
 
 
 def modal(standing: Standing, highest_hz: float = HIGHEST_HZ) -> Modal:
