@@ -12,7 +12,7 @@ from armodal.hil_sim.makers.frame.standing import Standing, middle_of
 OUTSIDE = True  # a gap analysis has no name for it
 RANGE = (0.001, 0.4)  # of the moving mass
 SAG = (0.1, 0.35)  # of the span
-DIAMETER_M = 0.04
+THICK = 0.3  # diameter over that of the shell it begins on
 SOFT_PA = (2e6, 6e7)  # modulus of a bundle of hoses
 LOSS = 0.15
 PIECES = 6
@@ -28,6 +28,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Hang the cable in a bow between two clamps."""
     first, last = place.split("|")
     mass = size * kit.arm_kg()
+    thick = THICK * kit.row(first).shell.diameter_m
     sag, soft = float(kit.rng.uniform(*SAG)), float(kit.rng.uniform(*SOFT_PA))
     ends = [
         middle_of(kit.row(name), float(kit.rng.uniform(0.3, 0.8)))
@@ -41,8 +42,8 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         drop = sag * np.linalg.norm(b - a) * 4.0 * along * (1.0 - along)
         bow = a + (b - a) * along + drop * np.array([0.0, 0.0, -1.0])
         steps = np.linalg.norm(np.diff(bow, axis=0), axis=1)
-        area = 0.25 * np.pi * DIAMETER_M**2
-        second = np.pi * DIAMETER_M**4 / 64.0
+        area = 0.25 * np.pi * thick**2
+        second = np.pi * thick**4 / 64.0
         section = Section(
             area_m2=area,
             second_moment_m4=second,
@@ -60,4 +61,4 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
             structure.spring(*held, np.diag([1e7] * 3 + [1e4] * 3))
 
     kit.parts.last.append(span)
-    return {"mass_kg": mass, "sag": sag, "modulus_pa": soft}
+    return {"mass_kg": mass, "diameter_m": thick, "sag": sag, "modulus_pa": soft}

@@ -1,0 +1,69 @@
+"""Every effect goes into every arm, at each place it names, and leaves a machine that stands."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from armodal.hil_sim.makers.arms import ARMS, arm_table
+from armodal.hil_sim.makers.frame.everyday import everyday
+from armodal.hil_sim.makers.frame.kit import Kit
+from armodal.hil_sim.makers.frame.maker import EFFECTS as FRAME_EFFECTS
+from armodal.hil_sim.makers.frame.modal import modal
+from armodal.hil_sim.makers.frame.standing import stand
+from armodal.hil_sim.makers.mujoco.compiled import compiled
+from armodal.hil_sim.makers.mujoco.laboratory import true_angles
+from armodal.hil_sim.makers.mujoco.maker import EFFECTS as MUJOCO_EFFECTS
+from armodal.hil_sim.makers.mujoco.ordinary import ordinary
+from armodal.hil_sim.makers.mujoco.rig import Rig
+from armodal.hil_sim.streams import stream
+
+
+def middle(span):
+    return 1.0 if span is None else float(np.sqrt(span[0] * span[1]))
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_mujocos_effects_fit_every_arm(arm):
+    table = arm_table(arm)
+    for wrist in ("elastic", "rigid"):
+        drawn = ordinary(table, wrist, 3)
+        told = np.deg2rad(table.postures_deg[0])
+        for name, effect in MUJOCO_EFFECTS.items():
+            for place in effect.places(drawn)[:2]:
+                rig = Rig(
+                    drawn=drawn,
+                    machine=drawn.machine.copy(),
+                    bench=drawn.bench,
+                    rng=stream(3, name, place),
+                )
+                json.dumps(effect.put(rig, place, middle(effect.SPAN)), allow_nan=False)
+                machine = rig.machine
+                plant = compiled(machine, true_angles(drawn, told), 4e-4, slowed=machine.nonlinear)
+                # At rest: springs carry what gravity asks of them, to round-off of the solver's.
+                assert np.max(np.abs(plant.data.qacc)) < 1e-6, (name, place)
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_the_frames_effects_fit_every_arm(arm):
+    table = arm_table(arm)
+    for wrist in ("elastic", "rigid"):
+        drawn = everyday(table, wrist, 3)
+        told = np.deg2rad(table.postures_deg[0])
+        plain = modal(stand(drawn.parts, told), 300.0).frequencies_hz
+        assert plain[0] > 2.0
+        tried = {"released_joint"} if wrist == "rigid" else set(FRAME_EFFECTS)
+        for name in sorted(tried):
+            effect = FRAME_EFFECTS[name]
+            for place in effect.where(drawn)[:1]:
+                kit = Kit(
+                    drawn=drawn,
+                    parts=drawn.parts.copy(),
+                    gear=drawn.gear,
+                    rng=stream(3, name, place),
+                )
+                json.dumps(effect.hide(kit, place, middle(effect.RANGE)), allow_nan=False)
+                found = modal(stand(kit.parts, told), 300.0).frequencies_hz
+                assert found[0] > 0.5, (name, place)
