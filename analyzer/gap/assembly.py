@@ -210,7 +210,7 @@ class Assembly:
         more_k, more_c = k * (new_k - old_k), c * (new_c - old_c)
         for kind, more in (
             ("stiffness", more_k),
-            ("loss", more_k * values["loss"]),
+            ("loss", more_k * values[f"loss {joint}"]),
             ("damping", more_c),
         ):
             self.add_term(kind, link, link, more)

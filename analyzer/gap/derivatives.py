@@ -54,10 +54,9 @@ class Solved:
         return self.hypothesis.ordinary
 
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Stiffness with its hysteretic part, damping, and the common loss."""
+        """Stiffness with its hysteretic part, damping, and loss."""
         s = self.found.s_rad_s
-        loss, turn = self.values["loss"], hysteresis(s)[:, None, None, :]
-        by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        turn = hysteresis(s)[:, None, None, :]
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
@@ -66,17 +65,16 @@ class Solved:
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
             by_stiffness = self.found.by_stretch(row, k * factors[:, :1])
             by_spring[name] = (
-                (1.0 + loss * turn) * by_stiffness,
+                (1.0 + self.values[f"loss {name}"] * turn) * by_stiffness,
                 self.found.by_stretch(row, c * factors[:, 1:] * s),
             )
             yield f"ln k {name}", by_spring[name][0]
             yield f"ln c {name}", by_spring[name][1]
-            by_loss = by_loss + turn * by_stiffness
+            yield f"loss {name}", turn * by_stiffness
         for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():
             slopes = np.array([own.log_slopes[parameter][1:] for own in self.assemblies])
             by_k, by_c = as_single(slopes).T[:, :, None, None, None]
             yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
-        yield "loss", by_loss
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
         """Compliances and their losses."""

@@ -224,7 +224,7 @@ def follows_no_level(hypothesis: Hypothesis) -> bool:
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:
     added = fit.last
-    if added.parameters:
+    if added.adds_term:
         return _clear(fit, thresholds)
     return thresholds.relaxed if added.relaxes else thresholds.misread
 

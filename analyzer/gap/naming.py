@@ -111,4 +111,4 @@ def _explains_too_little(
 
 
 def _only_relaxes(fit: Fit) -> bool:
-    return bool(fit.last.relaxes) and not fit.last.parameters
+    return bool(fit.last.relaxes) and not fit.last.adds_term

@@ -255,7 +255,7 @@ def _looked_for(
 
 def _is_a_term(instance: Instance) -> bool:
     """Whether it adds a term, which takes more to be named than an error of the measurement."""
-    return bool(instance.parameters)
+    return instance.adds_term
 
 
 def _little(fit: Fit) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.space import Parameter
@@ -35,11 +35,11 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                parameters=(loss_parameter(f"bearing loss {joint.name}"),),
                 relaxes=relaxed,
                 size=names[0],
                 sizes=tuple(names),
                 material=ordinary.bearing_limit,
+                is_term=True,
             )
         )
     return tuple(found)

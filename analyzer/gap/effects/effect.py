@@ -70,6 +70,7 @@ class Instance:
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     last: bool = False  # built after the others: reads every coordinate they bring
+    is_term: bool = False  # of the equations, though it only widens priors
     by_level: bool = False  # soft and hard hits of a posture are answered otherwise
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
@@ -82,6 +83,11 @@ class Instance:
     def key(self) -> tuple[str, str]:
         """Return name and place."""
         return self.effect.name, self.place
+
+    @property
+    def adds_term(self) -> bool:
+        """Return whether it changes the equations, rather than what was measured."""
+        return bool(self.parameters) or self.is_term
 
     def relaxed(self, space: Space) -> tuple[Parameter, ...]:
         """Return the priors it widens, of those the space has."""

@@ -60,7 +60,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             k = float(np.exp(values[f"ln k {joint}"]))
             c = float(np.exp(values[f"ln c {joint}"]))
             # The joint's spring stretches by the difference of link and rotor.
-            for kind, value in (("stiffness", k), ("damping", c), ("loss", k * values["loss"])):
+            lost = k * values[f"loss {joint}"]
+            for kind, value in (("stiffness", k), ("damping", c), ("loss", lost)):
                 assembly.add_term(kind, own, own, value)
                 assembly.add_term(kind, own, link, -value)
             assembly.add_term("mass", own, own, values[inertia], parameter=inertia)
