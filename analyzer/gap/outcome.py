@@ -29,8 +29,8 @@ from armodal.analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from armodal.analyzer.gap.rivals import Rivals
 from armodal.analyzer.gap.scan import Candidate, scan_axes
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.verdict import verdict_of
 from armodal.analyzer.gap.without_levels import titles
 from armodal.analyzer.modal.fit import fit_modes

@@ -19,7 +19,7 @@ from armodal.analyzer.gap.judge import (
     outside_misfit,
 )
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 
 __all__ = ["verdict_of"]
 

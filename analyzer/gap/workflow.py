@@ -31,7 +31,7 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.outcome import GapOutcome, conclude
 from armodal.analyzer.gap.posed import PosedModel
 from armodal.analyzer.gap.records import Gate
-from armodal.analyzer.gap.rivals import Rivals, find_rivals
+from armodal.analyzer.gap.search import Rivals, find_rivals
 from armodal.analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
 from armodal.analyzer.gap.weigh import Discrepancy
 from armodal.analyzer.gap.without_levels import first_with_levels

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,7 +11,7 @@ from armodal.analyzer.gap.space import Parameter, Space
 if TYPE_CHECKING:
     from armodal.analyzer.gap.assembly import Assembly
 
-__all__ = ["Describer", "EffectWords", "Instance"]
+__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "Starts"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +50,24 @@ class Describer(Protocol):
         ...
 
 
+class Starts(Protocol):
+    """Where else a fit with an instance begins, from the values of a model without it."""
+
+    def __call__(self, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+        """Return values by name, all of them."""
+        ...
+
+
+class Alternatives(Protocol):
+    """What a fit with an instance may stand for: other instances, and where those begin."""
+
+    def __call__(
+        self, values: Mapping[str, float]
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        """Return instances with values by name, all of them."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instance:
     """An effect at a place: at one joint, in one link, in one channel."""
@@ -60,6 +78,8 @@ class Instance:
     relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
     builder: Builder | None = None
     describe: Describer | None = None
+    starts: Starts | None = None
+    alternatives: Alternatives | None = None
     size: str = ""  # the parameter that says how large
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
