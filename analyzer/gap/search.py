@@ -1,11 +1,11 @@
 """Rivals for what the present hypothesis does not explain: one search for all effects.
 
 Every effect at every place is looked at linearly, where the present hypothesis stands and where
-nothing is fitted yet. Where something is to be explained the most promising are fitted on the widest
-lines, from their several beginnings; the better part of them goes on to sharper lines, beside what
-each may stand for, until a few are fitted sharply. On wide lines nearly every start finds its way,
-and a fit there costs a tenth of one on sharp lines; so as many are kept as cost about the same at
-every stage.
+nothing is fitted yet. Where something is to be explained the most promising are fitted on the
+widest lines, from their several beginnings; the better part of them goes on to sharper lines,
+beside what each may stand for, until a few are fitted sharply. On wide lines nearly every start
+finds its way, and a fit there costs a fifth of one on sharp lines; so as many are kept as cost
+about the same at every stage.
 """
 
 from __future__ import annotations
@@ -22,17 +22,20 @@ from armodal.analyzer.gap.scan import Candidate
 __all__ = ["Rivals", "find_rivals"]
 
 # Candidates fitted on the widest, broad, middle and sharp lines, and steps of each.
-_KEPT = (32, 16, 8, 4)
-_STEPS = (4, 3, 4, 4)
+_KEPT = (28, 12, 6, 4)
+_STEPS = (3, 3, 3, 4)
 _LEADING = 2  # of each stage, whose alternatives are fitted beside them
 _NULL_STEPS = (8, 5, 5, 8)
+_FIRST = 2  # steps of a fit that only tells whether to go on
 _NEAR = 8  # most promising about the present fit on the sharp lines
 _LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _SOMETHING = 50.0  # of evidence: more than what ordinary errors leave by chance
 _ORDINARY = 0.45  # misfit a residual above which something is to be explained
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _BLOCK, _MOST_STEPS = 4, 28  # steps of a finalist at a time, and in all
-_PATIENCE = 3.0  # a finalist goes on while so many blocks like its last could bring it to the best
+# A fit goes on while so many times what it still promises could bring it beside the best: within
+# what tells two apart.
+_PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
 
@@ -86,13 +89,12 @@ def find_rivals(
     others = look_at_others(sharp, base[-1])
     looked = look_at_all(sharp, base[-1], start, from_start=False, others=others)
     promising = [c for c in looked if c.gain > _LOOK][:_NEAR]
-    finals = [_begun(sharp, base[-1], c, start, _STEPS[-1]) for c in promising]
+    finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
     gained = max((base[-1].evidence - f.evidence for f in finals), default=0.0)
     if gained > _SOMETHING or misfit_per_line(sharp, base[-1]) > _ORDINARY:
         finals += _far(stages, base, present, start, tell)
     finals = _one_each(finals)
-    finals += _alternatives(sharp, finals[:_LEADING], _STEPS[-1])
-    finals = _one_each(finals)[: _NEAR + _KEPT[-1]]
+    finals = _hopeful([*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])])
     ended: list[Fit] = []
     for fit in finals:
         tell(f"sharply: {fit.hypothesis.name}")
@@ -142,10 +144,10 @@ def _far(
         _begun(widest, unfitted, c, begin, _STEPS[0], also=about)
         for about, c in _chosen(pool, _KEPT[0])
     ]
-    for stage, steps, kept in zip(stages[1:], _STEPS[1:], _KEPT[1:], strict=True):
-        fits = _one_each([*fits, *_alternatives(stages[0], fits[:_LEADING], _STEPS[0])])[:kept]
+    for before, stage, steps, kept in zip(stages, stages[1:], _STEPS[1:], _KEPT[1:], strict=False):
+        fits = _hopeful([*fits, *_alternatives(before, fits[:_LEADING], _FIRST)])[:kept]
         tell(fits[0].hypothesis.name if fits else "nothing")
-        fits = _one_each([_further(stage, f, steps) for f in fits])
+        fits = _hopeful([_further(stage, f, steps) for f in fits])
     return fits
 
 
@@ -223,6 +225,12 @@ def _one_each(fits: Sequence[Fit]) -> list[Fit]:
     return list(kept.values())
 
 
+def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
+    """One of each effect and place, by evidence, that may still come beside the best."""
+    each = _one_each(fits)
+    return [f for f in each if f.evidence - _PATIENCE * f.promised < each[0].evidence + _BESIDE]
+
+
 def _further(stage: Stage, fit: Fit, steps: int) -> Fit:
     if fit.converged and fit.on is not None and fit.on[0] is stage:
         return fit
@@ -230,12 +238,12 @@ def _further(stage: Stage, fit: Fit, steps: int) -> Fit:
 
 
 def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit]) -> Fit:
-    """Some steps more at a time, while they could still bring a fit to the best of the others."""
+    """Some steps more at a time, while they could still bring a fit beside the best of others."""
     best = min((f.evidence for f in others), default=float("inf"))
     for _ in range(0, _MOST_STEPS, _BLOCK):
         further = _further(stage, fit, _BLOCK)
-        gained = fit.evidence - further.evidence
-        if further is fit or further.converged or further.evidence - _PATIENCE * gained > best:
+        hopeless = further.evidence - _PATIENCE * further.promised > best + _BESIDE
+        if further is fit or further.converged or hopeless:
             return further
         fit = further
     return fit
