@@ -20,6 +20,7 @@ __all__ = [
     "JOINT_LOSS_MEAN",
     "JOINT_LOSS_STD",
     "LEVER_M",
+    "PLACE_STD_M",
 ]
 
 # Damping over stiffness of a seat, a bearing, a bolted flange. Loss factors of joined metal
@@ -42,3 +43,6 @@ FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01
 LEVER_M = 0.3
 
 DELAY_STD_S = 20e-6  # between the channels of one board
+
+# A sensor's place on its point, put there by hand and measured by rule.
+PLACE_STD_M = 0.002
