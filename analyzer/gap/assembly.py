@@ -91,6 +91,7 @@ class System:
     tilted: Array  # (m, 3, n) what gravity adds on them
     turned: Array  # (m, 3, n) the sensor's rotation along them
     mix: Array  # (m, 3, 3) from true axes to recorded channels
+    place_m: Array  # (m, 3) by which each sensor stands off its point, along its axes
     hit: Array  # (n_hits, 3, n) motion of the hit points in base
     force: Array  # (n_hits, 3)
     log_scale: Array  # () of all responses
@@ -152,6 +153,7 @@ class Assembly:
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
     mix: Array | None = None
+    place_m: Array | None = None  # (m, 3), small: taken to first order
     force: Array | None = None
     hit_turn: Array = field(default_factory=lambda: np.eye(3))  # of every force, base axes
     sensor_mass_kg: float = 0.0  # beside what the file gives

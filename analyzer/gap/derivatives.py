@@ -143,6 +143,17 @@ class Solved:
                 for p, own in enumerate(self.assemblies):
                     yield p, f"aim {letter} {own.lines.name}", by_aim[p]
 
+    def by_places(self) -> Iterator[tuple[int, npt.NDArray[np.bool_], str, ComplexArray]]:
+        """Places of points: derivatives (k, 3, L) there, at the other mountings they do nothing."""
+        shifts = self.found.by_shift()
+        points = self.ordinary.arm.points
+        for p, own in enumerate(self.assemblies):
+            for point in dict.fromkeys(own.lines.sensor_point.tolist()):
+                rows = own.lines.sensor_point == point
+                names = self.ordinary.place_names(points[point].id)
+                for name, by_shift in zip(names, shifts, strict=True):
+                    yield p, rows, name, by_shift[p, rows]
+
     def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
         slopes = angle_slopes(self.assemblies, self.exact.system, near)

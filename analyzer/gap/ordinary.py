@@ -33,6 +33,7 @@ from armodal.analyzer.gap.priors import (
     JOINT_LOSS_MEAN,
     JOINT_LOSS_STD,
     LEVER_M,
+    PLACE_STD_M,
 )
 from armodal.analyzer.gap.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
@@ -138,6 +139,14 @@ class Ordinary:
         """Return the names of a link's ten inertial parameters."""
         return tuple(f"{what} {self.arm.joints[link].link.name}" for what in _INERTIAL)
 
+    def place_names(self, point: str) -> tuple[str, ...]:
+        """Return the names by which a point's sensor stands off along its axes."""
+        return tuple(f"place {axis} {point}" for axis in "xyz")
+
+    def _places(self, values: Mapping[str, float]) -> Array:
+        names = [self.place_names(point.id) for point in self.arm.points]
+        return np.array([[values[name] for name in of_point] for of_point in names])
+
     def assemblies(
         self,
         geometries: Sequence[PostureGeometry],
@@ -204,6 +213,7 @@ class Ordinary:
             body = lines.known_mass
             link = [joint.link.name for joint in self.arm.joints].index(body.link)
             assembly.add_body(link, body.mass_kg, body.center_m, np.zeros((3, 3)))
+        assembly.place_m = self._places(values)[lines.sensor_point]
         gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
         assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
         if len(lines.hit_point) == 1:
@@ -295,6 +305,11 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
     ]
     found.append(Parameter(name="ln hammer", unit="", mean=0.0, std=tolerances.hammer_gain))
     found.append(Parameter(name="delay", unit="s", mean=0.0, std=DELAY_STD_S))
+    found += [
+        Parameter(name=name, unit="m", mean=0.0, std=PLACE_STD_M)
+        for point in arm.points
+        for name in ordinary.place_names(point.id)
+    ]
     for name in ordinary.postures:
         found += [
             Parameter(

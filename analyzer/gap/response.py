@@ -271,7 +271,9 @@ class Response:
         """
         turn = real_times(self.system.turned, self.x)  # (P, m, 3, L)
         turn = turn * (self.factor * self.s_rad_s**2)[:, None, None]
-        return np.stack([-real_times(self.system.mix @ skew(axis), turn) for axis in np.eye(3)])
+        mix = self.system.mix
+        turns = (mix @ skew(axis).astype(mix.dtype) for axis in np.eye(3))
+        return np.stack([-real_times(rows, turn) for rows in turns])
 
 
 def as_single(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -362,7 +364,8 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
         pull = sum(S[:, :, a, b] * Ux[:, :, b] for b in range(3))
         x -= HU[:, :, :, a] * np.asarray(pull)[:, :, None]
     factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
-    raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
+    off = system.seen - skew(system.place_m) @ system.turned
+    raw = (s**2)[:, None, None] * real_times(off, x) + real_times(system.tilted, x)
     return Response(
         system=system,
         s_rad_s=s,

@@ -106,6 +106,12 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
         turned=R @ J[..., 3:, :],
         mix=np.array([unmixed if own.mix is None else own.mix for own in assemblies]),
+        place_m=np.array(
+            [
+                np.zeros((where.shape[1], 3)) if own.place_m is None else own.place_m
+                for own in assemblies
+            ]
+        ),
         hit=_at(motion, hits)[..., :3, :],
         force=np.array(
             [
