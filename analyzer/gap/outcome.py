@@ -89,6 +89,9 @@ def conclude(
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
     verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
+    if verdict is not Verdict.NAMED and effects:
+        found_on_the_way = "; ".join(effect.title for effect in effects)
+        why = [*why, f"found on the way, but no name: {found_on_the_way}"]
     notes += [*why, *notes_on_its_end(final), *notes_on_aims(sharp, final)]
     if effects and len(standing) > 1:
         notes.append(f"something more is there that cannot be told: {titles(standing)}")
@@ -118,7 +121,7 @@ def conclude(
     result = GapResult(
         verdict=verdict,
         summary=_summary(verdict, effects, standing, misfit, left),
-        effects=effects,
+        effects=effects if verdict is Verdict.NAMED else (),
         rivals=_rivals(found, standing, _COMMON * spread),
         hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=_ranges(

@@ -28,7 +28,7 @@ from armodal.analyzer.gap.intervals import intervals
 from armodal.analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
 from armodal.analyzer.gap.naming import judge_round
 from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.space import Parameter, Space
 from armodal.protocols.arm.files import load_arm
 
