@@ -91,7 +91,6 @@ class System:
     tilted: Array  # (m, 3, n) what gravity adds on them
     turned: Array  # (m, 3, n) the sensor's rotation along them
     mix: Array  # (m, 3, 3) from true axes to recorded channels
-    place_m: Array  # (m, 3) by which each sensor stands off its point, along its axes
     hit: Array  # (n_hits, 3, n) motion of the hit points in base
     force: Array  # (n_hits, 3)
     log_scale: Array  # () of all responses

@@ -364,8 +364,7 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
         pull = sum(S[:, :, a, b] * Ux[:, :, b] for b in range(3))
         x -= HU[:, :, :, a] * np.asarray(pull)[:, :, None]
     factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
-    off = system.seen - skew(system.place_m) @ system.turned
-    raw = (s**2)[:, None, None] * real_times(off, x) + real_times(system.tilted, x)
+    raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
     return Response(
         system=system,
         s_rad_s=s,
