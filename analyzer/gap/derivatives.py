@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.assembly import BASE, Assembly
 from armodal.analyzer.gap.change import Change, by_change
-from armodal.analyzer.gap.geometry import GeometrySlopes
+from armodal.analyzer.gap.geometry import GeometrySlopes, skew
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.moved_otherwise import by_motion, by_slopes
 from armodal.analyzer.gap.ordinary import Ordinary, across
-from armodal.analyzer.gap.response import Response, as_single, hysteresis, respond
+from armodal.analyzer.gap.response import Response, as_single, hysteresis, real_times, respond
 from armodal.analyzer.gap.space import Space
 from armodal.analyzer.gap.systems import angle_slopes, motion_slopes, systems
 
@@ -121,13 +121,19 @@ class Solved:
             yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
 
     def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Gains and delay."""
+        """Gains, tilts and delay."""
         found = self.found
         y = found.values
+        gains, turned = self.ordinary.sensor(self.values)
+        # What effects made of the ordinary sensor's channels.
+        beyond = found.system.mix @ np.linalg.inv(gains[:, None] * turned)
         for axis, letter in enumerate("xyz"):
-            column = found.system.mix[..., axis]  # (P, m, 3) of the recorded channels
-            true = found.true_axes[:, :, axis]  # (P, m, L)
-            yield f"ln gain {letter}", column[..., None] * true[:, :, None]
+            unit = np.eye(3)[axis]
+            by_gain = unit[:, None] * gains[:, None] * turned
+            by_tilt = gains[:, None] * skew(unit)
+            for what, rows in (("ln gain", by_gain), ("tilt", by_tilt)):
+                mixed = (beyond @ rows).astype(y.real.dtype)
+                yield f"{what} {letter}", real_times(mixed, found.true_axes)
         yield "ln hammer", -y
         yield "delay", -found.s_rad_s[:, None, None, :] * y
 

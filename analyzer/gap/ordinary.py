@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.assembly import Assembly, spatial_inertia
-from armodal.analyzer.gap.geometry import PostureGeometry
+from armodal.analyzer.gap.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.lines import PostureLines
 from armodal.analyzer.gap.priors import (
     BEARING_LIMIT,
@@ -139,6 +139,11 @@ class Ordinary:
         """Return the names of a link's ten inertial parameters."""
         return tuple(f"{what} {self.arm.joints[link].link.name}" for what in _INERTIAL)
 
+    def sensor(self, values: Mapping[str, float]) -> tuple[Array, Array]:
+        """Return the sensor's gains (3,) and what its axes see of its mount's (3, 3)."""
+        gains = np.exp([values[f"ln gain {a}"] for a in "xyz"])
+        return gains, np.eye(3) + skew(np.array([values[f"tilt {a}"] for a in "xyz"]))
+
     def place_names(self, point: str) -> tuple[str, ...]:
         """Return the names by which a point's sensor stands off along its axes."""
         return tuple(f"place {axis} {point}" for axis in "xyz")
@@ -214,8 +219,8 @@ class Ordinary:
             link = [joint.link.name for joint in self.arm.joints].index(body.link)
             assembly.add_body(link, body.mass_kg, body.center_m, np.zeros((3, 3)))
         assembly.place_m = self._places(values)[lines.sensor_point]
-        gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
-        assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
+        gains, turned = self.sensor(values)
+        assembly.mix = np.broadcast_to(gains[:, None] * turned, (len(lines.sensor_point), 3, 3))
         if len(lines.hit_point) == 1:
             aim = np.array([values[f"aim {side} {lines.name}"] for side in "ab"])
             direction = lines.hit_direction[0]
@@ -302,6 +307,11 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         )
     found += [
         Parameter(name=f"ln gain {a}", unit="", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
+    ]
+    # Of the sensor in its mount, at every point alike; each mounting has its own beside.
+    found += [
+        Parameter(name=f"tilt {a}", unit="rad", mean=0.0, std=tolerances.sensor_tilt_rad)
+        for a in "xyz"
     ]
     found.append(Parameter(name="ln hammer", unit="", mean=0.0, std=tolerances.hammer_gain))
     found.append(Parameter(name="delay", unit="s", mean=0.0, std=DELAY_STD_S))
