@@ -152,6 +152,7 @@ class Assembly:
     link_moments: list[Array] = field(default_factory=list)  # (4,): mass, first moments
     base_inertia: Array = field(default_factory=lambda: np.zeros((6, 6)))
     mix: Array | None = None
+    place_m: Array | None = None  # (m, 3), small: taken to first order
     force: Array | None = None
     hit_turn: Array = field(default_factory=lambda: np.eye(3))  # of every force, base axes
     sensor_mass_kg: float = 0.0  # beside what the file gives
@@ -210,7 +211,7 @@ class Assembly:
         more_k, more_c = k * (new_k - old_k), c * (new_c - old_c)
         for kind, more in (
             ("stiffness", more_k),
-            ("loss", more_k * values["loss"]),
+            ("loss", more_k * values[f"loss {joint}"]),
             ("damping", more_c),
         ):
             self.add_term(kind, link, link, more)

@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.assembly import BASE, Assembly
 from armodal.analyzer.gap.change import Change, by_change
-from armodal.analyzer.gap.geometry import GeometrySlopes
+from armodal.analyzer.gap.geometry import GeometrySlopes, skew
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.moved_otherwise import by_motion, by_slopes
 from armodal.analyzer.gap.ordinary import Ordinary, across
-from armodal.analyzer.gap.response import Response, as_single, hysteresis, respond
+from armodal.analyzer.gap.response import Response, as_single, hysteresis, real_times, respond
 from armodal.analyzer.gap.space import Space
 from armodal.analyzer.gap.systems import angle_slopes, motion_slopes, systems
 
@@ -54,10 +54,9 @@ class Solved:
         return self.hypothesis.ordinary
 
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Stiffness with its hysteretic part, damping, and the common loss."""
+        """Stiffness with its hysteretic part, damping, and loss."""
         s = self.found.s_rad_s
-        loss, turn = self.values["loss"], hysteresis(s)[:, None, None, :]
-        by_loss: ComplexArray = np.zeros((), dtype=np.complex128)
+        turn = hysteresis(s)[:, None, None, :]
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
@@ -66,17 +65,16 @@ class Solved:
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
             by_stiffness = self.found.by_stretch(row, k * factors[:, :1])
             by_spring[name] = (
-                (1.0 + loss * turn) * by_stiffness,
+                (1.0 + self.values[f"loss {name}"] * turn) * by_stiffness,
                 self.found.by_stretch(row, c * factors[:, 1:] * s),
             )
             yield f"ln k {name}", by_spring[name][0]
             yield f"ln c {name}", by_spring[name][1]
-            by_loss = by_loss + turn * by_stiffness
+            yield f"loss {name}", turn * by_stiffness
         for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():
             slopes = np.array([own.log_slopes[parameter][1:] for own in self.assemblies])
             by_k, by_c = as_single(slopes).T[:, :, None, None, None]
             yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
-        yield "loss", by_loss
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
         """Compliances and their losses."""
@@ -123,13 +121,19 @@ class Solved:
             yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
 
     def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Gains and delay."""
+        """Gains, tilts and delay."""
         found = self.found
         y = found.values
+        gains, turned = self.ordinary.sensor(self.values)
+        # What effects made of the ordinary sensor's channels.
+        beyond = found.system.mix @ np.linalg.inv(gains[:, None] * turned)
         for axis, letter in enumerate("xyz"):
-            column = found.system.mix[..., axis]  # (P, m, 3) of the recorded channels
-            true = found.true_axes[:, :, axis]  # (P, m, L)
-            yield f"ln gain {letter}", column[..., None] * true[:, :, None]
+            unit = np.eye(3)[axis]
+            by_gain = unit[:, None] * gains[:, None] * turned
+            by_tilt = gains[:, None] * skew(unit)
+            for what, rows in (("ln gain", by_gain), ("tilt", by_tilt)):
+                mixed = (beyond @ rows).astype(y.real.dtype)
+                yield f"{what} {letter}", real_times(mixed, found.true_axes)
         yield "ln hammer", -y
         yield "delay", -found.s_rad_s[:, None, None, :] * y
 
@@ -144,6 +148,17 @@ class Solved:
                 by_aim = found.by_force(0, sides[..., side])
                 for p, own in enumerate(self.assemblies):
                     yield p, f"aim {letter} {own.lines.name}", by_aim[p]
+
+    def by_places(self) -> Iterator[tuple[int, npt.NDArray[np.bool_], str, ComplexArray]]:
+        """Places of points: derivatives (k, 3, L) there, at the other mountings they do nothing."""
+        shifts = self.found.by_shift()
+        points = self.ordinary.arm.points
+        for p, own in enumerate(self.assemblies):
+            for point in dict.fromkeys(own.lines.sensor_point.tolist()):
+                rows = own.lines.sensor_point == point
+                names = self.ordinary.place_names(points[point].id)
+                for name, by_shift in zip(names, shifts, strict=True):
+                    yield p, rows, name, by_shift[p, rows]
 
     def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +19,7 @@ from armodal.analyzer.gap.box import least_in_box
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.off_place import off_place
 from armodal.analyzer.gap.posed import PosedModel, Postures
 from armodal.analyzer.gap.space import Space
 from armodal.analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
@@ -24,6 +27,7 @@ from armodal.analyzer.gap.weigh import Discrepancy, Quadratic, Weighing, costs_o
 __all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
 
 Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 TOLERANCE = 0.05  # of cost
 _EDGE = 1e-9
@@ -117,14 +121,31 @@ class Stage:
         discrepancy: Discrepancy,
         *,
         models: Sequence[PosedModel] | None = None,
+        places: Sequence[ComplexArray] | None = None,
     ) -> None:
         self.lines = tuple(lines)
         self.models = tuple(models or models_of(superset, self.lines))
+        self._superset, self._discrepancy = superset, discrepancy
         self.weighings = tuple(
-            Weighing(p, superset.arm.tolerances, discrepancy) for p in self.lines
+            Weighing(own, superset.arm.tolerances, discrepancy, places=of)
+            for own, of in zip_longest(self.lines, places or ())
         )
         self._first_of = _firsts(self.lines, self.models)
         self._groups: dict[tuple[int, ...], list[tuple[list[int], Postures]]] = {}
+
+    def with_places(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Stage:
+        """Return the stage with what single mountings' places and hits' aims may be off.
+
+        `values` are near enough for what such small errors change.
+        """
+        places: list[ComplexArray] = [np.zeros((), dtype=np.complex128)] * len(self.lines)
+        for rows, together in self.once(hypothesis, range(len(self.lines))):
+            found = off_place(together.response(hypothesis, values), self._superset.arm.tolerances)
+            for p, i in rows:
+                places[p] = found[i]
+        return Stage(
+            self._superset, self.lines, self._discrepancy, models=self.models, places=places
+        )
 
     def together(self, postures: Sequence[int] | None = None) -> list[tuple[list[int], Postures]]:
         """Return postures, all if none are given, in groups that are solved together."""

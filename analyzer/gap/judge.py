@@ -28,7 +28,6 @@ __all__ = [
     "follows_no_level",
     "is_as_good",
     "is_certain",
-    "is_plainer",
     "judge",
     "misfit_per_line",
     "one_mechanism",
@@ -224,7 +223,7 @@ def follows_no_level(hypothesis: Hypothesis) -> bool:
 
 def _wanted(fit: Fit, thresholds: Thresholds) -> float:
     added = fit.last
-    if added.parameters:
+    if added.adds_term:
         return _clear(fit, thresholds)
     return thresholds.relaxed if added.relaxes else thresholds.misread
 
@@ -263,11 +262,6 @@ def _is_no_more_than(rival: Fit, best: Fit, apart: float) -> bool:
     inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     told = best.evidence - rival.evidence > apart
     return inside and not told and not a.is_material(rival.values)
-
-
-def is_plainer(axis: Fit, joint: Fit) -> bool:
-    """Whether a fit may be the name in the place of an axis, as `judge` takes it."""
-    return _one_line(axis, joint) or _at_an_end(axis, joint, np.inf)
 
 
 def _at_an_end(axis: Fit, bearing: Fit, phi: float) -> bool:

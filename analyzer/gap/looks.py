@@ -13,18 +13,8 @@ from armodal.analyzer.gap.scan_dampers import scan_dampers
 from armodal.analyzer.gap.scan_postures import scan_compensators
 from armodal.analyzer.gap.sensors import scan_sensors
 
-__all__ = ["goes_with", "look_at_all", "look_at_others", "most_promising"]
+__all__ = ["goes_with", "look_at_all", "look_at_others"]
 
-_LOOKED_AT = 24
-# Candidates of one kind that are fitted: alike as they are, they would crowd out the others.
-_AT_MOST = {
-    "link_axis": 6,
-    "gravity_compensator": 2,
-    "link_bending": 2,
-    "link_torsion": 2,
-    "load_damping": 2,
-    "nonproportional": 2,
-}
 _SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
 _SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 
@@ -81,30 +71,3 @@ def look_at_all(
 def goes_with(instance: Instance, present: Hypothesis) -> bool:
     """Return whether an effect can stand beside those of a hypothesis."""
     return not any(instance.excludes(other) for other in present.instances)
-
-
-def most_promising(
-    candidates: Sequence[Candidate], worth: float, *, each_kind: bool
-) -> list[Candidate]:
-    """The best by linear gain; with `each_kind` the best place of every effect first.
-
-    A linear look about a fit that went astray promises some effects more than there is to gain.
-    """
-    worthy = [c for c in candidates if c.gain >= worth]
-    if each_kind:
-        # A gain of the whole sensor widens a prior, one at a point is a parameter more.
-        kinds: dict[tuple[str, bool], Candidate] = {}
-        for c in worthy:
-            kinds.setdefault((c.instance.effect.name, bool(c.instance.relaxes)), c)
-        first = list(kinds.values())
-        worthy = first + [c for c in worthy if c not in first]
-    chosen: list[Candidate] = []
-    taken: dict[str, int] = {}
-    for candidate in worthy:
-        if len(chosen) == _LOOKED_AT:
-            break
-        name = candidate.instance.effect.name
-        taken[name] = taken.get(name, 0) + 1
-        if taken[name] <= _AT_MOST.get(name, _LOOKED_AT):
-            chosen.append(candidate)
-    return chosen

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from armodal.analyzer.gap.effects import sensor_axes
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.held_out import HeldOut
-from armodal.analyzer.gap.judge import Judged, Thresholds, is_as_good
-from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.starts import spread_of, taken_out
+from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.judge import Judged, Thresholds
 
 __all__ = ["Step", "with_step"]
 
@@ -57,7 +54,7 @@ def with_step(
     """
     sharp = stages[-1]
     own = [old.fit.last.key for old in (*named, step)]
-    better, swapped = _rather_than_axes(sharp, step, own, limits)
+    better, swapped = _rather_than(sharp, step.fit, own)
     better, turned = _turned_once(better)
     # The turn of an earlier step stands for both; one of the arm file has no step.
     is_in_a_step = bool(turned.keys() & {old.fit.last.key for old in named})
@@ -87,46 +84,44 @@ def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) 
     return again if again.evidence < fit.evidence else fit
 
 
-def _rather_than_axes(
-    stage: Stage, step: Step, own: Sequence[tuple[str, str]], limits: Thresholds
+def _rather_than(
+    stage: Stage, fit: Fit, own: Sequence[tuple[str, str]]
 ) -> tuple[Fit, dict[tuple[str, str], Instance]]:
-    """The better fit of a step with likelier names in the place of axes; which stands for which.
+    """The fit with better names in the place of those it has; which stands for which.
 
-    Of the axes that were named, by their keys: those of the arm file stay. A joint believed rigid,
-    where that explains as much. And a link that gives way all along, where that explains more: for
-    an axis of an earlier round, judged while something else was missing.
+    A name of an earlier round was judged while something else was missing. Those of the arm file
+    stay.
     """
-    fit, apart = step.fit, limits.apart * step.judged.phi
-    ordinary = fit.hypothesis.ordinary
-    released = {i.place: i for i in all_instances(ordinary) if i.effect.name == "released_joint"}
-    joints = {joint.link.name: joint.name for joint in ordinary.arm.joints}
     swapped: dict[tuple[str, str], Instance] = {}
-    for axis in fit.hypothesis.instances:
-        if axis.effect.name != "link_axis" or axis.key not in own:
+    for old in fit.hypothesis.instances:
+        if old.key not in own or old.alternatives is None:
             continue
-        is_last = axis is fit.last
-        joint = released.get(joints.get(axis.place, ""))
-        if joint is not None:
-            start = {**fit.values, joint.size: fit.values[axis.size]}
-            plain = _with_instead(stage, fit, axis, joint, start)
-            # An axis of an earlier round has brought far more than is left now.
-            gain = step.without.evidence - fit.evidence if is_last else np.inf
-            if is_as_good(plain.evidence - fit.evidence, gain, apart):
-                fit, swapped[axis.key] = plain, joint
+        others = [i for i in fit.hypothesis.instances if i is not old]
+        for new, begin in old.alternatives(fit.values):
+            if any(new.key == i.key or new.excludes(i) for i in others):
                 continue
-        spread = None if is_last else spread_of(axis, fit)
-        if spread is not None:
-            all_along = _with_instead(stage, fit, axis, *spread)
-            if all_along.evidence < fit.evidence:
-                fit, swapped[axis.key] = all_along, spread[0]
+            instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
+            instead = replace(fit.hypothesis, instances=instances)
+            quick = fit_hypothesis(stage, instead, start=begin, max_iterations=_FEW_STEPS)
+            if quick.evidence - quick.promised > fit.evidence:
+                continue
+            ended = fit_hypothesis(stage, instead, resumed=quick)
+            if ended.evidence < fit.evidence:
+                fit, swapped[old.key] = ended, new
+                break
     return fit, swapped
 
 
-def _with_instead(
-    stage: Stage, fit: Fit, old: Instance, new: Instance, start: dict[str, float]
-) -> Fit:
-    instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
-    return fit_hypothesis(stage, replace(fit.hypothesis, instances=instances), start=start)
+def _taken_out(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:
+    """Where a fit without an effect begins: what stays may take what it was."""
+    rest = tuple(i for i in fit.hypothesis.instances if i is not gone)
+    values = dict(fit.values)
+    for other, begin in () if gone.alternatives is None else gone.alternatives(fit.values):
+        if any(other.key == i.key for i in rest):
+            values |= begin
+    for parameter in gone.parameters:
+        values.pop(parameter.name, None)
+    return values, replace(fit.hypothesis, instances=rest)
 
 
 def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
@@ -164,7 +159,7 @@ def _still_earning(
     gone: list[Instance] = []
     while True:
         for instance in fit.hypothesis.instances[:-1]:
-            start, hypothesis = taken_out(fit, instance)
+            start, hypothesis = _taken_out(fit, instance)
             fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
             small = not instance.is_material(fit.values)
             if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:

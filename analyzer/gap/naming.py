@@ -12,7 +12,7 @@ from armodal.analyzer.gap.held_out import held_out
 from armodal.analyzer.gap.judge import Judged, Thresholds, judge, misfit_per_line, outside_misfit
 from armodal.analyzer.gap.middle_hits import told_by_hits_between
 from armodal.analyzer.gap.named_step import Step
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.without_levels import LEVELS_NEEDED, is_alike
 
 __all__ = ["judge_round", "step_to"]
@@ -111,4 +111,4 @@ def _explains_too_little(
 
 
 def _only_relaxes(fit: Fit) -> bool:
-    return bool(fit.last.relaxes) and not fit.last.parameters
+    return bool(fit.last.relaxes) and not fit.last.adds_term

@@ -17,22 +17,34 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.assembly import Assembly, spatial_inertia
-from armodal.analyzer.gap.geometry import PostureGeometry
+from armodal.analyzer.gap.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.priors import (
+    BEARING_LIMIT,
+    BEARING_MEAN,
+    BEARING_STD,
+    DELAY_STD_S,
+    FLOOR_LIMIT,
+    FLOOR_MEAN,
+    FLOOR_STD,
+    INTERFACE_LOSS_MEAN_S,
+    INTERFACE_LOSS_STD_S,
+    JOINT_LOSS_LIMIT,
+    JOINT_LOSS_MEAN,
+    JOINT_LOSS_STD,
+    LEVER_M,
+    PLACE_STD_M,
+)
 from armodal.analyzer.gap.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["Ordinary", "across"]
+__all__ = ["BASE_WAYS", "Ordinary", "across"]
 
 Array = npt.NDArray[np.float64]
 
-# Across a joint's axis, as parts of the arm's own compliance: more than the limit is an effect.
-_BEARING_MEAN, _BEARING_STD, _BEARING_LIMIT = 0.006, 0.0045, 0.025
-_BEARING_LOSS_S = 2e-5
-_LOSS_MEAN, _LOSS_STD, _LOSS_LIMIT = 0.010, 0.010, 0.04
-_DELAY_STD_S = 20e-6
 _FARTHEST = 5.0  # prior deviations
+BASE_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
 _UPRIGHT = 0.99  # cosine between an axis and gravity
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
@@ -82,7 +94,12 @@ class Ordinary:
     @property
     def bearing_limit(self) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""
-        return _BEARING_LIMIT * self.compliance
+        return BEARING_LIMIT * self.compliance
+
+    @property
+    def floor_limit(self) -> float:
+        """Return the largest rocking compliance of a base that stands firm, rad/(N m)."""
+        return FLOOR_LIMIT * self.compliance
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter with its prior."""
@@ -122,6 +139,19 @@ class Ordinary:
         """Return the names of a link's ten inertial parameters."""
         return tuple(f"{what} {self.arm.joints[link].link.name}" for what in _INERTIAL)
 
+    def sensor(self, values: Mapping[str, float]) -> tuple[Array, Array]:
+        """Return the sensor's gains (3,) and what its axes see of its mount's (3, 3)."""
+        gains = np.exp([values[f"ln gain {a}"] for a in "xyz"])
+        return gains, np.eye(3) + skew(np.array([values[f"tilt {a}"] for a in "xyz"]))
+
+    def place_names(self, point: str) -> tuple[str, ...]:
+        """Return the names by which a point's sensor stands off along its axes."""
+        return tuple(f"place {axis} {point}" for axis in "xyz")
+
+    def _places(self, values: Mapping[str, float]) -> Array:
+        names = [self.place_names(point.id) for point in self.arm.points]
+        return np.array([[values[name] for name in of_point] for of_point in names])
+
     def assemblies(
         self,
         geometries: Sequence[PostureGeometry],
@@ -151,14 +181,25 @@ class Ordinary:
             if joint.stiffness is not None:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
                 at = assembly.add_spring(joint.name, column, k, c)
-                assembly.add_term("loss", at, at, k * values["loss"])
-        for joint, columns in zip(arm.joints, _across_joints(superset), strict=True):
-            # A soft bearing has a loss of its own, a sound one hardly shows it.
+                assembly.add_term("loss", at, at, k * values[f"loss {joint.name}"])
+        for i, (joint, columns) in enumerate(
+            zip(arm.joints, _across_joints(superset), strict=True)
+        ):
             loss = f"bearing loss {joint.name}"
-            loss_s = values.get(loss, _BEARING_LOSS_S)
-            for side, column in zip("ab", columns, strict=True):
-                parameter = f"bearing {side} {joint.name}"
-                assembly.add_compliance(column, values[parameter], loss_s, parameter, loss)
+            ways = [
+                (f"bearing {side} {joint.name}", c) for side, c in zip("ab", columns, strict=True)
+            ]
+            if joint.stiffness is None:
+                ways.append(
+                    (f"compliance of {joint.name}", assembly.unit(superset.joint_column(i)))
+                )
+            for parameter, column in ways:
+                assembly.add_compliance(column, values[parameter], values[loss], parameter, loss)
+        for i, way in enumerate(BASE_WAYS):
+            parameter = f"base {way}"
+            assembly.add_compliance(
+                assembly.unit(i), values[parameter], values["base loss"], parameter, "base loss"
+            )
         assembly.log_scale = -values["ln hammer"]
         assembly.delay_s = values["delay"]
         return assembly
@@ -177,8 +218,9 @@ class Ordinary:
             body = lines.known_mass
             link = [joint.link.name for joint in self.arm.joints].index(body.link)
             assembly.add_body(link, body.mass_kg, body.center_m, np.zeros((3, 3)))
-        gains = np.diag(np.exp([values[f"ln gain {a}"] for a in "xyz"]))
-        assembly.mix = np.broadcast_to(gains, (len(lines.sensor_point), 3, 3))
+        assembly.place_m = self._places(values)[lines.sensor_point]
+        gains, turned = self.sensor(values)
+        assembly.mix = np.broadcast_to(gains[:, None] * turned, (len(lines.sensor_point), 3, 3))
         if len(lines.hit_point) == 1:
             aim = np.array([values[f"aim {side} {lines.name}"] for side in "ab"])
             direction = lines.hit_direction[0]
@@ -209,21 +251,46 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         joint = arm.joints[i]
         found.append(_log(f"ln k {joint.name}", joint.stiffness, _LEAST_LN_K_STD))
         found.append(_log(f"ln c {joint.name}", joint.damping, _LEAST_LN_C_STD))
-    found.append(
-        Parameter(name="loss", unit="", mean=_LOSS_MEAN, std=_LOSS_STD, low=0.0, high=_LOSS_LIMIT)
-    )
+    found += [
+        Parameter(
+            name=f"loss {arm.joints[i].name}",
+            unit="",
+            mean=JOINT_LOSS_MEAN,
+            std=JOINT_LOSS_STD,
+            low=0.0,
+            high=JOINT_LOSS_LIMIT,
+        )
+        for i in ordinary.elastic
+    ]
+    for way in BASE_WAYS:
+        rocks = way.startswith("rock")
+        unit = compliance if rocks else compliance * LEVER_M**2
+        found.append(
+            Parameter(
+                name=f"base {way}",
+                unit="rad/(N m)" if rocks else "m/N",
+                mean=FLOOR_MEAN * unit,
+                std=FLOOR_STD * unit,
+                low=0.0,
+                high=FLOOR_LIMIT * unit,
+            )
+        )
+    found.append(_interface_loss("base loss"))
     for joint in arm.joints:
         found += [
             Parameter(
                 name=f"bearing {side} {joint.name}",
                 unit="rad/(N m)",
-                mean=_BEARING_MEAN * compliance,
-                std=_BEARING_STD * compliance,
+                mean=BEARING_MEAN * compliance,
+                std=BEARING_STD * compliance,
                 low=0.0,
                 high=ordinary.bearing_limit,
             )
             for side in "ab"
         ]
+        found.append(_interface_loss(f"bearing loss {joint.name}"))
+        if joint.stiffness is None:
+            found.append(replace(found[-2], name=f"compliance of {joint.name}"))
         link = joint.link.name
         std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
         found += [
@@ -241,8 +308,18 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
     found += [
         Parameter(name=f"ln gain {a}", unit="", mean=0.0, std=tolerances.sensor_gain) for a in "xyz"
     ]
+    # Of the sensor in its mount, at every point alike; each mounting has its own beside.
+    found += [
+        Parameter(name=f"tilt {a}", unit="rad", mean=0.0, std=tolerances.sensor_tilt_rad)
+        for a in "xyz"
+    ]
     found.append(Parameter(name="ln hammer", unit="", mean=0.0, std=tolerances.hammer_gain))
-    found.append(Parameter(name="delay", unit="s", mean=0.0, std=_DELAY_STD_S))
+    found.append(Parameter(name="delay", unit="s", mean=0.0, std=DELAY_STD_S))
+    found += [
+        Parameter(name=name, unit="m", mean=0.0, std=PLACE_STD_M)
+        for point in arm.points
+        for name in ordinary.place_names(point.id)
+    ]
     for name in ordinary.postures:
         found += [
             Parameter(
@@ -263,6 +340,12 @@ def _within_reason(parameter: Parameter) -> Parameter:
         parameter,
         low=max(parameter.low, parameter.mean - reach),
         high=min(parameter.high, parameter.mean + reach),
+    )
+
+
+def _interface_loss(name: str) -> Parameter:
+    return Parameter(
+        name=name, unit="s", mean=INTERFACE_LOSS_MEAN_S, std=INTERFACE_LOSS_STD_S, low=0.0
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from armodal.analyzer.gap.advice import Advice, advise
 from armodal.analyzer.gap.aims import notes_on_aims
+from armodal.analyzer.gap.believable import believable
 from armodal.analyzer.gap.compare import disagreement_map, posture_gap
 from armodal.analyzer.gap.dispersion import dispersion
 from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
@@ -29,8 +30,8 @@ from armodal.analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from armodal.analyzer.gap.rivals import Rivals
 from armodal.analyzer.gap.scan import Candidate, scan_axes
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.verdict import verdict_of
 from armodal.analyzer.gap.without_levels import titles
 from armodal.analyzer.modal.fit import fit_modes
@@ -89,6 +90,9 @@ def conclude(
     spread = max(phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
     verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
+    if verdict is not Verdict.NAMED and effects:
+        found_on_the_way = "; ".join(effect.title for effect in effects)
+        why = [*why, f"found on the way, but no name: {found_on_the_way}"]
     notes += [*why, *notes_on_its_end(final), *notes_on_aims(sharp, final)]
     if effects and len(standing) > 1:
         notes.append(f"something more is there that cannot be told: {titles(standing)}")
@@ -118,10 +122,11 @@ def conclude(
     result = GapResult(
         verdict=verdict,
         summary=_summary(verdict, effects, standing, misfit, left),
-        effects=effects,
+        effects=effects if verdict is Verdict.NAMED else (),
         rivals=_rivals(found, standing, _COMMON * spread),
         hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=_ranges(
+            sharp,
             alive,
             hiding,
             spread,
@@ -221,7 +226,12 @@ def _extremes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]
 
 
 def _ranges(
-    alive: Sequence[Fit], hiding: Sequence[Candidate], phi: float, *, settled: bool
+    stage: Stage,
+    alive: Sequence[Fit],
+    hiding: Sequence[Candidate],
+    phi: float,
+    *,
+    settled: bool,
 ) -> tuple[StiffnessRange, ...]:
     """Union of the 95 % intervals of all models that still stand, and of what could hide.
 
@@ -231,6 +241,7 @@ def _ranges(
     """
     best = alive[0]
     rows = []
+    held: dict[tuple[int, float], float] = {}
     for i in best.hypothesis.ordinary.elastic:
         joint = best.hypothesis.ordinary.arm.joints[i].name
         name = f"ln k {joint}"
@@ -240,8 +251,13 @@ def _ranges(
         moved = [_reach(f, name) for f in alive]
         low = min(f.low - r for f, r in zip(found, moved, strict=True))
         high = max(f.high + r for f, r in zip(found, moved, strict=True))
-        for c in hiding:
-            for size in _extremes(c, best, phi):
+        for number, c in enumerate(hiding):
+            for linear in _extremes(c, best, phi):
+                size = linear
+                if abs(c.follow.get(name, 0.0) * linear) > half:
+                    if (number, linear) not in held:
+                        held[number, linear] = believable(stage, best, c, linear, phi)
+                    size = held[number, linear]
                 # Beyond a factor of two the linear look says nothing but "very wide".
                 shift = float(np.clip(c.follow.get(name, 0.0) * size, -_WIDEST, _WIDEST))
                 # Both are rarely at their limits at once: variances add.

@@ -139,6 +139,8 @@ class Postures:
         for p, name, own in posed.by_aims():
             if name in space.index:
                 dy[space.index[name], p] += own * std[space.index[name]]
+        for p, rows, name, own in posed.by_places():
+            dy[space.index[name], p, rows] += own * std[space.index[name]]
         return y, dy
 
     def interface_columns(

@@ -271,7 +271,9 @@ class Response:
         """
         turn = real_times(self.system.turned, self.x)  # (P, m, 3, L)
         turn = turn * (self.factor * self.s_rad_s**2)[:, None, None]
-        return np.stack([-real_times(self.system.mix @ skew(axis), turn) for axis in np.eye(3)])
+        mix = self.system.mix
+        turns = (mix @ skew(axis).astype(mix.dtype) for axis in np.eye(3))
+        return np.stack([-real_times(rows, turn) for rows in turns])
 
 
 def as_single(values: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -29,7 +29,7 @@ from armodal.analyzer.gap.space import Parameter, Space
 from armodal.analyzer.gap.weigh import summed
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["Candidate", "beside", "scan_axes", "scan_instances"]
+__all__ = ["Candidate", "scan_axes", "scan_instances"]
 
 Array = npt.NDArray[np.float64]
 
@@ -93,34 +93,6 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     return sorted(found, key=lambda c: -c.gain)
 
 
-def beside(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Fit]:
-    """Unfitted hypotheses with one instance more, where that changes nothing yet.
-
-    All from one evaluation; without those that have a size from the start.
-    """
-    plain = [i for i in instances if i.parameters and not i.relaxes and _begins_small(i)]
-    wide, gradient, curvature = _wide(stage, fit, plain)
-    found = []
-    for instance in plain:
-        richer = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, instance))
-        space = richer.space()
-        u = space.start(fit.values)
-        at = np.array([wide.index[name] for name in space.index])
-        found.append(
-            replace(
-                fit,
-                hypothesis=richer,
-                space=space,
-                u=u,
-                cost=fit.cost + 0.5 * float(u @ u - fit.u @ fit.u),
-                slope=gradient[at] + u,
-                curvature=curvature[np.ix_(at, at)],
-                free=np.ones(len(u), dtype=bool),
-            )
-        )
-    return found
-
-
 def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space, Array, Array]:
     """Space, gradient and curvature of a fit's hypothesis with all of the instances at no size."""
     new = [_small(i) for i in instances if i.parameters and not i.relaxes]
@@ -153,11 +125,6 @@ def _small(instance: Instance) -> Instance:
         for p in instance.parameters
     )
     return replace(instance, parameters=parameters)
-
-
-def _begins_small(instance: Instance) -> bool:
-    here = [p.first for p in instance.parameters]
-    return here == [p.first for p in _small(instance).parameters]
 
 
 def _gain(

@@ -93,6 +93,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
     motion = _point_motion(assemblies, T, range(n))
     J = _at(motion, where)
     R = _turned_back(assemblies, where)
+    turned = R @ J[..., 3:, :]
     unmixed = np.broadcast_to(np.eye(3), (where.shape[1], 3, 3))
     return System(
         **matrices,
@@ -102,9 +103,9 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         base_motion=base,
         pieces=pieces,
         moved=J[..., :3, :],
-        seen=R @ J[..., :3, :],
+        seen=R @ J[..., :3, :] - skew(_places(assemblies, where.shape[1])) @ turned,
         tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
-        turned=R @ J[..., 3:, :],
+        turned=turned,
         mix=np.array([unmixed if own.mix is None else own.mix for own in assemblies]),
         hit=_at(motion, hits)[..., :3, :],
         force=np.array(
@@ -200,7 +201,7 @@ def motion_slopes(
         stiffness_row=dT.swapaxes(1, 2) @ gravity @ T,
         stiffness_column=(T.swapaxes(1, 2) @ (gravity @ dT)).swapaxes(1, 2),
         moved=J[..., :3, :],
-        seen=R @ J[..., :3, :],
+        seen=R @ J[..., :3, :] - skew(_places(assemblies, where.shape[1])) @ (R @ J[..., 3:, :]),
         tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
         hit=_at(motion, hits)[..., :3, :],
     )
@@ -264,6 +265,12 @@ def _turned_back(assemblies: Sequence[Assembly], where: Indices) -> Array:
     """(P, m, 3, 3) from the base frame to the sensors' axes."""
     R = np.array([own.geometry.point_rotation for own in assemblies])
     return _at(R, where).swapaxes(-1, -2)
+
+
+def _places(assemblies: Sequence[Assembly], m: int) -> Array:
+    """(P, m, 3) by which each sensor stands off its point, along its axes."""
+    none = np.zeros((m, 3))
+    return np.array([none if own.place_m is None else own.place_m for own in assemblies])
 
 
 def _weights(assemblies: Sequence[Assembly]) -> Array:

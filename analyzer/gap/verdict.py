@@ -19,7 +19,7 @@ from armodal.analyzer.gap.judge import (
     outside_misfit,
 )
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 
 __all__ = ["verdict_of"]
 
@@ -41,8 +41,9 @@ def verdict_of(
         Whether anything was.
     """
     standing = judged.standing
-    explaining = () if judged.doubted else standing
-    left = min(misfit_per_line(stage, fit) for fit in (final, *explaining))
+    # A name is judged by what its own model leaves; of several that stand one must explain.
+    explaining = standing if standing and not named and not judged.doubted else (final,)
+    left = min(misfit_per_line(stage, fit) for fit in explaining)
     why: list[str] = []
     both = _one_mechanism(final, found, judged)
     if both is not None:

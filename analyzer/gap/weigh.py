@@ -68,8 +68,17 @@ class Weighing:
     """Weights of one posture's lines."""
 
     def __init__(
-        self, lines: PostureLines, tolerances: Tolerances, discrepancy: Discrepancy
+        self,
+        lines: PostureLines,
+        tolerances: Tolerances,
+        discrepancy: Discrepancy,
+        *,
+        places: ComplexArray | None = None,
     ) -> None:
+        """Weigh lines.
+
+        `places` (m, 3, k, L): what k further errors of a mounting change, each by its deviation.
+        """
         self.lines = lines
         # A complex residual of variance v has two real parts of v / 2 each.
         self.scale = np.sqrt(2.0 / (lines.variance + discrepancy.variance(lines)))
@@ -77,7 +86,11 @@ class Weighing:
         gain = max(0.4 * tolerances.sensor_gain, 1e-3)
         # Rows: recorded channel; columns: true axis.
         self._prior = np.where(np.eye(3, dtype=bool), gain, tilt)
-        self.prior = np.broadcast_to(self._prior, (len(lines.sensor_point), 3, 3))
+        m = len(lines.sensor_point)
+        self.prior = np.broadcast_to(self._prior, (m, 3, 3))
+        if places is None:
+            places = np.zeros((m, 3, 0, lines.s_rad_s.size), dtype=np.complex128)
+        self.places = _stacked(places * self.scale[:, :, None])  # (m, 3, k, 2L)
 
     @property
     def n(self) -> int:
@@ -149,7 +162,7 @@ class Weighing:
         return _stacked((self.lines.values - y) * self.scale)
 
     def _nuisance(self, y: ComplexArray) -> Array:
-        return _nuisance(self.scale, self.prior, y)
+        return _nuisance(self.scale, self.prior, self.places, y)
 
 
 def summed(
@@ -183,15 +196,16 @@ def summed(
     pull = np.zeros(J.shape[1:])
     costs = np.zeros(len(at))
     turns = _turns(at)
-    errors = np.zeros((P, m, 3, len(turns), 3, 2 * L), J.dtype)
-    slopes = np.zeros((P, m, 3, len(turns), 3))
+    k = 3 + weighings[0].places.shape[2]
+    errors = np.zeros((P, m, 3, len(turns), k, 2 * L), J.dtype)
+    slopes = np.zeros((P, m, 3, len(turns), k))
     for number, turn in enumerate(turns):
         rows = [at[k] for k in turn]
         own = [weighings[k] for k in turn]
         scale, r, N, Nr, costs[turn] = _measured(own, y[rows])
         part = np.repeat(scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
-        errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, 3, 2 * L)
-        slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, 3)
+        errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, k, 2 * L)
+        slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, k)
         pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
     channels = J.reshape(n, -1, 2 * L).swapaxes(0, 1)
     by_errors = np.matmul(channels, errors.reshape(P * m * 3, -1, 2 * L).swapaxes(-1, -2))
@@ -219,17 +233,19 @@ def _measured(
     -------
     scale : (P m, 3, L)
     r : (P m, 3, 2L) residual
-    N : (P m, 3, 3, 2L) (N'N + I)^-1/2 N': what errors take off is then a sum of squares
-    Nr : (P m, 3, 3) their product with the residual
+    N : (P m, 3, k, 2L) (N'N + I)^-1/2 N': what errors take off is then a sum of squares
+    Nr : (P m, 3, k) their product with the residual
     costs : (P,) chi^2 / 2
     """
     there = y.reshape(-1, *y.shape[2:])
-    values, scale, prior = (
+    values, scale, prior, places = (
         np.concatenate(of)
-        for of in zip(*((w.lines.values, w.scale, w.prior) for w in weighings), strict=True)
+        for of in zip(
+            *((w.lines.values, w.scale, w.prior, w.places) for w in weighings), strict=True
+        )
     )
     r = _stacked((values - there) * scale)
-    N = _nuisance(scale, prior, there).swapaxes(-1, -2)
+    N = _nuisance(scale, prior, places, there).swapaxes(-1, -2)
     N = np.matmul(_root_of_inverse(N), N)
     Nr = np.matmul(N, r[..., None])[..., 0]
     by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1)
@@ -248,10 +264,10 @@ def _turns(at: Sequence[int]) -> list[list[int]]:
     return turns
 
 
-def _nuisance(scale: Array, prior: Array, y: ComplexArray) -> Array:
-    """(m, 3, 2L, 3) columns of the mounting's errors."""
-    N = scale[:, :, None] * y[:, None] * prior[..., None]  # (m, 3, 3, L)
-    return _stacked(N).swapaxes(-1, -2)
+def _nuisance(scale: Array, prior: Array, places: Array, y: ComplexArray) -> Array:
+    """(m, 3, 2L, 3 + k) columns of the mounting's errors."""
+    N = _stacked(scale[:, :, None] * y[:, None] * prior[..., None])  # (m, 3, 3, 2L)
+    return np.concatenate([N, places.astype(N.dtype, copy=False)], axis=2).swapaxes(-1, -2)
 
 
 def _stacked(z: ComplexArray) -> Array:
@@ -260,11 +276,11 @@ def _stacked(z: ComplexArray) -> Array:
 
 
 def _root_of_inverse(N: Array) -> Array:
-    """(m, 3, 3, 3) matrices R with R'R = (N N' + I)^-1, of rows N (m, 3, 3, 2L)."""
-    gram = np.matmul(N, N.swapaxes(-1, -2)) + np.eye(3)  # never near singular
+    """(m, 3, k, k) matrices R with R'R = (N N' + I)^-1, of rows N (m, 3, k, 2L)."""
+    gram = np.matmul(N, N.swapaxes(-1, -2)) + np.eye(N.shape[-2])  # never near singular
     return np.asarray(np.linalg.inv(np.linalg.cholesky(gram)))
 
 
 def _solved(N: Array, right: Array) -> Array:
-    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(3)  # never near singular
+    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(N.shape[-1])  # never near singular
     return np.asarray(np.matmul(np.linalg.inv(gram), right))

@@ -10,7 +10,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
 from armodal.analyzer.gap.enough import check_enough, check_tests, notes_on
-from armodal.analyzer.gap.fit import Fit, Stage
+from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.held_out import held_out_postures
 from armodal.analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
 from armodal.analyzer.gap.hypothesis import Hypothesis
@@ -31,7 +31,7 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.outcome import GapOutcome, conclude
 from armodal.analyzer.gap.posed import PosedModel
 from armodal.analyzer.gap.records import Gate
-from armodal.analyzer.gap.rivals import Rivals, find_rivals
+from armodal.analyzer.gap.search import Rivals, find_rivals
 from armodal.analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
 from armodal.analyzer.gap.weigh import Discrepancy
 from armodal.analyzer.gap.without_levels import first_with_levels
@@ -42,6 +42,7 @@ from armodal.protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
 
+_NEAR_STEPS = 3
 _MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
 
 Tell = Callable[[str], None]
@@ -93,6 +94,7 @@ def find_gap(
     from_file, start = instances_of_file(ordinary)
     levels = partial(_by_level, session, more, superset, frfs, of_first[-1].models, notes, tell)
     stages, present = levels(stages, Hypothesis(ordinary=ordinary, instances=from_file), start)
+    stages = _with_places(stages, present, start)
     between = partial(at_three_levels, superset, (session, *more))
     ended = _search(session, stages, (present, start), levels, between, limits, notes, tell)
     final = ended.found.present
@@ -174,7 +176,7 @@ def _search(
             # What had been missing hid it: from the start again, without what was said meanwhile.
             notes[n_notes:] = notes[-1:]
             rounds = 0
-            stages, (present, start) = apart, believed
+            stages, (present, start) = _with_places(apart, levelled, start), believed
             present = replace(present, ordinary=levelled.ordinary)
             test = held_out_postures(session, stages[-1].lines)
             named, before, fitted = [], None, None
@@ -191,6 +193,19 @@ def _search(
         named=tuple(named),
         test=test,
     )
+
+
+def _with_places(
+    stages: Sequence[Stage], present: Hypothesis, start: Mapping[str, float]
+) -> tuple[Stage, ...]:
+    """Stages that allow for errors of single mountings, as the hypothesis foretells them."""
+    found: list[Stage] = []
+    values = dict(start)
+    for stage in stages:
+        near = fit_hypothesis(stage, present, start=values, max_iterations=_NEAR_STEPS)
+        values = near.values
+        found.append(stage.with_places(present, values))
+    return tuple(found)
 
 
 def _ordinary(

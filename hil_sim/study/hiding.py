@@ -102,11 +102,11 @@ class _Effect:
 
 def _with(tables: Tables, made: Hidden) -> Tables:
     """The arm with what is hidden in the place of an error of the same kind there."""
-    bearings = [table["joint"] for table in made.tables if table["kind"] == "bearing"]
+    taken = {(table["kind"], table.get("joint", "")) for table in made.tables}
     kept = [
         table
         for table in tables["effects"]
-        if not (table["kind"] == "bearing" and table["joint"] in bearings)
+        if (table["kind"], table.get("joint", "")) not in taken
         and not (table["kind"] == "hysteretic" and made.name == "hysteretic")
     ]
     return tables | {"effects": [*kept, *made.tables]}

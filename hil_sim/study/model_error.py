@@ -21,10 +21,14 @@ __all__ = ["Tables", "erring_plant_tables", "plant_of_tables"]
 Array = npt.NDArray[np.float64]
 Tables = dict[str, Any]
 
-WEAK_BEARING = 0.0064  # across each joint's axis, as part of the arm's own joint compliance
-LARGEST_WEAK_BEARING = 2e-7  # rad / N m
-BEARING_LOSS_S = 2e-5  # damping / stiffness: a loss of 1.3 % at 100 Hz
-HYSTERETIC_LOSS = 0.015
+# Ranges are drawn by their logarithm. Compliances are parts of the arm's own joint compliance.
+WEAK_BEARING = (0.001, 0.02)  # across each joint's axis
+NOT_RIGID = (0.0005, 0.01)  # about the axis of a joint believed rigid
+SOFT_FLOOR = (0.0003, 0.004)  # rocking of the base
+FLOOR_SHIFT_M2 = (0.002, 0.05)  # m / N of shifting per rad / N m of rocking
+BASE_MASS = (0.05, 0.6)  # of the arm's
+INTERFACE_LOSS_S = (5e-6, 1.5e-4)  # damping / stiffness: a loss of 0.3 to 9 % at 100 Hz
+HYSTERETIC_LOSS = (0.003, 0.03)  # of each joint
 OVERSAMPLING = 8  # a force linear between grid points is 0.02 % short at 100 Hz
 STIFFNESS_STD, DAMPING_STD = 0.15, 0.25  # of the true springs' logarithm, against the arm file
 
@@ -34,8 +38,8 @@ def erring_plant_tables(study: StudyArm, seed: int) -> Tables:
 
     Springs 15 % and dampers 25 % off the arm file, masses 5 %, centres 3 mm, inertias 5 %, sensors
     tilted by 1.5 degrees in all and 1 % in gain, hits off aim by 1 degree and 2 mm, encoders 0.15
-    degrees, 10 us of skew, weak transverse bearings, a part of the damping hysteretic. Each error
-    has a stream of its own, named by what errs.
+    degrees, 10 us of skew; bearings, joints believed rigid and the floor give way a little, and a
+    part of the damping is hysteretic, each as much as its own stream says, named by what errs.
     """
     arm, streams = study.arm, partial(stream, seed, "model error")
     k, c = _true_springs(arm, streams)
@@ -109,27 +113,66 @@ def _wrong_link(link: Tables, streams: Streams) -> Tables:
 
 def _background(study: StudyArm, streams: Streams) -> list[Tables]:
     """Weak modes, hysteretic damping, encoders and skew: effects too small to be named."""
-    effects: list[Tables] = []
-    weak = min(WEAK_BEARING * study.joint_compliance, LARGEST_WEAK_BEARING)
+    compliance = study.joint_compliance
+    effects: list[Tables] = [_floor(study, streams)]
     for joint in study.arm.joints:
-        k = 1.0 / (weak * np.exp(0.3 * _bounded(streams("bearing", joint.name), 2)))
+        name = joint.name
+        weak = compliance * _between(WEAK_BEARING, streams("bearing", name))
+        k = 1.0 / (weak * np.exp(0.3 * _bounded(streams("bearing sides", name), 2)))
+        loss_s = _between(INTERFACE_LOSS_S, streams("bearing loss", name))
         effects.append(
             {
                 "kind": "bearing",
-                "joint": joint.name,
+                "joint": name,
                 "stiffness_n_m_per_rad": tuple(k.tolist()),
-                "damping_n_m_s_per_rad": tuple((BEARING_LOSS_S * k).tolist()),
+                "damping_n_m_s_per_rad": tuple((loss_s * k).tolist()),
             }
         )
-        offset = 0.15 * _one(streams("encoder offset", joint.name))
-        effects.append({"kind": "encoder_offset", "joint": joint.name, "offset_deg": offset})
-    elastic = tuple(joint.name for joint in study.arm.joints if joint.stiffness is not None)
-    loss = HYSTERETIC_LOSS * math.exp(0.3 * _one(streams("hysteretic")))
-    effects.append({"kind": "hysteretic", "joints": elastic, "loss_factor": loss})
+        offset = 0.15 * _one(streams("encoder offset", name))
+        effects.append({"kind": "encoder_offset", "joint": name, "offset_deg": offset})
+        if joint.stiffness is None:
+            k_axis = 1.0 / (compliance * _between(NOT_RIGID, streams("not rigid", name)))
+            effects.append(
+                {
+                    "kind": "released_joint",
+                    "joint": name,
+                    "stiffness_n_m_per_rad": k_axis,
+                    "damping_n_m_s_per_rad": loss_s * k_axis,
+                }
+            )
+        else:
+            loss = _between(HYSTERETIC_LOSS, streams("hysteretic", name))
+            effects.append({"kind": "hysteretic", "joints": (name,), "loss_factor": loss})
     skew_s = 10e-6 * _one(streams("skew"))
     late = ("hammer",) if skew_s > 0.0 else ("acc_x", "acc_y", "acc_z")
     effects.append({"kind": "delay", "channels": late, "delay_s": abs(skew_s) + 1e-9})
     return effects
+
+
+def _floor(study: StudyArm, streams: Streams) -> Tables:
+    """The base on a floor that gives way a little."""
+    rock = study.joint_compliance * _between(SOFT_FLOOR, streams("floor"))
+    shift = rock * _between(FLOOR_SHIFT_M2, streams("floor shift"))
+    mass = sum(j.link.mass_kg for j in study.arm.joints) * _between(BASE_MASS, streams("base mass"))
+    loss_s = _between(INTERFACE_LOSS_S, streams("floor loss"))
+    ways = {f"shift_{axis}": 1.0 / shift for axis in "xyz"}
+    ways |= {f"rock_{axis}": 1.0 / rock for axis in "xyz"}
+    return {
+        "kind": "base",
+        "pivot_m": (0.0, 0.0, 0.0),
+        "mass_kg": mass,
+        "center_m": (0.0, 0.0, 0.06),
+        "inertia_kg_m2": (0.01 * mass, 0.0, 0.0, 0.01 * mass, 0.0, 0.015 * mass),
+        "springs": tuple(
+            {"way": way, "stiffness": k, "damping": loss_s * k} for way, k in ways.items()
+        ),
+    }
+
+
+def _between(ends: tuple[float, float], rng: np.random.Generator) -> float:
+    """Drawn evenly by its logarithm."""
+    low, high = np.log(ends)
+    return float(np.exp(rng.uniform(low, high)))
 
 
 def _bounded(rng: np.random.Generator, shape: int | tuple[int, ...], bound: float = 2.5) -> Array:

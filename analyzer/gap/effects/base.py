@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.assembly import BASE, Assembly, spatial_inertia
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.geometry import skew
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.ordinary import BASE_WAYS, Ordinary
+from armodal.analyzer.gap.priors import LEVER_M
 from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
@@ -27,57 +28,47 @@ WORDS = EffectWords(
     told_by="a sensor on the base plate and one on the floor beside it",
     remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
 )
-_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
-_MATERIAL = 0.01  # of rocking, of the arm's compliance
 _START = 0.05  # likewise of rocking: from nothing a fit finds its way slowly
-_SHIFT_MATERIAL = 2e-5  # m/N of shifting, likewise
 _FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
 _RADII_2_M2 = np.diag([0.015, 0.015, 0.02])  # of gyration
 _UP = skew(np.array([0.0, 0.0, 1.0]))
-_METRE = 0.3  # of lever between a shift's compliance and a rocking's
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
-    names = [f"base {way}" for way in _WAYS]
-    loss = "base loss"
+    names = [f"base {way}" for way in BASE_WAYS]
     mass, height, pivot = "base mass", "base height", "base pivot"
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         by_pivot = []
-        for i, name in enumerate(names):
-            column, way = np.zeros((2, ordinary.superset.n))
-            column[i] = 1.0
-            if i >= 3:  # rocking about a line through the pivot
-                way[:3] = _UP[:, i - 3]
-                column += values[pivot] * way
-            at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+        for i, name in enumerate(names[3:5]):  # rocking about a line through the pivot
+            at, way = assembly.names[name], np.zeros(ordinary.superset.n)
+            way[:3] = _UP[:, i]
+            assembly.columns[at] = assembly.columns[at] + values[pivot] * way
             by_pivot.append((at, way))
-        assembly.motion_of[pivot] = by_pivot[3:5]
+        assembly.motion_of[pivot] = by_pivot
         here, by_mass, by_height = _inertia(values[mass], values[height])
         assembly.base_inertia = assembly.base_inertia + here
         assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
 
     rock = compliance_parameter("", ordinary)
-    parameters = [
-        Parameter(
+    relaxes = {
+        name: Parameter(
             name=name,
             unit="rad/(N m)" if i >= 3 else "m/N",
             mean=0.0,
             low=0.0,
-            std=rock.std * (1.0 if i >= 3 else _METRE**2),
+            std=rock.std * (1.0 if i >= 3 else LEVER_M**2),
             start=_START * ordinary.compliance if name in names[3:5] else None,
         )
         for i, name in enumerate(names)
-    ]
+    }
     total = sum(joint.link.mass_kg for joint in ordinary.arm.joints)
     return (
         Instance(
             effect=WORDS,
             place="base",
             parameters=(
-                *parameters,
-                loss_parameter(loss),
                 Parameter(
                     name=mass,
                     unit="kg",
@@ -93,11 +84,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     name=pivot, unit="m", mean=0.0, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M
                 ),
             ),
+            relaxes=relaxes,
             builder=build,
             size=names[3],
             sizes=tuple(names[3:6]),
-            side_sizes=tuple((name, _SHIFT_MATERIAL * ordinary.compliance) for name in names[:3]),
-            material=_MATERIAL * ordinary.compliance,
+            side_sizes=tuple((name, ordinary.floor_limit * LEVER_M**2) for name in names[:3]),
+            material=ordinary.floor_limit,
         ),
     )
 

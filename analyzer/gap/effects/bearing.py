@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+import numpy as np
+
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.ordinary import Ordinary, across
 from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
@@ -25,21 +29,46 @@ WORDS = EffectWords(
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each joint: the null's small compliance without its limit."""
     found = []
-    for joint in ordinary.arm.joints:
+    for link, joint in enumerate(ordinary.arm.joints):
         names = [f"bearing {side} {joint.name}" for side in "ab"]
         wide = compliance_parameter("", ordinary)
         relaxed: dict[str, Parameter] = {
             name: replace(wide, name=name, start=ordinary.bearing_limit) for name in names
         }
+
+        def alternatives(
+            values: Mapping[str, float], link: int = link, names: Sequence[str] = tuple(names)
+        ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+            return _axes(ordinary, link, names, values)
+
         found.append(
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                parameters=(loss_parameter(f"bearing loss {joint.name}"),),
                 relaxes=relaxed,
+                alternatives=alternatives,
                 size=names[0],
                 sizes=tuple(names),
                 material=ordinary.bearing_limit,
+                is_term=True,
             )
         )
     return tuple(found)
+
+
+def _axes(
+    ordinary: Ordinary, link: int, names: Sequence[str], values: Mapping[str, float]
+) -> list[tuple[Instance, Mapping[str, float]]]:
+    """A bearing that gives way one way rather than two may stand for an axis in the link beyond."""
+    size = np.array([values[name] for name in names])
+    if not size.any():
+        return []
+    turn = across(np.asarray(ordinary.arm.joints[link].axis))
+    rest = {k: v for k, v in values.items() if k not in names}
+    found: list[tuple[Instance, Mapping[str, float]]] = []
+    for signs in ((1.0, 1.0), (1.0, -1.0)):
+        direction = turn @ (np.sqrt(size) * signs)
+        direction = direction / np.linalg.norm(direction)
+        axis = link_axis.at_axis(ordinary, link, direction, np.zeros(3))
+        found.append((axis, {**rest, axis.size: float(np.sum(size))}))
+    return found

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.priors import INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S
 from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["compliance_parameter", "loss_parameter"]
-
-_LOSS_MEAN_S, _LOSS_STD_S = 4e-5, 8e-5  # damping over stiffness: 1.3 % at 100 Hz, loosely
 
 
 def compliance_parameter(
@@ -25,4 +24,6 @@ def compliance_parameter(
 
 def loss_parameter(name: str) -> Parameter:
     """Damping over stiffness of a compliance, s."""
-    return Parameter(name=name, unit="s", mean=_LOSS_MEAN_S, std=_LOSS_STD_S, low=0.0)
+    return Parameter(
+        name=name, unit="s", mean=INTERFACE_LOSS_MEAN_S, std=INTERFACE_LOSS_STD_S, low=0.0
+    )

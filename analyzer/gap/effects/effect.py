@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,7 +11,7 @@ from armodal.analyzer.gap.space import Parameter, Space
 if TYPE_CHECKING:
     from armodal.analyzer.gap.assembly import Assembly
 
-__all__ = ["Describer", "EffectWords", "Instance"]
+__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "Starts"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +50,24 @@ class Describer(Protocol):
         ...
 
 
+class Starts(Protocol):
+    """Where else a fit with an instance begins, from the values of a model without it."""
+
+    def __call__(self, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+        """Return values by name, all of them."""
+        ...
+
+
+class Alternatives(Protocol):
+    """What a fit with an instance may stand for: other instances, and where those begin."""
+
+    def __call__(
+        self, values: Mapping[str, float]
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        """Return instances with values by name, all of them."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instance:
     """An effect at a place: at one joint, in one link, in one channel."""
@@ -60,6 +78,8 @@ class Instance:
     relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
     builder: Builder | None = None
     describe: Describer | None = None
+    starts: Starts | None = None
+    alternatives: Alternatives | None = None
     size: str = ""  # the parameter that says how large
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
@@ -70,6 +90,7 @@ class Instance:
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     last: bool = False  # built after the others: reads every coordinate they bring
+    is_term: bool = False  # of the equations, though it only widens priors
     by_level: bool = False  # soft and hard hits of a posture are answered otherwise
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
@@ -82,6 +103,11 @@ class Instance:
     def key(self) -> tuple[str, str]:
         """Return name and place."""
         return self.effect.name, self.place
+
+    @property
+    def adds_term(self) -> bool:
+        """Return whether it changes the equations, rather than what was measured."""
+        return bool(self.parameters) or self.is_term
 
     def relaxed(self, space: Space) -> tuple[Parameter, ...]:
         """Return the priors it widens, of those the space has."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.priors import JOINT_LOSS_LIMIT
 from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
@@ -19,25 +20,27 @@ WORDS = EffectWords(
     told_by="a posture that moves a mode far in frequency",
     remedy="use a loss factor for grease and seals instead of a dashpot",
 )
-_MATERIAL = 0.02
+_MATERIAL = 0.0
 _ANY_LN_C = 2.0
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One common loss factor of all joints: the null's small one without its limit.
+    """Loss factors of all joints: the null's small ones without their limit.
 
-    It takes the place of the dashpots, so they may go.
+    They take the place of the dashpots, so those may go.
     """
     believed = {p.name: p for p in ordinary.parameters() if p.name.startswith("ln c ")}
     gone = {name: replace(p, std=_ANY_LN_C) for name, p in believed.items()}
-    wide = Parameter(name="loss", unit="", mean=0.0, std=0.15, low=0.0, high=0.6, start=0.04)
+    names = [f"loss {ordinary.arm.joints[i].name}" for i in ordinary.elastic]
+    wide = Parameter(name="", unit="", mean=0.0, std=0.15, low=0.0, high=0.6, start=0.04)
     return (
         Instance(
             effect=WORDS,
             place="",
-            relaxes={"loss": wide, **gone},
-            size="loss",
+            relaxes={**{name: replace(wide, name=name) for name in names}, **gone},
+            size=names[0],
+            sizes=tuple(names),
             material=_MATERIAL,
-            size_offset=0.02,
+            size_offset=JOINT_LOSS_LIMIT,
         ),
     )

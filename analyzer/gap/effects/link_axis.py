@@ -11,7 +11,9 @@ import numpy.typing as npt
 from armodal.analyzer.gap.assembly import Assembly
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
+from armodal.analyzer.gap.effects.long_link import long_links
 from armodal.analyzer.gap.geometry import skew
+from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.ordinary import Ordinary, across
 from armodal.analyzer.gap.space import Parameter
 
@@ -35,6 +37,7 @@ _MATERIAL = 0.012  # of the arm's compliance
 # stood at 9 of its deviations, the faintest true one at 27.
 _LEAST_CERTAIN = 15.0
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
+_ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
 _BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.25, 0.2, 0.8  # of the link's mass
 
 
@@ -87,8 +90,24 @@ def at_axis(
         found = {"link": name, "direction": u.tolist(), "point_m": p.tolist()}
         return {**found, "points_before": " ".join(before)} if before else found
 
+    def alternatives(
+        values: Mapping[str, float],
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
+        rest = {k: v for k, v in values.items() if k not in own}
+        found = _at_both_ends(ordinary, link, u, values[gamma], rest)
+        found += _all_along(ordinary, link, u, values[gamma], rest)
+        if not before:
+            turned = {k: v for k, v in values.items() if k not in moves}
+            found += [
+                (at_axis(ordinary, link, u, p, before=points), turned)
+                for points in splits(ordinary, link)
+            ]
+        return found
+
     freedoms = [("", _TILT_STD)] * 2 + [("m", _SHIFT_STD_M)] * 2
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
+    own = {gamma, loss, part, *moves}
     return Instance(
         effect=WORDS,
         place=name,
@@ -103,12 +122,57 @@ def at_axis(
         ),
         builder=build,
         describe=describe,
+        alternatives=alternatives,
         size=gamma,
         shapes=(*moves, part) if before else tuple(moves),
         material=_MATERIAL * ordinary.compliance,
         least_certain=_LEAST_CERTAIN,
         pieces=f"axis {name}" if before else "",
     )
+
+
+Begun = list[tuple[Instance, Mapping[str, float]]]
+
+
+def at_ends(
+    ordinary: Ordinary, link: int, direction: Array, size: float
+) -> dict[str, tuple[float, float]]:
+    """What the bearings at both ends of a link would have of an axis in it, by joint."""
+    joints = ordinary.arm.joints
+    found = {}
+    for at, joint in enumerate(joints[link : link + 2]):
+        own = direction if at == 0 else joint.T_parent_joint[:3, :3].T @ direction
+        first, second = size * (own @ across(np.asarray(joint.axis))) ** 2
+        found[joint.name] = float(first), float(second)
+    return found
+
+
+def _at_both_ends(
+    ordinary: Ordinary, link: int, direction: Array, size: float, rest: Mapping[str, float]
+) -> Begun:
+    """An axis may stand for the bearing of the joint before it, or of that beyond."""
+    found: Begun = []
+    ends = at_ends(ordinary, link, direction, size)
+    for instance in all_instances(ordinary):
+        if instance.effect.name == "bearing" and instance.place in ends:
+            more = zip(instance.sizes, ends[instance.place], strict=True)
+            found.append((instance, {**rest, **{n: rest[n] + v for n, v in more}}))
+    return found
+
+
+def _all_along(
+    ordinary: Ordinary, link: int, direction: Array, size: float, rest: Mapping[str, float]
+) -> Begun:
+    """An axis in a long link may stand for one that twists or bends all along."""
+    line = next((own for own in long_links(ordinary) if own.link == link), None)
+    if line is None:
+        return []
+    kind = "link_torsion" if abs(direction @ line.along) > _ALONG else "link_bending"
+    return [
+        (instance, {**rest, instance.size: size / line.length_m})
+        for instance in all_instances(ordinary)
+        if instance.key == (kind, line.name)
+    ]
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:

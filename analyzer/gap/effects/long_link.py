@@ -21,6 +21,7 @@ Array = npt.NDArray[np.float64]
 
 _LEAST_M = 0.2  # shorter links are stiff
 _SLICES = 3  # three hinges at 1/6, 1/2, 5/6 give a tip wrench's deflection to 3 %
+_START = 0.03  # of the size's deviation: from nothing a first step goes astray
 _SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
 
 
@@ -113,15 +114,21 @@ def given_way(
             )
             assembly.between[at] = (line.link, before, still)
 
+    size = compliance_parameter(gamma, ordinary, length_m=line.length_m)
+
+    def starts(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+        return [{**values, gamma: _START * size.std}]
+
     return Instance(
         effect=words,
         place=line.name,
         parameters=(
-            compliance_parameter(gamma, ordinary, length_m=line.length_m),
+            size,
             loss_parameter(loss),
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
         ),
         builder=build,
+        starts=starts,
         size=gamma,
         shapes=(spread,),
         pieces=f"hinges {line.name}",

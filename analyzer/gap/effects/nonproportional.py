@@ -9,7 +9,7 @@ so one number of damping couples all joints between its ends, by levers that cha
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -100,6 +100,29 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
             "point_m": [values[n] for n in ends],
         }
 
+    def alternatives(
+        values: Mapping[str, float],
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        """As strong a damper between other links, at the same end where both share one."""
+        rest = {k: v for k, v in values.items() if k not in {name, *starts, *ends}}
+        found: list[tuple[Instance, Mapping[str, float]]] = []
+        for other in instances(ordinary):
+            if other.place == f"{from_link} and {to_link}":
+                continue
+            begin = {**rest, other.size: values[name]}
+            theirs = other.place.split(" and ")
+            half = len(other.shapes) // 2
+            if theirs[0] == from_link:
+                begin |= {
+                    new: values[old] for new, old in zip(other.shapes[:half], starts, strict=True)
+                }
+            if theirs[1] == to_link:
+                begin |= {
+                    new: values[old] for new, old in zip(other.shapes[half:], ends, strict=True)
+                }
+            found.append((other, begin))
+        return found
+
     def place(names: list[str], link: int) -> list[Parameter]:
         std_m = _FLOOR_STD_M if link == FLOOR else _STD_M
         middle = middle_of(ordinary, link).tolist()
@@ -118,6 +141,7 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
         ),
         builder=build,
         describe=describe,
+        alternatives=alternatives,
         size=name,
         shapes=(*starts, *ends),
         material=_MATERIAL * std,

@@ -34,7 +34,8 @@ _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of n
 _STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
 _STEP = 1e-6  # kg and kg m, for slopes
-_RADIUS_M = 0.04  # of gyration, roughly; what it is else is within the link's own tolerance
+# Of gyration: from a compact tool flange to a spread gripper with hoses.
+_RADIUS_M, _RADIUS_STD_M, _LARGEST_M = 0.06, 0.05, 0.3
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -58,16 +59,17 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
     total = sum(j.link.mass_kg for j in ordinary.arm.joints)
     mass = f"payload {name}"
     moments = [f"payload moment {axis} {name}" for axis in "xyz"]
-    names = (mass, *moments)
+    radius = f"payload radius of gyration {name}"
+    names = (mass, *moments, radius)
 
     def lever(first: Array, mass_kg: float) -> Array:
         return np.clip(first / max(mass_kg, _LEAST_KG), -_FURTHEST_M, _FURTHEST_M)
 
     def inertia(by: Array) -> Array:
-        """(6, 6) by mass and first moments (4,): linear in them but for the smallest part."""
-        mass_kg, first = float(by[0]), by[1:]
+        """(6, 6) by mass, first moments and radius (5,): hardly bent by any."""
+        mass_kg, first, own_radius = float(by[0]), by[1:4], float(by[4])
         d, moved = lever(first, mass_kg), skew(first)
-        found = spatial_inertia(mass_kg, center, mass_kg * _RADIUS_M**2 * np.eye(3))
+        found = spatial_inertia(mass_kg, center, mass_kg * own_radius**2 * np.eye(3))
         found[:3, 3:] -= moved
         found[3:, :3] += moved
         found[3:, 3:] -= skew(center) @ moved + moved @ skew(center) + mass_kg * skew(d) @ skew(d)
@@ -80,8 +82,8 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         return frozen_array(here, np.float64), frozen_array(slopes, np.float64)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        mass_kg, *first = (values[name] for name in names)
-        here, slopes = body(mass_kg, *first)
+        mass_kg, *first, own_radius = (values[name] for name in names)
+        here, slopes = body(mass_kg, *first, own_radius)
         assembly.add_inertia(link, here, np.append(mass_kg, mass_kg * center + first))
         for name, slope in zip(names, slopes, strict=True):
             assembly.inertia_of[name] = link, slope
@@ -101,9 +103,18 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
                 Parameter(name=m, unit="kg m", mean=0.0, std=_LEVER_STD_M * _STD * total)
                 for m in moments
             ),
+            Parameter(
+                name=radius,
+                unit="m",
+                mean=_RADIUS_M,
+                std=_RADIUS_STD_M,
+                low=0.0,
+                high=_LARGEST_M,
+            ),
         ),
         builder=build,
         describe=describe,
         size=mass,
+        shapes=(radius,),
         material=min(_MATERIAL_KG, _MATERIAL * total),
     )

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 
-from armodal.analyzer.gap.assembly import Assembly
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.ordinary import Ordinary
 
@@ -24,31 +23,21 @@ _MATERIAL = 0.05  # of the arm's compliance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each joint without a stiffness."""
+    """One for each joint without a stiffness: the null's small compliance without its limit."""
     found = []
-    for i, joint in enumerate(ordinary.arm.joints):
+    for joint in ordinary.arm.joints:
         if joint.stiffness is not None:
             continue
-        name, loss = f"compliance of {joint.name}", f"loss of {joint.name}"
-        column = ordinary.superset.joint_column(i)
-
-        def build(
-            assembly: Assembly,
-            values: Mapping[str, float],
-            column: int = column,
-            name: str = name,
-            loss: str = loss,
-        ) -> None:
-            assembly.add_compliance(assembly.unit(column), values[name], values[loss], name, loss)
-
+        name = f"compliance of {joint.name}"
+        wide = compliance_parameter(name, ordinary)
         found.append(
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                parameters=(compliance_parameter(name, ordinary), loss_parameter(loss)),
-                builder=build,
+                relaxes={name: replace(wide, start=ordinary.compliance)},
                 size=name,
                 material=_MATERIAL * ordinary.compliance,
+                is_term=True,
             )
         )
     return tuple(found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -30,6 +30,9 @@ WORDS = EffectWords(
 _BRAKED = 1e-3  # of its compliance, a brake leaves a servo
 _ROTOR = 0.2  # of the carried moment, roughly: motor and gear are chosen for it
 _MATERIAL = 0.05  # servo compliance over the joint's
+# Its part of the joint's compliance and its rotor, of what is typical, where a fit may begin: of no
+# size at all it changes nothing.
+_PARTS, _ROTORS = (0.1, 0.3), (0.5, 1.5, 3.0)
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -60,13 +63,35 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             k = float(np.exp(values[f"ln k {joint}"]))
             c = float(np.exp(values[f"ln c {joint}"]))
             # The joint's spring stretches by the difference of link and rotor.
-            for kind, value in (("stiffness", k), ("damping", c), ("loss", k * values["loss"])):
+            lost = k * values[f"loss {joint}"]
+            for kind, value in (("stiffness", k), ("damping", c), ("loss", lost)):
                 assembly.add_term(kind, own, own, value)
                 assembly.add_term(kind, own, link, -value)
             assembly.add_term("mass", own, own, values[inertia], parameter=inertia)
             assembly.stretched_by[joint] = own
 
         moment = carried_moment(ordinary, i)
+
+        def starts(
+            values: Mapping[str, float],
+            joint: str = joint,
+            soft: str = soft,
+            inertia: str = inertia,
+            typical: float = _ROTOR * moment,
+        ) -> Sequence[Mapping[str, float]]:
+            """Leave the joint as soft as it was."""
+            ln_k = values[f"ln k {joint}"]
+            return [
+                {
+                    **values,
+                    soft: float(part * np.exp(-ln_k)),
+                    inertia: turns * typical,
+                    f"ln k {joint}": ln_k - float(np.log(1.0 - part)),
+                }
+                for part in _PARTS
+                for turns in _ROTORS
+            ]
+
         found.append(
             Instance(
                 effect=WORDS,
@@ -83,6 +108,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     ),
                 ),
                 builder=build,
+                starts=starts,
                 size=soft,
                 shapes=(inertia,),
                 material=_MATERIAL * gamma,

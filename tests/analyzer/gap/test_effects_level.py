@@ -93,7 +93,7 @@ def test_derivatives_are_those_of_differences(kind, ordinary, hard, posed):
     u = np.clip(space.start() + 0.3, space.low, space.high)
     _, dy = posed.derivatives(hypothesis, hard, space, space.values(u))
     joint = [f"ln {what} {instance.place}" for what in "kc"]
-    for i in (space.index[name] for name in (*instance.owned, *joint, "loss")):
+    for i in (space.index[name] for name in (*instance.owned, *joint, f"loss {instance.place}")):
         ends = []
         for side in (1e-5, -1e-5):
             moved = u.copy()

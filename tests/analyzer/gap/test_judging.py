@@ -28,7 +28,7 @@ from armodal.analyzer.gap.intervals import intervals
 from armodal.analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
 from armodal.analyzer.gap.naming import judge_round
 from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.space import Parameter, Space
 from armodal.protocols.arm.files import load_arm
 
@@ -108,16 +108,17 @@ def test_a_loss_below_the_ordinary_one_is_no_hysteretic_damping():
     """Its prior's wide damping may fit better; the loss itself is what the name says."""
     ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
     (instance,) = hysteretic.instances(ordinary)
-    assert not instance.is_material({"loss": 0.0})
-    assert not instance.is_material({"loss": instance.size_offset})
-    assert instance.is_material({"loss": 3.0 * instance.size_offset})
+    none = dict.fromkeys(instance.sizes, 0.0)
+    assert not instance.is_material(none)
+    assert not instance.is_material({**none, instance.sizes[0]: 0.9 * instance.size_offset})
+    assert instance.is_material({**none, instance.sizes[-1]: 3.0 * instance.size_offset})
 
 
 def test_a_base_that_turns_about_the_vertical_alone_is_worth_a_name():
     ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
     (instance,) = base.instances(ordinary)
-    nothing = {p.name: 0.0 for p in instance.parameters}
-    turns = next(p.name for p in instance.parameters if p.name.endswith("rock z"))
+    nothing = dict.fromkeys(instance.owned, 0.0)
+    turns = next(name for name in instance.owned if name.endswith("rock z"))
     assert not instance.is_material(nothing)
     assert instance.is_material({**nothing, turns: 2.0 * instance.material})
 

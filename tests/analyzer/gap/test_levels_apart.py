@@ -16,7 +16,7 @@ from armodal.analyzer.gap.next_test import expected_evidence
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.possible_tests import Doable, possible_tests
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.sensors import scan_sensors
 from armodal.analyzer.gap.stages import stages_of, with_test
 from armodal.analyzer.gap.verdict import verdict_of

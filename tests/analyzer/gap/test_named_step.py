@@ -8,7 +8,7 @@ import pytest
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap import named_step
-from armodal.analyzer.gap.effects import link_axis, sensor_axes
+from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import Judged, Thresholds
@@ -48,7 +48,6 @@ def plain(monkeypatch):
     def fitted(stage, hypothesis, **_):
         return fit_to(hypothesis, 100.0 if len(hypothesis.instances) > 1 else 1e6)
 
-    monkeypatch.setattr(named_step, "all_instances", lambda _: ())
     monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
 
 
@@ -75,19 +74,18 @@ def test_a_turn_that_joins_an_earlier_one_stands_in_its_step(plain, monkeypatch)
     assert [step.fit.last for step in named] == [both]
 
 
-def test_an_axis_of_the_arm_file_is_not_swapped_for_a_released_joint(plain, monkeypatch):
-    joint = SimpleNamespace(name="j1", link=SimpleNamespace(name="l1"))
-    ordinary = SimpleNamespace(arm=SimpleNamespace(joints=(joint,)))
-    released = Instance(
-        effect=SimpleNamespace(name="released_joint", title=""), place="j1", size="free j1"
+def test_an_axis_of_the_arm_file_is_not_swapped_for_what_it_may_stand_for(plain):
+    released = Instance(effect=released_joint.WORDS, place="j1", size="free j1")
+    axis = Instance(
+        effect=link_axis.WORDS,
+        place="l1",
+        size="axis l1",
+        alternatives=lambda values: [(released, values)],
     )
-    axis = Instance(effect=link_axis.WORDS, place="l1", size="axis l1")
-    other = Instance(effect=SimpleNamespace(name="base", title=""), place="")
-    monkeypatch.setattr(named_step, "all_instances", lambda _: (released,))
-    monkeypatch.setattr(named_step, "spread_of", lambda axis, fit: None)
+    other = Instance(effect=base.WORDS, place="")
 
     def fit_and_names(*instances):
-        fit = fit_to(Hypothesis(ordinary=ordinary, instances=instances))
+        fit = fit_to(Hypothesis(ordinary=None, instances=instances), cost=200.0)
         found, named = with_step([None], [], step_to(fit), {}, Thresholds(), [])
         return found.hypothesis.instances, [step.fit.last for step in named]
 
@@ -121,7 +119,6 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_be
         for name in ("body", "rotor")
     )
     ended = replace(fit_of(payload, rotor), u=np.array([off, 1.0]))
-    monkeypatch.setattr(named_step, "all_instances", lambda _: ())
     begin = {"body": 3.0}
     fit, named = with_step(STAGES, [], step_to(ended), begin, Thresholds(), [])
     assert fit.cost == kept
@@ -145,7 +142,6 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
         return fit_to(hypothesis, 100.0 + gain * limits.clear)
 
     monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
-    monkeypatch.setattr(named_step, "all_instances", lambda _: ())
     one, two = (
         Instance(effect=SimpleNamespace(name=name, title=name), place="") for name in ("one", "two")
     )

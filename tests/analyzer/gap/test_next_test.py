@@ -183,8 +183,8 @@ def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, se
         hit_direction=np.eye(3)[2],
         hit_point=superset.arm.points[on_base].id,
     )
-    # The base is rigid in both models: nothing answers, and only rounding is left.
-    assert expected_evidence(stage, [null, servo], [test]) == pytest.approx([0.0], abs=1e-6)
+    # The floor gives way by a thousandth of the arm's compliance: what answers drowns in the noise.
+    assert expected_evidence(stage, [null, servo], [test]) == pytest.approx([0.0], abs=0.1)
 
 
 @pytest.mark.long

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.fit import Stage
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.lines import PostureLines
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.posed import PosedModel, Postures
-from armodal.analyzer.gap.scan import beside
 from armodal.analyzer.gap.weigh import Discrepancy
 
 ANGLES = np.deg2rad(
@@ -165,26 +164,3 @@ def test_a_mounting_answers_its_own_hit(superset, lines, ordinary):
         np.testing.assert_allclose(
             model.values(Hypothesis(ordinary=more), alone, values), y[mine], rtol=1e-10
         )
-
-
-def test_starts_from_one_evaluation_are_those_of_their_own(stage, ordinary):
-    present = Hypothesis(ordinary=ordinary)
-    first = fit_hypothesis(stage, present, max_iterations=0)
-    instances = effects(ordinary, "rotor", "coupling", "released_joint", "nonproportional", "base")
-    found = beside(stage, first, instances)
-    # A base has a mass from the start: it changes something at once.
-    assert [f.hypothesis.instances[0].effect.name for f in found] == [
-        "rotor",
-        "coupling",
-        "released_joint",
-        "nonproportional",
-    ]
-    for fit in found:
-        own = fit_hypothesis(stage, fit.hypothesis, start=first.values, max_iterations=0)
-        assert fit.cost == pytest.approx(own.cost, rel=1e-12)
-        np.testing.assert_allclose(fit.u, own.u)
-        scale = np.abs(own.slope).max()
-        np.testing.assert_allclose(fit.slope / scale, own.slope / scale, atol=1e-9)
-        scale = np.abs(own.curvature).max()
-        np.testing.assert_allclose(fit.curvature / scale, own.curvature / scale, atol=1e-9)
-        assert fit.on == own.on

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.without_errors import without_errors, without_soft_parts
 
 from armodal.analyzer.arm.reduced import reduce_model
 from armodal.analyzer.arm.structure import believed_structure
@@ -51,10 +52,7 @@ def test_without_errors_it_is_the_reduced_model_mounting_by_mounting(
 ):
     """Every compliance and error at zero: the FRFs of joints on springs, solved point by point."""
     space = Hypothesis(ordinary=ordinary).space()
-    values = space.values(space.start())
-    for name in values:
-        if name.startswith("bearing") or name == "loss":
-            values[name] = 0.0
+    values = without_errors(space.values(space.start()))
     got = posed.values(Hypothesis(ordinary=ordinary), lines, values)
     dynamics = superset.posture(JOINTS)
     gravity = dynamics.gravity_m_s2
@@ -79,10 +77,7 @@ def test_a_gain_is_a_straight_line_of_masses_springs_and_dampers(lines, ordinary
     """
     hypothesis = Hypothesis(ordinary=ordinary)
     space = hypothesis.space()
-    values = {
-        name: 0.0 if name.startswith("bearing") else value
-        for name, value in space.values(space.start()).items()
-    }
+    values = without_soft_parts(space.values(space.start()))
     without_sensor = replace(lines, sensor_mass_kg=0.0)
     step = np.log(1.3)
     heavier = {
@@ -119,7 +114,7 @@ def test_axis_in_a_joint_s_own_line_is_a_spring_in_series(lines, ordinary, posed
     plain = Hypothesis(ordinary=ordinary)
     both = Hypothesis(ordinary=ordinary, instances=(axis,))
     space = both.space()
-    values = space.values(space.start()) | {"loss": 0.0, f"ln c {joint.name}": -40.0}
+    values = without_errors(space.values(space.start())) | {f"ln c {joint.name}": -40.0}
     gamma = 0.3 / joint.stiffness.value
     names = [p.name for p in axis.parameters]
     in_series = values | {names[0]: gamma, names[1]: 0.0}

@@ -10,7 +10,7 @@ from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import Judged, Thresholds
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.rivals import Rivals
+from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.verdict import verdict_of
 
 # A thousand residuals, soft and hard hits together.
