@@ -51,8 +51,12 @@ def believable(
             name: value + candidate.follow.get(name, 0.0) * size
             for name, value in final.values.items()
         }
-        fit = fit_hypothesis(stage, hypothesis, start=followed, max_iterations=_STEPS)
-        if fit.cost - final.cost < _TOLD * inflation or not np.isfinite(size):
+        try:
+            fit = fit_hypothesis(stage, hypothesis, start=followed, max_iterations=_STEPS)
+        except np.linalg.LinAlgError:  # so large that nothing holds the arm
+            size *= _LESS
+            continue
+        if fit.cost - final.cost < _TOLD * inflation:
             return size
         size *= _LESS
     return size

@@ -91,10 +91,17 @@ class Ordinary:
         k = [self.arm.joints[i].stiffness for i in self.elastic[:3]]
         return float(np.exp(-np.mean([np.log(e.value) for e in k if e is not None])))
 
-    @property
-    def bearing_limit(self) -> float:
+    def scale(self, joint: int) -> float:
+        """Return what a joint's drive gives way by, or would, rad/(N m).
+
+        Its own where it has a spring; else as the arm's joints go with the weight they carry:
+        drives, bearings and castings are all chosen for that.
+        """
+        return _scales(self.superset)[joint]
+
+    def bearing_limit(self, joint: int) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""
-        return BEARING_LIMIT * self.compliance
+        return BEARING_LIMIT * self.scale(joint)
 
     @property
     def floor_limit(self) -> float:
@@ -193,6 +200,10 @@ class Ordinary:
                 ways.append(
                     (f"compliance of {joint.name}", assembly.unit(superset.joint_column(i)))
                 )
+            start = superset.interface_columns(i).start
+            ways += [
+                (f"seat {a} {joint.name}", assembly.unit(start + n)) for n, a in enumerate("xyz")
+            ]
             for parameter, column in ways:
                 assembly.add_compliance(column, values[parameter], values[loss], parameter, loss)
         for i, way in enumerate(BASE_WAYS):
@@ -226,6 +237,30 @@ class Ordinary:
             direction = lines.hit_direction[0]
             assembly.force = (direction + across(direction) @ aim)[None]
         return assembly
+
+
+@lru_cache(maxsize=16)
+def _scales(superset: Superset) -> tuple[float, ...]:
+    joints = superset.arm.joints
+    steps = [float(np.linalg.norm(j.T_parent_joint[:3, 3])) for j in joints]
+    out = [float(np.linalg.norm(j.link.center_m)) for j in joints]
+    carried = [
+        sum(
+            joints[j].link.mass_kg * (sum(steps[i + 1 : j + 1]) + out[j])
+            for j in range(i, len(joints))
+        )
+        for i in range(len(joints))
+    ]
+    own = [None if j.stiffness is None else 1.0 / j.stiffness.value for j in joints]
+    # ln of compliance times what is carried, of the joints that have a spring.
+    level = np.mean(
+        [np.log(c * w) for c, w in zip(own, carried, strict=True) if c is not None and w > 0.0]
+        or [0.0]
+    )
+    return tuple(
+        float(np.exp(level)) / max(w, 1e-6) if c is None else c
+        for c, w in zip(own, carried, strict=True)
+    )
 
 
 @lru_cache(maxsize=16)
@@ -276,21 +311,33 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
             )
         )
     found.append(_interface_loss("base loss"))
-    for joint in arm.joints:
+    for number, joint in enumerate(arm.joints):
+        scale = ordinary.scale(number)
         found += [
             Parameter(
                 name=f"bearing {side} {joint.name}",
                 unit="rad/(N m)",
-                mean=BEARING_MEAN * compliance,
-                std=BEARING_STD * compliance,
+                mean=BEARING_MEAN * scale,
+                std=BEARING_STD * scale,
                 low=0.0,
-                high=ordinary.bearing_limit,
+                high=ordinary.bearing_limit(number),
             )
             for side in "ab"
         ]
+        found += [
+            Parameter(
+                name=f"seat {a} {joint.name}",
+                unit="m/N",
+                mean=BEARING_MEAN * scale * LEVER_M**2,
+                std=BEARING_STD * scale * LEVER_M**2,
+                low=0.0,
+                high=BEARING_LIMIT * scale * LEVER_M**2,
+            )
+            for a in "xyz"
+        ]
         found.append(_interface_loss(f"bearing loss {joint.name}"))
         if joint.stiffness is None:
-            found.append(replace(found[-2], name=f"compliance of {joint.name}"))
+            found.append(replace(found[-5], name=f"compliance of {joint.name}"))
         link = joint.link.name
         std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
         found += [

@@ -221,7 +221,7 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
             name=name,
             unit="rad/(N m)",
             mean=0.0,
-            std=compliance_parameter("", ordinary).std,
+            std=compliance_parameter("", ordinary, link).std,
         )
         for name in names
     )
@@ -231,7 +231,7 @@ def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
 def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tuple[Array, Array]]:
     """Projected Gram matrix (21, 21) and slope (21,) of each interface's columns."""
     ordinary = fit.hypothesis.ordinary
-    std = compliance_parameter("", ordinary).std
+    stds = [compliance_parameter("", ordinary, link).std for link in links]
     probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
     size = n + len(links) * len(_PAIRS)
@@ -239,7 +239,7 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
         y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
         rows = [dy]
-        for probe, names in probes:
+        for (probe, names), std in zip(probes, stds, strict=True):
             wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
             values = {**fit.values, **dict.fromkeys(names, 0.0)}
             rows.append(std * together.interface_columns(wide, values, names, _PAIRS))

@@ -51,7 +51,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         assembly.base_inertia = assembly.base_inertia + here
         assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
 
-    rock = compliance_parameter("", ordinary)
+    rock = compliance_parameter("", ordinary, 0)
     relaxes = {
         name: Parameter(
             name=name,

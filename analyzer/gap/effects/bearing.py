@@ -31,9 +31,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     found = []
     for link, joint in enumerate(ordinary.arm.joints):
         names = [f"bearing {side} {joint.name}" for side in "ab"]
-        wide = compliance_parameter("", ordinary)
+        wide = compliance_parameter("", ordinary, link)
         relaxed: dict[str, Parameter] = {
-            name: replace(wide, name=name, start=ordinary.bearing_limit) for name in names
+            name: replace(wide, name=name, start=ordinary.bearing_limit(link)) for name in names
         }
 
         def alternatives(
@@ -49,7 +49,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 alternatives=alternatives,
                 size=names[0],
                 sizes=tuple(names),
-                material=ordinary.bearing_limit,
+                material=ordinary.bearing_limit(link),
                 is_term=True,
             )
         )

@@ -10,13 +10,13 @@ __all__ = ["compliance_parameter", "loss_parameter"]
 
 
 def compliance_parameter(
-    name: str, ordinary: Ordinary, *, length_m: float | None = None
+    name: str, ordinary: Ordinary, joint: int, *, length_m: float | None = None
 ) -> Parameter:
-    """A rotational compliance of at most some ten times a joint's, over a length if one is given.
+    """A rotational compliance of at most some ten times the joint's, over a length if one is given.
 
     rad/(N m), or rad/(N m²).
     """
-    std, unit = 3.0 * ordinary.compliance, "rad/(N m)"
+    std, unit = 3.0 * ordinary.scale(joint), "rad/(N m)"
     if length_m is not None:
         std, unit = std / length_m, "rad/(N m²)"
     return Parameter(name=name, unit=unit, mean=0.0, std=std, low=0.0)

@@ -112,7 +112,7 @@ def at_axis(
         effect=WORDS,
         place=name,
         parameters=(
-            compliance_parameter(gamma, ordinary),
+            compliance_parameter(gamma, ordinary, link),
             loss_parameter(loss),
             *(
                 Parameter(name=move, unit=unit, mean=0.0, std=std)
@@ -125,7 +125,7 @@ def at_axis(
         alternatives=alternatives,
         size=gamma,
         shapes=(*moves, part) if before else tuple(moves),
-        material=_MATERIAL * ordinary.compliance,
+        material=_MATERIAL * ordinary.scale(link),
         least_certain=_LEAST_CERTAIN,
         pieces=f"axis {name}" if before else "",
     )

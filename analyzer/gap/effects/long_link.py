@@ -114,7 +114,7 @@ def given_way(
             )
             assembly.between[at] = (line.link, before, still)
 
-    size = compliance_parameter(gamma, ordinary, length_m=line.length_m)
+    size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
     def starts(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
         return [{**values, gamma: _START * size.std}]
@@ -132,5 +132,5 @@ def given_way(
         size=gamma,
         shapes=(spread,),
         pieces=f"hinges {line.name}",
-        material=material * ordinary.compliance / line.length_m,
+        material=material * ordinary.scale(line.link) / line.length_m,
     )

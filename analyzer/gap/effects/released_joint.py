@@ -25,18 +25,18 @@ _MATERIAL = 0.05  # of the arm's compliance
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each joint without a stiffness: the null's small compliance without its limit."""
     found = []
-    for joint in ordinary.arm.joints:
+    for number, joint in enumerate(ordinary.arm.joints):
         if joint.stiffness is not None:
             continue
         name = f"compliance of {joint.name}"
-        wide = compliance_parameter(name, ordinary)
+        wide = compliance_parameter(name, ordinary, number)
         found.append(
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                relaxes={name: replace(wide, start=ordinary.compliance)},
+                relaxes={name: replace(wide, start=ordinary.scale(number))},
                 size=name,
-                material=_MATERIAL * ordinary.compliance,
+                material=_MATERIAL * ordinary.scale(number),
                 is_term=True,
             )
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from armodal.analyzer.gap.assembly import Assembly
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.space import Parameter
@@ -42,7 +42,7 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
     Two joints with springs are a coupling: the same terms of K.
     """
     a, b = ordinary.arm.joints[driver].name, ordinary.arm.joints[driven].name
-    name, own, loss = f"wrist ratio {a} {b}", f"wrist compliance {a} {b}", f"wrist loss {a} {b}"
+    name, own = f"wrist ratio {a} {b}", f"compliance of {b}"
     column = ordinary.superset.joint_column(driven)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -50,16 +50,12 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
         turned = assembly.unit(column)
         assembly.columns[at] = assembly.columns[at] - values[name] * turned
         assembly.motion_of[name] = [(at, -turned)]
-        assembly.add_compliance(turned, values[own], values[loss], own, loss)
 
     return Instance(
         effect=WORDS,
         place=f"{a} and {b}",
-        parameters=(
-            Parameter(name=name, unit="", mean=0.0, std=_STD),
-            compliance_parameter(own, ordinary),
-            loss_parameter(loss),
-        ),
+        parameters=(Parameter(name=name, unit="", mean=0.0, std=_STD),),
+        relaxes={own: compliance_parameter(own, ordinary, driven)},
         builder=build,
         size=name,
         material=_MATERIAL,
