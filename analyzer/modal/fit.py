@@ -169,7 +169,7 @@ def _reweighted(
         data = replace(problem, values=still.values.reshape(problem.values.shape)).data()
         fit = regress(data, still.poles, pole_terms=False)
     left = misfit(data, fit).reshape(problem.values.shape)
-    variance = misfit_variance(left, problem.values, problem.line_share)
+    variance = misfit_variance(left, problem.values, problem.line_share, problem.measured)
     return replace(problem, variance=variance)
 
 

@@ -136,7 +136,7 @@ def _explains_more(
     has shapes that no mode has and what moves has not: every lineshape is approximated by enough
     fixed poles.
     """
-    n_frf, lines = local.data.values.shape
+    n_frf, lines = common.n_measured, local.data.s.size
     n_groups, n, more = len(fits), fits[0].poles.size, common.poles.size
     size_own = 2 * n * n_groups + n_frf * (2 * n + N_RESIDUAL)
     size_common = 2 * more + n_frf * (2 * more + N_RESIDUAL)

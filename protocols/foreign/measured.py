@@ -31,6 +31,7 @@ __all__ = [
     "check_signals",
     "clipped_coherence",
     "exact_rate",
+    "not_measured",
     "parse_dof",
 ]
 
@@ -253,6 +254,11 @@ def check_frf_values(
         )
     result: npt.NDArray[np.bool_] = keep
     return result
+
+
+def not_measured(values: npt.NDArray[np.complex128]) -> bool:
+    """Whether one FRF of a matrix (n,) is what programs fill a hole with: 0 or NaN throughout."""
+    return bool(np.all(values == 0.0) or np.all(np.isnan(values)))
 
 
 def check_signals(signals: npt.NDArray[np.float64], origin: str) -> None:
