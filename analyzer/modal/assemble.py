@@ -54,6 +54,20 @@ def _synthesis(frf: FrequencyResponse, s: _Complex, fit: RankOneFit) -> _Complex
     return total
 
 
+def _residuals(frf: FrequencyResponse, fit: RankOneFit) -> npt.NDArray[np.float64]:
+    """Residual terms (n_long, n_short, 3); of an FRF not measured those of its modes alone.
+
+    s^d R / (s - p) = p^d R / (s - p) + R sum over k < d of s^k p^(d-1-k), which the residual terms
+    of an FRF that was measured hold already.
+    """
+    residuals, d = fit.residuals.copy(), derivative_order(frf.form)
+    receptance = fit.shape[:, None, :] * fit.participation / fit.poles**d
+    for k in range(d):
+        rest = 2.0 * np.sum(receptance * fit.poles ** (d - 1 - k), axis=-1).real
+        residuals[..., k - d + 2] = np.where(fit.measured, residuals[..., k - d + 2], rest)
+    return residuals
+
+
 def _modes(
     fit: RankOneFit,
     chosen: Selection,
@@ -234,7 +248,7 @@ def assemble_model(
         form=frf.form,
         band_hz=lines.band_hz,
         modes=modes,
-        residual_terms=sided(fit.residuals),
+        residual_terms=sided(_residuals(frf, fit)),
         covariance=frozen_array(precision.covariance, np.float64),
         robust_covariance=precision.robust,
         synthesis_error=float(np.sqrt(left.sum() / size.sum())),

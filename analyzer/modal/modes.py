@@ -96,7 +96,7 @@ def synthesise(
 ) -> npt.NDArray[np.complex128]:
     """FRFs of the model, in the form it was fitted in: (n_resp, n_ref, n_freq).
 
-    An FRF that was not measured is the sum of its modes in the band, without residual terms.
+    An FRF that was not measured is the sum of its modes in the band.
 
     Parameters
     ----------

@@ -42,10 +42,10 @@ def own_fits(
     any_left = np.full(poles.size, np.inf)
     every = (
         _own_fits(local, group, poles, poles.size, any_left)
-        if not _is_mode(common.residues)
+        if not _is_mode(local, common.residues)
         else None
     )
-    no_modes = every is not None and not _is_mode(_moving(group, every[0]))
+    no_modes = every is not None and not _is_mode(local, _moving(group, every[0]))
     for n in range(1, poles.size):
         own = _own_fits(local, group, poles, n, any_left if no_modes else reference + visible)
         if own is not None and _explains_more(local, group, own[0], common, line_share):
@@ -105,9 +105,14 @@ def _at_modes(
     return power
 
 
-def _is_mode(residues: _Complex) -> bool:
-    """Whether all these (n_frf, n) are shapes that a mode can have."""
-    return min(mpc(shape) for shape in residues.T) >= CONSISTENT
+def _is_mode(local: AboutModes, residues: _Complex) -> bool:
+    """Whether all these (n_frf, n) are shapes that a mode can have.
+
+    In units of each FRF's noise: what a noisy FRF or a strong reference tells of a phase counts for
+    no more than it is known.
+    """
+    known = np.sqrt(local.data.row_weight)
+    return min(mpc(known * shape) for shape in residues.T) >= CONSISTENT
 
 
 def _moving(group: _Int, fits: list[Regression]) -> _Complex:
@@ -149,4 +154,4 @@ def _explains_more(
     )
     if cost_own / noise + 2 * size_own < cost_common / noise + 2 * size_common:
         return True
-    return _is_mode(_moving(group, fits)) and not _is_mode(common.residues)
+    return _is_mode(local, _moving(group, fits)) and not _is_mode(local, common.residues)
