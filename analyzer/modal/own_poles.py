@@ -10,6 +10,7 @@ from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
 
 from armodal.analyzer.modal.about_modes import AboutModes
 from armodal.analyzer.modal.correlation import mpc
@@ -48,7 +49,7 @@ def own_fits(
         if not _is_mode(local, common.residues)
         else None
     )
-    no_modes = every is not None and not _is_mode(local, _moving(group, every[0]))
+    no_modes = every is not None and not _is_mode(local, _moving(local, group, every[0]))
     # Shapes of any phases may be the structure's own, where common poles leave nothing but noise.
     doubted = every is not None and _aic(local, every[0], common, line_share)
     for n in range(1, poles.size):
@@ -56,7 +57,7 @@ def own_fits(
         if own is None:
             continue
         if _aic(local, own[0], common, line_share) or (
-            doubted and _is_mode(local, _moving(group, own[0]))
+            doubted and _is_mode(local, _moving(local, group, own[0]))
         ):
             return own[0]
     if np.all(reference < visible):
@@ -67,7 +68,9 @@ def own_fits(
     if searched:
         return every[0]
     rival = _one_more(local.data, poles)
-    moving = _is_mode(local, _moving(group, every[0])) and not _is_mode(local, rival.residues)
+    moving = _is_mode(local, _moving(local, group, every[0])) and not _is_mode(
+        local, rival.residues
+    )
     return every[0] if moving or _aic(local, every[0], rival, line_share) else None
 
 
@@ -125,11 +128,19 @@ def _is_mode(local: AboutModes, residues: _Complex) -> bool:
     return min(mpc(known * shape) for shape in residues.T) >= CONSISTENT
 
 
-def _moving(group: _Int, fits: list[Regression]) -> _Complex:
-    """Residues (n_frf, n) of own fits, by rising frequency in every group."""
-    moving = np.empty((group.size, fits[0].poles.size), dtype=np.complex128)
+def _moving(local: AboutModes, group: _Int, fits: list[Regression]) -> _Complex:
+    """Residues (n_frf, n) of own fits, each with that of the group that shows most it is nearest to.
+
+    Nearness counts by what a pole shows: a faint one that rounds off the lineshape of another may
+    stand on either side of it.
+    """
+    row = local.data.row_weight
+    shown = [row[group == g] @ np.abs(fit.residues) ** 2 for g, fit in enumerate(fits)]
+    most = fits[int(np.argmax([one.sum() for one in shown]))].poles
+    moving = np.empty((group.size, most.size), dtype=np.complex128)
     for g, fit in enumerate(fits):
-        moving[group == g] = fit.residues[:, np.argsort(fit.poles.imag)]
+        apart = shown[g] * np.abs(most[:, None] - fit.poles) ** 2
+        moving[group == g] = fit.residues[:, linear_sum_assignment(apart)[1]]
     return moving
 
 
