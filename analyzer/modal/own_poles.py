@@ -129,9 +129,9 @@ def _is_mode(local: AboutModes, residues: _Complex) -> bool:
 
 
 def _moving(local: AboutModes, group: _Int, fits: list[Regression]) -> _Complex:
-    """Residues (n_frf, n) of own fits, each with that of the group that shows most it is nearest to.
+    """Residues (n_frf, n) of own fits, poles paired with those of the group that shows most.
 
-    Nearness counts by what a pole shows: a faint one that rounds off the lineshape of another may
+    A pole counts by what it shows: a faint one that rounds off the lineshape of another may
     stand on either side of it.
     """
     row = local.data.row_weight
