@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -193,7 +194,9 @@ def _in_one_piece(problem: Problem, table: Stabilisation, max_order: int) -> Sel
     return _looked_again(problem, data, chosen)
 
 
-def search_poles(problem: Problem, table: Stabilisation, max_order: int) -> tuple[_Complex, _Real]:
+def search_poles(
+    problem: Problem, table: Stabilisation, max_order: int, *, tell: Callable[[str], None]
+) -> tuple[_Complex, _Real]:
     """Poles the data need, and the share of orders each was seen at.
 
     A long record is searched span by span, each with residual terms of its own, which costs time
@@ -207,14 +210,19 @@ def search_poles(problem: Problem, table: Stabilisation, max_order: int) -> tupl
         Poles over orders of the whole band.
     max_order
         Highest order of a stabilisation.
+    tell
+        Called with what is being done.
     """
     pieces = spans(problem.freq_hz, problem.values, problem.variance)
     if len(pieces) == 1:
+        tell("which poles the FRFs need")
         chosen = _in_one_piece(problem, table, max_order)
         return chosen.fit.poles, chosen.share
     poles, shares = [], []
     for span in pieces:
         part = problem.part(span)
+        low, high = part.band_hz
+        tell(f"which poles {low:.4g} to {high:.4g} Hz needs, of {problem.band_hz[1]:.4g} Hz")
         chosen = _in_one_piece(part, stabilisation(part, max_order), max_order)
         own = span.holds(np.abs(chosen.fit.poles) / (2.0 * np.pi))
         poles.append(chosen.fit.poles[own])
