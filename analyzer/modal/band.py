@@ -31,7 +31,8 @@ def carried_band(frf: FrequencyResponse) -> tuple[float, float] | None:
     """
     values = frf.values[frf.measured]
     variance = frf.variance[frf.measured]
-    if frf.freq_hz.size <= 4 * SMOOTHED_LINES or not values.any():
+    few = frf.freq_hz.size <= 4 * SMOOTHED_LINES
+    if few or not values.any() or not np.isfinite(values).all():  # the fit says what is wrong
         return None
     told = bool(np.all(np.isfinite(variance) & (variance > 0.0)))
     noise = variance if told else _rough(values)
