@@ -5,8 +5,8 @@ Truth 9, 13, 13.4, 34, 37, 55, 66, 107 Hz, damping 2 to 4.5 %, one reference, 30
 Cramer-Rao bound is that of the poles with all residues unknown and nothing else. sdypy-EMA's
 choice wants approximate frequencies: it is given the true ones. pyOMA-2 takes responses over time:
 it is given the impulse responses of the same FRFs, as decays, and chooses by itself (covariance-
-driven SSI up to order 60, its clustering after Neu et al., which of its ready-made ones gave the
-most right answers on the first seed, with others of them that did as well).
+driven SSI up to order 60, the ready-made clustering after Neu et al., one of those that found all
+eight modes of the first seed and none beside).
 """
 
 import contextlib
