@@ -224,7 +224,8 @@ def check_frf_values(
     Raises
     ------
     ForeignFileError
-        For frequencies that do not increase, NaN, fewer than two lines, nothing but one value, or nothing above 1e-30.
+        For frequencies that do not increase, NaN, fewer than two lines, nothing but one value, or
+        nothing above 1e-30.
     """
     if freq_hz.shape != values.shape or freq_hz.ndim != 1:
         raise ForeignFileError(
