@@ -1,5 +1,6 @@
 """What holds for all tests."""
 
+import gc
 import os
 import time
 from functools import cache
@@ -33,6 +34,12 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if "real_time" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.flaky(reruns=AGAIN, only_rerun=[HeldUpError.__name__]))
+
+
+def pytest_collection_finish():
+    """Leave what is loaded by now out of Python's garbage collection: it stays to the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")
