@@ -101,9 +101,9 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
             )
         # One hint covers the slopes on either side down to where the misfit is usual again.
         first, last = k, k
-        while first > 0 and stands_out[first - 1]:
+        while first > 0 and ratio[first - 1] > 1.0:
             first -= 1
-        while last < freq.size - 1 and stands_out[last + 1]:
+        while last < freq.size - 1 and ratio[last + 1] > 1.0:
             last += 1
         stands_out[first : last + 1] = False
     return tuple(hints)

@@ -279,6 +279,7 @@ def _write_nan(path):
         ([frf_set(1, [1 + 1j, 2 + 1j], [0.0, 1.0])], "two lines or more"),
         ([frf_set(1, np.zeros(50, complex), FREQ[:50])], "constant 0"),
         ([frf_set(1, np.full(50, 2 + 1j), FREQ[:50])], "constant"),
+        ([frf_set(1, 1e-32 * accelerance(FREQ, 0, 0), FREQ)], "up to"),
         (
             [frf_set(1, np.arange(9) + 1j, FREQ[[1, 2, 3, 5, 4, 6, 7, 8, 9]], abscissa_spacing=0)],
             "increase",
@@ -304,6 +305,7 @@ def _write_nan(path):
         "single line",
         "zero",
         "constant",
+        "next to nothing",
         "not increasing",
         "negative",
         "form",
