@@ -15,6 +15,8 @@ WORKERS = -n $(shell $(PYTHON) -c 'import os; print((os.cpu_count() or 1) + 1)')
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
+# What one process has compiled the next need not: tests start some fifty.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-all coverage check bench torture hashes sizes format clean setup
 

@@ -21,10 +21,11 @@ import numpy as np
 from armodal.analyzer.modal.noise import hit_scatter_variance, independent_line_share, smooth_lines
 from armodal.analyzer.time_order import in_time_order
 from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 
-__all__ = ["with_variance", "with_variances"]
+__all__ = ["complete_points", "with_variance", "with_variances"]
 
 _LEAST_COHERENCE = 1e-6
 _FLOOR = 1e-10  # of |H|^2: five digits are as good as any analyser's calibration
@@ -43,6 +44,34 @@ def with_variances(session: Session) -> Session:
     )
 
 
+def complete_points(frf: FrequencyResponse) -> FrequencyResponse:
+    """Responses of the points at which every FRF was measured.
+
+    Raises
+    ------
+    EstimateError
+        If there is no such point.
+    """
+    lacking = np.flatnonzero(~frf.measured.all(axis=1))
+    if not lacking.size:
+        return frf
+    points = {frf.responses[i].point for i in lacking}
+    rows = [i for i, dof in enumerate(frf.responses) if dof.point not in points]
+    if not rows:
+        raise EstimateError(
+            f"posture {frf.posture!r}: wanted a point that was measured over every reference, "
+            "every point lacks an FRF; import the references as postures of their own"
+        )
+    return replace(
+        frf,
+        values=frozen_array(frf.values[rows], np.complex128),
+        coherence=frozen_array(frf.coherence[rows], np.float64),
+        variance=frozen_array(frf.variance[rows], np.float64),
+        n_hits=frozen_array(frf.n_hits[rows], np.int64),
+        responses=tuple(frf.responses[i] for i in rows),
+    )
+
+
 def with_variance(frf: FrequencyResponse) -> FrequencyResponse:
     """Return FRFs with the variance that coherence and number of averages tell.
 
@@ -56,7 +85,7 @@ def with_variance(frf: FrequencyResponse) -> FrequencyResponse:
     FrequencyResponse
         Variance as for two averages (an upper bound) where their number is not told; of FRFs
         without a coherence the relative one of those that have it, smoothed over lines; 0 (not
-        told) where none has one, or there was a single average.
+        told) where none has one, or there was a single average; infinite where not measured.
     """
     told = np.isfinite(frf.coherence).all(axis=-1) & (frf.n_hits != 1)
     if not told.any():
@@ -72,4 +101,5 @@ def with_variance(frf: FrequencyResponse) -> FrequencyResponse:
     relative = np.median(variance[told].sum(axis=-1) / magnitude[told].sum(axis=-1))
     like_the_others = relative * smooth_lines(magnitude, _HALF_WIDTH)
     variance = np.where(told[..., None], variance, like_the_others)
+    variance[~frf.measured] = np.inf
     return replace(frf, variance=frozen_array(variance, np.float64))

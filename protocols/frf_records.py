@@ -45,7 +45,8 @@ class FrequencyResponse:
     `decay_rad_s`; nothing has to be corrected afterwards.
 
     What other programs did not tell of FRFs they averaged is NaN in `coherence`, 0 in `variance`
-    and 0 in `n_hits`.
+    and 0 in `n_hits`. An FRF that was not measured, such as a driving point where a sensor was in
+    the way, is 0 in `values`, infinite in `variance`, NaN in `coherence` and 0 in `n_hits`.
     """
 
     posture: str
@@ -59,3 +60,8 @@ class FrequencyResponse:
     responses: tuple[Dof, ...]
     references: tuple[Dof, ...]
     joints_rad: npt.NDArray[np.float64] | None  # (n_joints,) as measured
+
+    @property
+    def measured(self) -> npt.NDArray[np.bool_]:
+        """Which FRFs were measured: (n_resp, n_ref)."""
+        return np.asarray(~np.isposinf(self.variance).all(axis=-1))

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from armodal.daq.clock import check_time_scale
 from armodal.tui.json_text import json_text
 
-__all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say"]
+__all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say", "working"]
 
 
 class _Console(Console):
@@ -43,6 +45,20 @@ TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a
 def say(text: str) -> None:
     """Tell what is being done."""
     err.print(f"· {text}", style="dim")
+
+
+@contextmanager
+def working(what: str) -> Iterator[Callable[[str], None]]:
+    """One line on stderr that says what is being done now, while it is done; on a terminal only."""
+    if not err.is_terminal:
+        yield lambda _doing: None
+        return
+    try:
+        with err.status(escape(what)) as line:
+            yield lambda doing: line.update(escape(f"{what}: {doing} (Ctrl-C stops)"))
+    except KeyboardInterrupt:
+        err.print("armodal: stopped")
+        raise
 
 
 def progress(what: str) -> Callable[[int, int], None]:

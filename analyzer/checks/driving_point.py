@@ -56,7 +56,8 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
 
     axes = np.array([frf.responses[i].direction for i in rows]).reshape(-1, 3)
     along = np.linalg.pinv(axes.T) @ at.direction if rows else np.zeros(0)
-    if not rows or np.linalg.norm(axes.T @ along - at.direction) > _TOLERANCE:
+    hole = not frf.measured[rows, reference].all()
+    if not rows or hole or np.linalg.norm(axes.T @ along - at.direction) > _TOLERANCE:
         return say(
             Outcome.CANNOT_TELL,
             None,

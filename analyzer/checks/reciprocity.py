@@ -58,7 +58,7 @@ def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
     Returns
     -------
     One finding a pair of hits, a point hit along two directions being two; one that cannot tell
-    where there is no pair.
+    where there is no pair, and one for each FRF that was not measured while its mirror was.
     """
     if not frfs:
         return (_say("", None, Outcome.CANNOT_TELL, None, 0.0, "no FRFs were given"),)
@@ -91,7 +91,8 @@ def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
         0.0,
         "no two points were both hit and measured along each other's hits; hit one more point",
     )
-    return tuple(found) or (nothing,)
+    told = [_mirror(first.posture, path) for path in paths if _only_mirror(path, paths, same)]
+    return (*(found or [nothing]), *told)
 
 
 def _hits(frfs: Sequence[FrequencyResponse]) -> list[_Hit]:
@@ -113,6 +114,30 @@ def _hits(frfs: Sequence[FrequencyResponse]) -> list[_Hit]:
     ]
 
 
+def _only_mirror(path: _Path, paths: Sequence[_Path], frfs: Sequence[FrequencyResponse]) -> bool:
+    """Whether a path was measured and its mirror is a hole of the matrix."""
+    there = any(p.response is path.reference and p.reference is path.response for p in paths)
+    if there or path.response is path.reference:
+        return False
+    return any(
+        not frf.measured[i, j]
+        for frf in frfs
+        for i, response in enumerate(frf.responses)
+        for j, reference in enumerate(frf.references)
+        if response.point == path.reference.point
+        and _same_hit(reference, path.response.point, path.response.direction)
+    )
+
+
+def _mirror(posture: str, path: _Path) -> Finding:
+    a, b = path.response, path.reference
+    text = (
+        f"{b.name} under a hit at {a.name} was not measured; {a.name} under a hit at {b.name} "
+        "was, and is the same by reciprocity"
+    )
+    return _say(posture, (a.point, b.point), Outcome.CANNOT_TELL, None, 0.0, text)
+
+
 def _same_hit(dof: Dof, point: str, direction: Array) -> bool:
     return dof.point == point and bool(dof.direction @ direction > _SAME_DIRECTION)
 
@@ -129,6 +154,8 @@ def _paths(frf: FrequencyResponse, hits: Sequence[_Hit]) -> list[_Path]:
         if np.linalg.norm(axes.T @ along - hit.direction) > _CROSS:
             continue
         for j, dof in enumerate(frf.references):
+            if not frf.measured[rows, j].all():
+                continue
             H = frf.values[rows, j]
             cross = _CROSS**2 * np.sum(np.abs(H) ** 2, axis=0)
             result.append(

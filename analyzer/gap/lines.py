@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.hit_levels import has_levels, soft_and_hard, weight_factors
+from armodal.analyzer.given_frfs import complete_points
 from armodal.analyzer.modal.frf import posture_frf
 from armodal.analyzer.modal.noise import smooth_lines
 from armodal.protocols.arrays import frozen_array
@@ -284,6 +285,7 @@ def _thinned(
     superset: Superset, frf: FrequencyResponse, stage: Annealing, sensor_mass_kg: float
 ) -> PostureLines:
     """Every posture's rows by mounting, and about every `step_hz` one line."""
+    frf = complete_points(frf)
     if frf.joints_rad is None:
         raise EstimateError(
             f"posture '{frf.posture}' has no measured joint angles, so no model can be set beside "

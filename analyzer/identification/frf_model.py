@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.reduced import selection
 from armodal.analyzer.arm.superset import PostureDynamics, Superset
+from armodal.analyzer.given_frfs import complete_points
 from armodal.analyzer.identification.parameters import FitState, axis_frame
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
@@ -59,6 +60,7 @@ def posture_data(
         If the posture's joint angles are unknown, or a response is not one of three
         perpendicular axes x, y, z.
     """
+    frf = complete_points(frf)
     if frf.joints_rad is None:
         raise EstimateError(
             f"posture '{frf.posture}' has no measured joint angles, so no model can be set "

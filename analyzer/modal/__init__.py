@@ -1,5 +1,6 @@
 """Frequency responses, modes and their uncertainty."""
 
+from armodal.analyzer.modal.band import carried_band
 from armodal.analyzer.modal.chosen_hits import HitChoice, hit_choices
 from armodal.analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
 from armodal.analyzer.modal.drift_causes import DriftTold, drift_told
@@ -37,6 +38,7 @@ __all__ = [
     "SensorAxes",
     "Stabilisation",
     "TrackedCmif",
+    "carried_band",
     "cmif",
     "coherence_random_error",
     "convert_form",

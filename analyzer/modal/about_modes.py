@@ -79,9 +79,7 @@ def about_modes(
         both = np.concatenate([fit.residues[:, others], fit.residues[:, others].conj()], axis=1)
         p = np.concatenate([fit.poles[others], fit.poles[others].conj()])
         values = values - both @ (1.0 / (s - p[:, None]))
-    variance = np.broadcast_to(
-        1.0 / (data.row_weight[:, None] * data.weight[:, lines]), values.shape
-    )
+    variance = data.variance[:, lines]
     return AboutModes(
         data=modal_data(data.form, s, values, variance),
         variance=variance,

@@ -54,6 +54,20 @@ def _synthesis(frf: FrequencyResponse, s: _Complex, fit: RankOneFit) -> _Complex
     return total
 
 
+def _residuals(frf: FrequencyResponse, fit: RankOneFit) -> npt.NDArray[np.float64]:
+    """Residual terms (n_long, n_short, 3); of an FRF not measured those of its modes alone.
+
+    s^d R / (s - p) = p^d R / (s - p) + R sum over k < d of s^k p^(d-1-k), which the residual terms
+    of an FRF that was measured hold already.
+    """
+    residuals, d = fit.residuals.copy(), derivative_order(frf.form)
+    receptance = fit.shape[:, None, :] * fit.participation / fit.poles**d
+    for k in range(d):
+        rest = 2.0 * np.sum(receptance * fit.poles ** (d - 1 - k), axis=-1).real
+        residuals[..., k - d + 2] = np.where(fit.measured, residuals[..., k - d + 2], rest)
+    return residuals
+
+
 def _modes(
     fit: RankOneFit,
     chosen: Selection,
@@ -136,8 +150,9 @@ def _gain_variance(
     Roving hammer: the short side is one sensor, its axes share the hit. Roving response: every
     reference has hits of its own, and a shape is their mean weighted by participation.
     """
-    if not np.any(frf.variance > 0.0):
+    if not np.any((frf.variance > 0.0) & np.isfinite(frf.variance)):
         return np.zeros(fit.poles.size)
+    variance = np.where(fit.measured[..., None], variance, 0.0)
     result = np.empty(fit.poles.size)
     least_hz = (SMOOTHED_LINES + 1.0) * float(np.min(np.diff(freq)))
     for m, pole in enumerate(fit.poles):
@@ -193,11 +208,11 @@ def assemble_model(
     values, variance, freq = problem.values, problem.variance, problem.freq_hz
     n_freq, line_share = freq.size, problem.line_share
     synthesis = _synthesis(frf, laplace_lines(freq, frf.decay_rad_s), fit)
-    misfit = values - synthesis
+    misfit: _Complex = (values - synthesis) * fit.measured[..., None]
     clusters, names = mountings(frf.references if transposed else frf.responses)
     long_by_short = np.broadcast_to(clusters[:, None], values.shape[:2])
-    lack_of_fit = float(fit.cost.sum()) / max(2 * n_freq * fit.cost.size - fit.n_free, 1)
-    hits = float(np.median(frf.n_hits))
+    lack_of_fit = float(fit.cost.sum()) / max(2 * n_freq * fit.n_measured - fit.n_free, 1)
+    hits = float(np.median(frf.n_hits[frf.measured]))
     precision = pole_covariance(
         fit,
         clusters,
@@ -225,6 +240,7 @@ def assemble_model(
     def sided(per_frf: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         return frozen_array(per_frf.swapaxes(0, 1) if transposed else per_frf, np.float64)
 
+    measured = np.where(fit.measured, 1.0, np.nan)
     left = np.sum(np.abs(misfit) ** 2, axis=-1)
     size = np.sum(np.abs(values) ** 2, axis=-1)
     return ModalModel(
@@ -232,12 +248,12 @@ def assemble_model(
         form=frf.form,
         band_hz=lines.band_hz,
         modes=modes,
-        residual_terms=sided(fit.residuals),
+        residual_terms=sided(_residuals(frf, fit)),
         covariance=frozen_array(precision.covariance, np.float64),
         robust_covariance=precision.robust,
         synthesis_error=float(np.sqrt(left.sum() / size.sum())),
-        frf_error=sided(np.sqrt(left / np.maximum(size, np.finfo(float).tiny))),
-        frac=sided(frac(values, synthesis)),
+        frf_error=sided(measured * np.sqrt(left / np.maximum(size, np.finfo(float).tiny))),
+        frac=sided(measured * frac(values, synthesis)),
         lack_of_fit=2.0 * lack_of_fit,
         responses=frf.responses,
         references=frf.references,

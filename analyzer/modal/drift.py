@@ -112,7 +112,7 @@ def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> l
         f[g], z[g] = np.abs(poles) / (2.0 * np.pi), -poles.real / np.abs(poles)
         if np.any((poles.imag < low) | (poles.imag > high)):
             continue
-        n_frf = fit.cost.size
+        n_frf = fit.n_measured
         free = n_frf * (2 * local.data.s.size - 2 * n - N_RESIDUAL) - 2 * n
         theta = white_covariance(
             fit.information.sum(axis=0), float(fit.cost.sum()) / max(free, 1), line_share
@@ -136,7 +136,7 @@ def _chances(fit: Regression, group: _Int, n_freq: int, line_share: float) -> _R
     n_groups, n = int(group.max()) + 1, fit.poles.size
     member = (group[None, :] == np.arange(n_groups)[:, None]).astype(float)
     A, s = np.tensordot(member, fit.information, axes=1), member @ fit.score
-    n_frf, cost = member.sum(axis=1), member @ fit.cost
+    n_frf, cost = member @ fit.measured, member @ fit.cost
     kappa = (
         np.maximum(cost, np.finfo(float).tiny)
         / np.maximum(n_frf * (2 * n_freq - 2 * n - N_RESIDUAL) - 2 * n, 1)
@@ -233,8 +233,7 @@ def settle_drift(
 
 def _with(data: ModalData, values: _Complex) -> ModalData:
     """The same lines and weights with other values."""
-    variance = 1.0 / (data.row_weight[:, None] * data.weight)
-    return modal_data(data.form, data.s, values, np.broadcast_to(variance, values.shape))
+    return modal_data(data.form, data.s, values, data.variance)
 
 
 def _looked_at(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,11 +25,16 @@ from armodal.protocols.frf_records import FrequencyResponse
 __all__ = ["fit_modes", "fit_modes_at"]
 
 
+def _silent(_doing: str) -> None:
+    """Tell nobody."""
+
+
 def fit_modes(
     frf: FrequencyResponse,
     *,
     band_hz: tuple[float, float] | None = None,
     max_order: int = 60,
+    tell: Callable[[str], None] = _silent,
 ) -> ModalModel:
     """Poles, shapes and residual terms of one FRF matrix.
 
@@ -43,6 +49,8 @@ def fit_modes(
         Lines used, and where modes may lie; all lines by default.
     max_order
         Highest order of the stabilisation.
+    tell
+        Called with what is being done, whenever that changes.
 
     Returns
     -------
@@ -62,8 +70,10 @@ def fit_modes(
     problem, transposed = _problem(frf, lines)
     table: Stabilisation | None = None
     try:
+        tell("poles over model orders")
         table = stabilisation(problem, max_order)
-        poles, share = search_poles(problem, table, max_order)
+        poles, share = search_poles(problem, table, max_order, tell=tell)
+        tell(f"whether {poles.size} modes move, and where they are")
         if not lines.told:
             problem = _reweighted(problem, poles)
         return _fitted(frf, lines, problem, table, poles, share, transposed=transposed)
@@ -169,7 +179,7 @@ def _reweighted(
         data = replace(problem, values=still.values.reshape(problem.values.shape)).data()
         fit = regress(data, still.poles, pole_terms=False)
     left = misfit(data, fit).reshape(problem.values.shape)
-    variance = misfit_variance(left, problem.values, problem.line_share)
+    variance = misfit_variance(left, problem.values, problem.line_share, problem.measured)
     return replace(problem, variance=variance)
 
 

@@ -1,4 +1,8 @@
-"""Mode indicators of an FRF matrix."""
+"""Mode indicators of an FRF matrix.
+
+Where FRFs were not measured singular values and eigenvalues are those of the largest complete
+block: a hole taken for 0 would look like a second mode at every resonance.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
+from armodal.analyzer.modal.complete_parts import complete_block
 from armodal.analyzer.modal.forms import derivative_order
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import EstimateError
@@ -44,14 +49,14 @@ def cmif(frf: FrequencyResponse) -> npt.NDArray[np.float64]:
 
     Returns
     -------
-    (n_freq, min(n_resp, n_ref)) float64
+    (n_freq, min(n_resp, n_ref)) float64, those of the complete block
         Singular values per line, largest first, in the FRF's own unit.
 
     References
     ----------
     Shih et al., Mech. Syst. Signal Process. 2 (1988) 367.
     """
-    values = np.linalg.svd(np.moveaxis(frf.values, 2, 0), compute_uv=False)
+    values = np.linalg.svd(np.moveaxis(_block(frf), 2, 0), compute_uv=False)
     return values.astype(np.float64)
 
 
@@ -65,7 +70,7 @@ def tracked_cmif(frf: FrequencyResponse) -> TrackedCmif:
     ----------
     Phillips, Allemang, Fladung, Proc. IMAC XVI (1998) 705.
     """
-    U, S, Vh = np.linalg.svd(np.moveaxis(frf.values, 2, 0), full_matrices=False)
+    U, S, Vh = np.linalg.svd(np.moveaxis(_block(frf), 2, 0), full_matrices=False)
     V = Vh.conj().transpose(0, 2, 1)
     likeness = np.abs(U[:-1].conj().transpose(0, 2, 1) @ U[1:])
     likeness *= np.abs(V[:-1].conj().transpose(0, 2, 1) @ V[1:])
@@ -81,10 +86,18 @@ def tracked_cmif(frf: FrequencyResponse) -> TrackedCmif:
     )
 
 
-def _in_phase_part(frf: FrequencyResponse) -> npt.NDArray[np.complex128]:
+def _block(frf: FrequencyResponse) -> npt.NDArray[np.complex128]:
+    """Values of the largest complete block: (n_resp, n_ref, n_freq)."""
+    measured = frf.measured
+    return frf.values if measured.all() else frf.values[np.ix_(*complete_block(measured))]
+
+
+def _in_phase_part(
+    frf: FrequencyResponse, values: npt.NDArray[np.complex128]
+) -> npt.NDArray[np.complex128]:
     """FRFs turned so that the in-phase part of a real mode is real: mobility by 90 degrees."""
     turn = 1j if derivative_order(frf.form) == 1 else 1.0
-    result: npt.NDArray[np.complex128] = frf.values * turn
+    result: npt.NDArray[np.complex128] = values * turn
     return result
 
 
@@ -102,7 +115,7 @@ def mif(frf: FrequencyResponse) -> npt.NDArray[np.float64]:
     ----------
     Breitbach, Proc. ESA Symp. on the Assessment of Modal Survey Test Techniques (1976).
     """
-    H = _in_phase_part(frf)
+    H = _in_phase_part(frf, frf.values)
     size = np.abs(H)
     total = np.sum(size**2, axis=0)
     part = np.sum(np.abs(H.real) * size, axis=0)
@@ -120,7 +133,7 @@ def multivariate_mif(frf: FrequencyResponse) -> npt.NDArray[np.float64]:
 
     Returns
     -------
-    (n_freq, n_ref) float64
+    (n_freq, n_ref) float64, n_ref of the complete block
         In [0, 1].
 
     Raises
@@ -132,13 +145,14 @@ def multivariate_mif(frf: FrequencyResponse) -> npt.NDArray[np.float64]:
     ----------
     Williams, Crowley, Vold, Proc. IMAC III (1985) 66.
     """
-    n_resp, n_ref, n_freq = frf.values.shape
+    values = _block(frf)
+    n_resp, n_ref, n_freq = values.shape
     if n_ref > n_resp:
         raise EstimateError(
             f"the multivariate MIF needs as many responses as references, got {n_resp} and "
             f"{n_ref}; exchange them by reciprocity"
         )
-    H = np.moveaxis(_in_phase_part(frf), 2, 0)
+    H = np.moveaxis(_in_phase_part(frf, values), 2, 0)
     both = np.concatenate([H.real, H.imag], axis=1)
     # Whitened by the thin QR of both parts stacked, the pencil is Q_r^T Q_r.
     Q = np.linalg.qr(both)[0]

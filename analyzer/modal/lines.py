@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import median_filter
 
+from armodal.analyzer.modal.complete_parts import linked
 from armodal.analyzer.modal.forms import derivative_order
 from armodal.analyzer.modal.noise import (
     hit_scatter_variance,
@@ -33,7 +34,7 @@ class FittedLines:
 
     freq_hz: _Real
     values: _Complex  # (n_resp, n_ref, n_freq)
-    variance: _Real  # (n_resp, n_ref, n_freq), above 0
+    variance: _Real  # (n_resp, n_ref, n_freq), above 0; infinite where not measured
     told: bool  # the variance came with the FRFs
     share: float  # independent lines per line
     notes: tuple[str, ...]
@@ -55,6 +56,9 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
     _check(frf)
     keep = _band(frf, band_hz)
     notes: tuple[str, ...] = ()
+    holes = np.count_nonzero(~frf.measured)
+    if holes:
+        notes = (f"{holes} of {frf.measured.size} FRFs were not measured and are left out",)
     first = _blown_up(frf, keep)
     if first is not None:
         keep = keep & (frf.freq_hz >= frf.freq_hz[first])
@@ -62,22 +66,24 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
             f"lines below {frf.freq_hz[first]:.4g} Hz are left out: noise that integration, drift "
             "or AC coupling has blown up, larger than the FRFs themselves"
         )
-        notes = (said,)
-    values = np.ascontiguousarray(frf.values[..., keep])
+        notes = (*notes, said)
+    values = np.where(frf.measured[..., None], frf.values[..., keep], 0.0)
     given = frf.variance[..., keep]
     told = bool(np.any(np.isfinite(given) & (given > 0.0)))
     freq = frf.freq_hz[keep]
     return FittedLines(
         freq_hz=freq,
         values=values,
-        variance=_given_variance(values, given),
+        variance=_given_variance(values, given, frf.measured),
         told=told,
         share=independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq)))),
         notes=notes,
     )
 
 
-def misfit_variance(left: _Complex, values: _Complex, line_share: float) -> _Real:
+def misfit_variance(
+    left: _Complex, values: _Complex, line_share: float, measured: npt.NDArray[np.bool_]
+) -> _Real:
     """Variance of each line from what a model leaves of the FRFs.
 
     A noise floor that varies slowly over the lines, and an error in proportion to the FRF, as a
@@ -91,20 +97,23 @@ def misfit_variance(left: _Complex, values: _Complex, line_share: float) -> _Rea
         (n_resp, n_ref, n_freq), the misfit and the FRFs.
     line_share
         Independent lines per line under the window.
+    measured
+        (n_resp, n_ref); the variance of others is infinite.
     """
-    power, size = np.abs(left) ** 2, np.abs(values) ** 2
+    power, size = np.abs(left[measured]) ** 2, np.abs(values[measured]) ** 2
     own = np.median(power, axis=-1, keepdims=True) / np.log(2.0)
     largest = np.mean(size, axis=-1, keepdims=True)
     own = np.maximum(own, np.maximum(1e-12 * largest, 1e-20 * float(largest.max())))
-    mean, mean_size = ((x / own).mean(axis=(0, 1), keepdims=True) for x in (power, size))
+    mean, mean_size = ((x / own).mean(axis=0)[None, None] for x in (power, size))
     width = min(MEDIAN_LINES, mean.shape[-1])
     # The mean of k squared magnitudes has its median at its mean but for a third of 1 / k.
-    n_frf = power.shape[0] * power.shape[1]
+    n_frf = power.shape[0]
     floor = median_filter(mean, size=(1, 1, width), mode="nearest") / (1.0 - 1.0 / (3.0 * n_frf))
     shape = hit_scatter_variance(
         mean, np.maximum(floor, 1e-12), mean_size, np.array([[1 + n_frf]]), line_share
     )
-    result: _Real = own * shape
+    result: _Real = np.full(values.shape, np.inf)
+    result[measured] = own * shape[0]
     return result
 
 
@@ -131,7 +140,7 @@ def _blown_up(frf: FrequencyResponse, keep: npt.NDArray[np.bool_]) -> int | None
     return int(lines[end])
 
 
-def _given_variance(values: _Complex, given: _Real) -> _Real:
+def _given_variance(values: _Complex, given: _Real, measured: npt.NDArray[np.bool_]) -> _Real:
     """Line variances, never zero; FRFs without one share one by their mean square."""
     mean_square = np.mean(np.abs(values) ** 2, axis=-1, keepdims=True)
     largest = float(mean_square.max())
@@ -140,6 +149,7 @@ def _given_variance(values: _Complex, given: _Real) -> _Real:
     # Below 1e-12 of the mean square a variance is rounding, and no longer a weight.
     least = np.maximum(1e-12 * mean_square, 1e-20 * largest)
     filled: _Real = np.where(known, np.maximum(given, least), shared)
+    filled[~measured] = np.inf
     return filled
 
 
@@ -178,8 +188,28 @@ def _check(frf: FrequencyResponse) -> None:
             f"{where}: coherence reaches {np.nanmax(frf.coherence):.3g}, it cannot exceed 1; "
             "rebuild it from the hits"
         )
+    _check_measured(frf, where)
     if not np.any(frf.values):
         raise EstimateError(f"{where}: all values are zero; check the response channels")
+
+
+def _check_measured(frf: FrequencyResponse, where: str) -> None:
+    """Refuse FRFs with holes that leave a response, a reference or a link between them untold."""
+    measured = frf.measured
+    for dofs, told in ((frf.responses, measured.any(1)), (frf.references, measured.any(0))):
+        for dof in (dofs[i] for i in np.flatnonzero(~told)):
+            raise EstimateError(
+                f"{where}: no FRF of {dof.point} {dof.label} was measured; leave it out"
+            )
+    apart = ~linked(measured)
+    if apart.any():
+        first, other = frf.responses[0], frf.responses[int(np.argmax(apart))]
+        raise EstimateError(
+            f"{where}: wanted responses that share references; {other.point} {other.label} and "
+            f"{first.point} {first.label} have none in common, nor by way of others, so one "
+            "shape over both has no size; measure an FRF that links them, or fit them as "
+            "postures of their own"
+        )
 
 
 def _band(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> npt.NDArray[np.bool_]:

@@ -62,8 +62,9 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
     variance = frf.variance[..., keep]
     if not np.all(variance > 0.0):
         variance = np.maximum(np.median(misfit, axis=-1, keepdims=True), np.finfo(float).tiny)
-    power = np.mean(misfit / variance, axis=(0, 1))
-    size = np.mean(np.abs(values) ** 2 / variance, axis=(0, 1))
+    told = frf.measured[..., None]
+    power = np.mean(misfit / variance, axis=(0, 1), where=told)
+    size = np.mean(np.abs(values) ** 2 / variance, axis=(0, 1), where=told)
 
     reach = np.maximum(3.0 * _DAMPING * freq, 0.5 * _LEAST_LINES * np.median(np.diff(freq)))
     low = np.searchsorted(freq, freq - reach)
@@ -79,7 +80,7 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
     if usual <= 0.0:
         return ()
     share = independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq))))
-    scatter = 1.0 / np.sqrt(frf.values.shape[0] * frf.values.shape[1] * (high - low) * share)
+    scatter = 1.0 / np.sqrt(np.count_nonzero(told) * (high - low) * share)
     ratio = level / usual
     stands_out = ratio > np.maximum(_LEAST_RATIO, 1.0 + _LEAST_Z * scatter)
     hints = []
@@ -100,9 +101,9 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
             )
         # One hint covers the slopes on either side down to where the misfit is usual again.
         first, last = k, k
-        while first > 0 and stands_out[first - 1]:
+        while first > 0 and ratio[first - 1] > 1.0:
             first -= 1
-        while last < freq.size - 1 and stands_out[last + 1]:
+        while last < freq.size - 1 and ratio[last + 1] > 1.0:
             last += 1
         stands_out[first : last + 1] = False
     return tuple(hints)

@@ -69,8 +69,8 @@ class ModalModel:
     covariance: npt.NDArray[np.float64]  # (2 n, 2 n) of (f_1, zeta_1, f_2, ...), Hz and 1
     robust_covariance: bool  # from the scatter between points; False: from line variances
     synthesis_error: float  # RMS misfit over RMS of all FRFs in the band
-    frf_error: npt.NDArray[np.float64]  # (n_resp, n_ref), the same per FRF
-    frac: npt.NDArray[np.float64]  # (n_resp, n_ref) likeness of each FRF and its synthesis
+    frf_error: npt.NDArray[np.float64]  # (n_resp, n_ref), the same per FRF; NaN: not measured
+    frac: npt.NDArray[np.float64]  # (n_resp, n_ref) likeness of each FRF and its synthesis, alike
     lack_of_fit: float  # weighted misfit per degree of freedom; 1 when noise explains it
     responses: tuple[Dof, ...]
     references: tuple[Dof, ...]
@@ -95,6 +95,8 @@ def synthesise(
     model: ModalModel, freq_hz: npt.NDArray[np.float64], *, decay_rad_s: float = 0.0
 ) -> npt.NDArray[np.complex128]:
     """FRFs of the model, in the form it was fitted in: (n_resp, n_ref, n_freq).
+
+    An FRF that was not measured is the sum of its modes in the band.
 
     Parameters
     ----------

@@ -10,6 +10,7 @@ from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
 
 from armodal.analyzer.modal.about_modes import AboutModes
 from armodal.analyzer.modal.correlation import mpc
@@ -34,7 +35,10 @@ def own_fits(
     """Own fits with the fewest poles that explain what these common poles do.
 
     None where all are needed and common poles leave nothing visible. What fewer poles leave over
-    counts for as much as it is a mode: not where neither common nor own poles make one of it.
+    counts for as much as it is a mode: not where neither common nor own poles make one of it. Fewer
+    poles that move are believed by Akaike's criterion; or because they have shapes that a mode can
+    have, those that stand still have not, and leave more than noise: every lineshape is
+    approximated by enough fixed poles.
     """
     common = regress(local.data, poles, pole_terms=False)
     reference = _at_modes(local, misfit(local.data, common))
@@ -42,13 +46,19 @@ def own_fits(
     any_left = np.full(poles.size, np.inf)
     every = (
         _own_fits(local, group, poles, poles.size, any_left)
-        if not _is_mode(common.residues)
+        if not _is_mode(local, common.residues)
         else None
     )
-    no_modes = every is not None and not _is_mode(_moving(group, every[0]))
+    no_modes = every is not None and not _is_mode(local, _moving(local, group, every[0]))
+    # Shapes of any phases may be the structure's own, where common poles leave nothing but noise.
+    doubted = every is not None and _aic(local, every[0], common, line_share)
     for n in range(1, poles.size):
         own = _own_fits(local, group, poles, n, any_left if no_modes else reference + visible)
-        if own is not None and _explains_more(local, group, own[0], common, line_share):
+        if own is None:
+            continue
+        if _aic(local, own[0], common, line_share) or (
+            doubted and _is_mode(local, _moving(local, group, own[0]))
+        ):
             return own[0]
     if np.all(reference < visible):
         return None  # no other poles can leave visibly less
@@ -58,7 +68,10 @@ def own_fits(
     if searched:
         return every[0]
     rival = _one_more(local.data, poles)
-    return every[0] if _explains_more(local, group, every[0], rival, line_share) else None
+    moving = _is_mode(local, _moving(local, group, every[0])) and not _is_mode(
+        local, rival.residues
+    )
+    return every[0] if moving or _aic(local, every[0], rival, line_share) else None
 
 
 def own_fits_again(local: AboutModes, group: _Int, starts: _Complex) -> list[Regression]:
@@ -105,16 +118,29 @@ def _at_modes(
     return power
 
 
-def _is_mode(residues: _Complex) -> bool:
-    """Whether all these (n_frf, n) are shapes that a mode can have."""
-    return min(mpc(shape) for shape in residues.T) >= CONSISTENT
+def _is_mode(local: AboutModes, residues: _Complex) -> bool:
+    """Whether all these (n_frf, n) are shapes that a mode can have.
+
+    In units of each FRF's noise: what a noisy FRF or a strong reference tells of a phase counts for
+    no more than it is known.
+    """
+    known = np.sqrt(local.data.row_weight)
+    return min(mpc(known * shape) for shape in residues.T) >= CONSISTENT
 
 
-def _moving(group: _Int, fits: list[Regression]) -> _Complex:
-    """Residues (n_frf, n) of own fits, by rising frequency in every group."""
-    moving = np.empty((group.size, fits[0].poles.size), dtype=np.complex128)
+def _moving(local: AboutModes, group: _Int, fits: list[Regression]) -> _Complex:
+    """Residues (n_frf, n) of own fits, poles paired with those of the group that shows most.
+
+    A pole counts by what it shows: a faint one that rounds off the lineshape of another may
+    stand on either side of it.
+    """
+    row = local.data.row_weight
+    shown = [row[group == g] @ np.abs(fit.residues) ** 2 for g, fit in enumerate(fits)]
+    most = fits[int(np.argmax([one.sum() for one in shown]))].poles
+    moving = np.empty((group.size, most.size), dtype=np.complex128)
     for g, fit in enumerate(fits):
-        moving[group == g] = fit.residues[:, np.argsort(fit.poles.imag)]
+        apart = shown[g] * np.abs(most[:, None] - fit.poles) ** 2
+        moving[group == g] = fit.residues[:, linear_sum_assignment(apart)[1]]
     return moving
 
 
@@ -127,16 +153,12 @@ def _one_more(data: ModalData, poles: _Complex) -> Regression:
     return refine_poles(data, starts[int(np.argmin(costs))])
 
 
-def _explains_more(
-    local: AboutModes, group: _Int, fits: list[Regression], common: Regression, line_share: float
-) -> bool:
-    """Whether fewer poles that move are believed, rather than more that stand still.
+def _aic(local: AboutModes, fits: list[Regression], common: Regression, line_share: float) -> bool:
+    """Whether poles that move are believed rather than some that stand still.
 
-    By Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716); or because what stands still
-    has shapes that no mode has and what moves has not: every lineshape is approximated by enough
-    fixed poles.
+    By Akaike's criterion (IEEE Trans. Autom. Control 19 (1974) 716).
     """
-    n_frf, lines = local.data.values.shape
+    n_frf, lines = common.n_measured, local.data.s.size
     n_groups, n, more = len(fits), fits[0].poles.size, common.poles.size
     size_own = 2 * n * n_groups + n_frf * (2 * n + N_RESIDUAL)
     size_common = 2 * more + n_frf * (2 * more + N_RESIDUAL)
@@ -147,6 +169,4 @@ def _explains_more(
         min(cost_own / max(real - size_own, 1), cost_common / max(real - size_common, 1))
         / line_share
     )
-    if cost_own / noise + 2 * size_own < cost_common / noise + 2 * size_common:
-        return True
-    return _is_mode(_moving(group, fits)) and not _is_mode(common.residues)
+    return cost_own / noise + 2 * size_own < cost_common / noise + 2 * size_common

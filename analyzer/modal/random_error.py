@@ -62,7 +62,7 @@ def typical_random_errors(frf: FrequencyResponse) -> tuple[float | None, float |
     None where the FRFs do not tell it. Half of E|error|² lies along an FRF, half across it.
     """
     size = np.abs(frf.values)
-    told = (frf.variance > 0.0) & (size > 0.0)
+    told = (frf.variance > 0.0) & np.isfinite(frf.variance) & (size > 0.0)
     scatter = np.sqrt(0.5 * frf.variance[told]) / size[told]
     coherence = [
         coherence_random_error(frf.coherence[i, j], int(n))

@@ -26,7 +26,9 @@ __all__ = ["RankOneFit", "refine_rank_one"]
 _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
 _RIDGE = 1e-13
-_MOST_STEPS = 12  # accepted or not
+_MOST_STEPS = 30  # accepted or not
+_MOST_TURNS = 1000  # of shape and participation, to begin where FRFs were not measured
+_TURNED = 1e-7  # of a unit participation, that a turn still changes at the end
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,8 +44,9 @@ class RankOneFit:
     shape: _Complex  # (n_resp, n_modes)
     participation: _Complex  # (n_ref, n_modes)
     held: npt.NDArray[np.intp]  # (n_modes,) reference whose participation is held
-    residuals: _Real  # (n_resp, n_ref, 3)
+    residuals: _Real  # (n_resp, n_ref, 3), 0 of what was not measured
     cost: _Real  # (n_resp, n_ref) weighted sum of squares left
+    measured: npt.NDArray[np.bool_]  # (n_resp, n_ref)
     information: _Real  # (n_resp, n_theta, n_theta)
     score: _Real  # (n_resp, n_theta)
     shape_inverse: _Real  # (n_resp, 2 n_modes, 2 n_modes), inverse information of phi_o
@@ -53,7 +56,12 @@ class RankOneFit:
     def n_free(self) -> int:
         """Real parameters fitted."""
         n_resp, n_modes = self.shape.shape
-        return int(N_RESIDUAL * self.cost.size + self.score.shape[1] + 2 * n_resp * n_modes)
+        return int(N_RESIDUAL * self.n_measured + self.score.shape[1] + 2 * n_resp * n_modes)
+
+    @property
+    def n_measured(self) -> int:
+        """FRFs that were measured."""
+        return int(np.count_nonzero(self.measured))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,6 +156,8 @@ def _evaluate(
     cost = system.energy - 2.0 * np.einsum("oja,oja->oj", system.b[..., :n], a)
     cost = np.maximum(cost + np.einsum("oja,oja->oj", Ga, a), 0.0)
     residuals = system.residual_of_b - np.einsum("ojca,oja->ojc", system.residual_of_residue, a)
+    measured = system.row > 0.0
+    residuals[~measured] = 0.0
 
     F = _times(phi)  # (n_resp, n, n)
     C = _times(residues)  # (n_resp, n_ref, n, n)
@@ -181,6 +191,7 @@ def _evaluate(
         held=held,
         residuals=residuals,
         cost=cost,
+        measured=measured,
         information=information,
         score=score[:, free],
         shape_inverse=inverse,
@@ -195,13 +206,40 @@ def _free(n_ref: int, held: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
     return np.flatnonzero(free.reshape(-1))
 
 
-def _start(residues: _Complex) -> tuple[_Complex, npt.NDArray[np.intp]]:
-    """Participations of residues (n_resp, n_ref, n_modes), and which reference is held."""
-    n_modes = residues.shape[2]
-    _, _, Vh = np.linalg.svd(residues.transpose(2, 0, 1), full_matrices=False)
-    participation = Vh[:, 0].T  # (n_ref, n_modes)
+def _start(residues: _Complex, weight: _Real) -> tuple[_Complex, npt.NDArray[np.intp]]:
+    """Participations of residues (n_resp, n_ref, n_modes), and which reference is held.
+
+    What was not measured has no weight (n_resp, n_ref): there shape and participation are fitted
+    in turn to what was, each by least squares while the other stands.
+    """
+    matrices = residues.transpose(2, 0, 1)
+    if np.all(weight > 0.0):
+        _, _, Vh = np.linalg.svd(matrices, full_matrices=False)
+        return _held(Vh[:, 0].T)
+    return _held(np.stack([_in_turn(residue, weight) for residue in matrices], axis=1))
+
+
+def _held(participation: _Complex) -> tuple[_Complex, npt.NDArray[np.intp]]:
+    """Participations over the largest of each mode, and which that is."""
     held = np.argmax(np.abs(participation), axis=0)
-    return participation / participation[held, np.arange(n_modes)], held
+    return participation / participation[held, np.arange(held.size)], held
+
+
+def _in_turn(residue: _Complex, weight: _Real) -> _Complex:
+    """Participation (n_ref,) of one residue matrix (n_resp, n_ref) with holes."""
+    tiny = np.finfo(float).tiny
+    weighted = weight * residue
+    participation: _Complex = np.sqrt(np.mean(np.abs(residue) ** 2, axis=0)).astype(np.complex128)
+    for _ in range(_MOST_TURNS):
+        before = participation
+        shape = weighted @ before.conj() / np.maximum(weight @ np.abs(before) ** 2, tiny)
+        told = np.maximum(weight.T @ np.abs(shape) ** 2, tiny)
+        participation = weighted.T @ shape.conj() / told
+        # Neither side grows at the other's cost: shape and participation share a free factor.
+        participation = participation * (np.linalg.norm(before) / np.linalg.norm(participation))
+        if np.all(np.abs(participation - before) <= _TURNED * np.abs(participation)):
+            break
+    return participation
 
 
 def refine_rank_one(
@@ -234,7 +272,7 @@ def refine_rank_one(
     Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413. El-Kafafy, De Troyer, Peeters and
     Guillaume, Mech. Syst. Signal Process. 37 (2013) 346 (MLMM, the same likelihood).
     """
-    participation, held = _start(residues)
+    participation, held = _start(residues, data.row_weight.reshape(residues.shape[:2]))
     current = _evaluate(data, poles, participation, held)
     if poles.size == 0 or residues.shape[1] == 1:
         return current  # one reference: the poles came refined, and nothing is shared
@@ -264,4 +302,7 @@ def refine_rank_one(
             damping = min(max(damping * 30.0, 1e-3), 1e6)
         if share < tolerance:
             break
+    turned, held = _held(current.participation)
+    if np.any(held != current.held):
+        current = _evaluate(data, current.poles, turned, held)
     return current

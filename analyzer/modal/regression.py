@@ -49,9 +49,17 @@ class ModalData:
     s: npt.NDArray[np.complex128]  # (n_freq,)
     values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
-    row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`
+    row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`; 0 of what is not measured
     weighted: npt.NDArray[np.float64]  # (n_frf, 2 n_freq), weight times values, Re then Im
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
+
+    @property
+    def variance(self) -> npt.NDArray[np.float64]:
+        """Variance of every line: (n_frf, n_freq), infinite where an FRF was not measured."""
+        both = self.row_weight[:, None] * self.weight
+        whole = np.full(self.values.shape, np.inf)
+        np.divide(1.0, both, out=whole, where=both > 0.0)
+        return whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +77,12 @@ class Regression:
     gain: npt.NDArray[np.float64]  # (n_frf, n_modes) rise of cost without the mode
     information: npt.NDArray[np.float64]  # (n_frf, 2 n_modes, 2 n_modes), poles, projected
     score: npt.NDArray[np.float64]  # (n_frf, 2 n_modes), poles, projected
+    measured: npt.NDArray[np.bool_]  # (n_frf,)
+
+    @property
+    def n_measured(self) -> int:
+        """FRFs that were measured: only those count as data."""
+        return int(np.count_nonzero(self.measured))
 
 
 def modal_data(
@@ -77,11 +91,18 @@ def modal_data(
     values: npt.NDArray[np.complex128],
     variance: npt.NDArray[np.float64],
 ) -> ModalData:
-    """FRFs of any leading shape, flattened to rows, weighted by one over their variance."""
+    """FRFs of any leading shape, flattened to rows, weighted by one over their variance.
+
+    An FRF of infinite variance was not measured: its row weighs nothing.
+    """
     flat = values.reshape(-1, s.size)
     weight = 1.0 / variance.reshape(-1, s.size)
+    measured = np.any(weight > 0.0, axis=1)
+    # A row without weight takes the lines' weights of another, so that all may share theirs.
+    weight[~measured] = weight[np.argmax(measured)]
     row = np.exp(np.mean(np.log(weight), axis=1))
     weight = weight / row[:, None]
+    row = np.where(measured, row, 0.0)
     if np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0):
         weight = np.ascontiguousarray(weight[:1])
     energy = row * np.sum(weight * np.abs(flat) ** 2, axis=1)
@@ -227,6 +248,7 @@ def regress(
         gain=gain,
         information=information,
         score=score,
+        measured=row > 0.0,
     )
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.choice import candidate_poles, merge_duplicates, zoom_bands
+from armodal.analyzer.modal.complete_parts import Part, complete_parts
 from armodal.analyzer.modal.drift import settle_drift
 from armodal.analyzer.modal.peaks import peak_poles, standing_peaks, unexplained
 from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
@@ -36,7 +38,7 @@ class Problem:
     freq_hz: _Real  # (n_freq,)
     decay_rad_s: float
     values: _Complex  # (n_long, n_short, n_freq)
-    variance: _Real  # alike
+    variance: _Real  # alike; infinite where an FRF was not measured
     line_share: float  # independent lines per line
     group: npt.NDArray[np.int64]  # (n_long,) what was measured at once
 
@@ -44,6 +46,11 @@ class Problem:
     def band_hz(self) -> tuple[float, float]:
         """Lowest and highest line."""
         return float(self.freq_hz[0]), float(self.freq_hz[-1])
+
+    @property
+    def measured(self) -> npt.NDArray[np.bool_]:
+        """Which FRFs were measured: (n_long, n_short)."""
+        return np.asarray(np.isfinite(self.variance).all(axis=-1))
 
     @property
     def rows(self) -> npt.NDArray[np.int64]:
@@ -66,42 +73,52 @@ class Problem:
         )
 
 
-def _weight(problem: Problem) -> _Real:
-    weight: _Real = 1.0 / np.sqrt(problem.variance.mean(axis=1))
-    return weight
+def _poles(
+    problem: Problem,
+    part: Part,
+    max_order: int,
+    *,
+    lines: slice | npt.NDArray[np.bool_] = slice(None),
+    order_step: int | None = None,
+) -> Stabilisation:
+    """Poles over orders of one polynomial over a complete part of the matrix."""
+    variance = problem.variance[part].mean(axis=1)
+    return poles_plscf(
+        problem.values[part][..., lines],
+        problem.freq_hz[lines],
+        decay_rad_s=problem.decay_rad_s,
+        weight=1.0 / np.sqrt(variance[:, lines]),
+        max_order=max_order,
+        order_step=order_step,
+    )
 
 
 def stabilisation(problem: Problem, max_order: int) -> Stabilisation:
-    """Poles over orders of one polynomial over all lines."""
-    return poles_plscf(
-        problem.values,
-        problem.freq_hz,
-        decay_rad_s=problem.decay_rad_s,
-        weight=_weight(problem),
-        max_order=max_order,
-    )
+    """Poles over orders of one polynomial over all lines.
+
+    Where FRFs were not measured: of the largest complete block over several references, or of
+    one reference response by response.
+    """
+    return _poles(problem, complete_parts(problem.measured)[0], max_order)
 
 
 def _candidates(problem: Problem, whole: Stabilisation, max_order: int) -> tuple[_Complex, _Real]:
     """Candidates of the whole band and of the zoomed bands in it."""
-    freq, weight = problem.freq_hz, _weight(problem)
-    found, share = candidate_poles(whole, problem.band_hz)
-    poles, shares = [found], [share]
-    # A polynomial matrix of n_short columns has n_short times as many poles as its order.
-    zoom_order = max(max_order // problem.values.shape[1], 8)
-    for low, high in zoom_bands(freq):
-        lines = (freq >= low) & (freq <= high)
-        table = poles_plscf(
-            problem.values[..., lines],
-            freq[lines],
-            decay_rad_s=problem.decay_rad_s,
-            weight=weight[:, lines],
-            max_order=min(zoom_order, int(np.count_nonzero(lines)) // 2),
-            order_step=_ZOOM_ORDER_STEP,
-        )
-        found, share = candidate_poles(table, (low, high))
+    freq, poles, shares = problem.freq_hz, [], []
+    for number, part in enumerate(complete_parts(problem.measured)):
+        table = whole if number == 0 else _poles(problem, part, max_order)
+        found, share = candidate_poles(table, problem.band_hz)
         poles.append(found)
         shares.append(share)
+        # A polynomial matrix of n_ref columns has n_ref times as many poles as its order.
+        zoom_order = max(max_order // table.participation.shape[1], 8)
+        for low, high in zoom_bands(freq):
+            lines = (freq >= low) & (freq <= high)
+            most = min(zoom_order, int(np.count_nonzero(lines)) // 2)
+            table = _poles(problem, part, most, lines=lines, order_step=_ZOOM_ORDER_STEP)
+            found, share = candidate_poles(table, (low, high))
+            poles.append(found)
+            shares.append(share)
     pole, share = np.concatenate(poles), np.concatenate(shares)
     # What everybody sees is tried where no polynomial holds it.
     peaks = standing_peaks(freq, problem.values)
@@ -177,7 +194,9 @@ def _in_one_piece(problem: Problem, table: Stabilisation, max_order: int) -> Sel
     return _looked_again(problem, data, chosen)
 
 
-def search_poles(problem: Problem, table: Stabilisation, max_order: int) -> tuple[_Complex, _Real]:
+def search_poles(
+    problem: Problem, table: Stabilisation, max_order: int, *, tell: Callable[[str], None]
+) -> tuple[_Complex, _Real]:
     """Poles the data need, and the share of orders each was seen at.
 
     A long record is searched span by span, each with residual terms of its own, which costs time
@@ -191,14 +210,19 @@ def search_poles(problem: Problem, table: Stabilisation, max_order: int) -> tupl
         Poles over orders of the whole band.
     max_order
         Highest order of a stabilisation.
+    tell
+        Called with what is being done.
     """
     pieces = spans(problem.freq_hz, problem.values, problem.variance)
     if len(pieces) == 1:
+        tell("which poles the FRFs need")
         chosen = _in_one_piece(problem, table, max_order)
         return chosen.fit.poles, chosen.share
     poles, shares = [], []
     for span in pieces:
         part = problem.part(span)
+        low, high = part.band_hz
+        tell(f"which poles {low:.4g} to {high:.4g} Hz needs, of {problem.band_hz[1]:.4g} Hz")
         chosen = _in_one_piece(part, stabilisation(part, max_order), max_order)
         own = span.holds(np.abs(chosen.fit.poles) / (2.0 * np.pi))
         poles.append(chosen.fit.poles[own])

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.choice import candidate_poles
+from armodal.analyzer.modal.complete_parts import complete_parts
 from armodal.analyzer.modal.noise import smooth_lines
 from armodal.analyzer.modal.plscf import poles_plscf
 from armodal.analyzer.modal.regression import ModalData, Regression, misfit
@@ -66,7 +67,7 @@ def split_poles(
     """
     left = misfit(data, fit)
     power = np.mean(data.row_weight[:, None] * data.weight * np.abs(left) ** 2, axis=0)
-    out, _ = _standing_out(power, left.shape[0], line_share)
+    out, _ = _standing_out(power, fit.n_measured, line_share)
     found: list[complex] = []
     spacing_hz = float(np.min(np.diff(freq_hz)))
     decay = float(data.s[0].real)
@@ -111,25 +112,31 @@ def left_over_poles(
     power = np.mean(weight * np.abs(left) ** 2, axis=0)
     size = np.mean(weight * np.abs(data.values) ** 2, axis=0)
     matrix = left.reshape(-1, n_ref, freq_hz.size)
-    rooted = np.sqrt(np.broadcast_to(weight, left.shape).reshape(matrix.shape).mean(axis=1))
+    weight = np.broadcast_to(weight, left.shape).reshape(matrix.shape)
+    parts = [
+        (part, np.sqrt(weight[part].mean(axis=1)))
+        for part in complete_parts(fit.measured.reshape(-1, n_ref))
+    ]
     poles: list[npt.NDArray[np.complex128]] = []
     shares: list[npt.NDArray[np.float64]] = []
-    for first, last in _places(power, size, left.shape[0], line_share):
+    for first, last in _places(power, size, fit.n_measured, line_share):
         reach = max(_MARGIN, last - first)
         lines = slice(max(first - reach, 0), last + reach + 1)
         freq = freq_hz[lines]
         if freq.size < 2 * _MARGIN:
             continue
-        table = poles_plscf(
-            np.ascontiguousarray(matrix[..., lines]),
-            freq,
-            decay_rad_s=decay_rad_s,
-            weight=np.ascontiguousarray(rooted[:, lines]),
-            max_order=max(_MOST_ORDER // n_ref, 4),
-        )
-        found, share = candidate_poles(table, (float(freq[0]), float(freq[-1])))
-        poles.append(found)
-        shares.append(share)
+        for part, rooted in parts:
+            own = np.ascontiguousarray(matrix[..., lines][part])
+            table = poles_plscf(
+                own,
+                freq,
+                decay_rad_s=decay_rad_s,
+                weight=np.ascontiguousarray(rooted[:, lines]),
+                max_order=max(_MOST_ORDER // own.shape[1], 4),
+            )
+            found, share = candidate_poles(table, (float(freq[0]), float(freq[-1])))
+            poles.append(found)
+            shares.append(share)
     if not poles:
         return np.empty(0, dtype=np.complex128), np.empty(0)
     return np.concatenate(poles), np.concatenate(shares)

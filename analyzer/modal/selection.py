@@ -42,14 +42,14 @@ class Selection:
 
 def lack_of_fit(fit: Regression, n_freq: int) -> float:
     """Weighted misfit per real degree of freedom; a half for noise of the stated variance."""
-    n_frf, n_modes = fit.residues.shape
+    n_frf, n_modes = fit.n_measured, fit.poles.size
     free = max(n_frf * (2 * n_freq - 2 * n_modes - N_RESIDUAL) - 2 * n_modes, 1)
     return float(np.sum(fit.cost) / free)
 
 
 def _significance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
     """Gain of each mode over what noise with correlated lines would give: (n_modes,)."""
-    expected = 2.0 * fit.cost.size * max(lack_of_fit(fit, n_freq), np.finfo(float).tiny) / share
+    expected = 2.0 * fit.n_measured * max(lack_of_fit(fit, n_freq), np.finfo(float).tiny) / share
     result: npt.NDArray[np.float64] = fit.gain.sum(axis=0) / expected
     return result
 
@@ -113,7 +113,7 @@ def _not_needed(
     in `settled`.
     """
     significance = _significance(fit, data.s.size, line_share)
-    n_frf = fit.cost.size
+    n_frf = fit.n_measured
     noise = lack_of_fit(fit, data.s.size) * (2.0 * n_frf + 2.0) / line_share
     most = float(fit.cost.sum()) + _LEAST_SIGNIFICANCE * noise
 

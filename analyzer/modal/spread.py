@@ -65,7 +65,7 @@ def _moved(data: ModalData, fit: Regression, own: npt.NDArray[np.intp], line_sha
         np.stack([np.abs(p) / (2.0 * np.pi), -p.real / np.abs(p)], axis=1).ravel()
         for p in (fit.poles[own], again.poles)
     )
-    n_frf, n_freq, n = again.cost.size, data.s.size, own.size
+    n_frf, n_freq, n = again.n_measured, data.s.size, own.size
     free = n_frf * (2 * n_freq - 2 * n - N_RESIDUAL) - 2 * n
     theta = white_covariance(
         again.information.sum(axis=0), float(again.cost.sum()) / max(free, 1), line_share

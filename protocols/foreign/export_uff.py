@@ -188,6 +188,8 @@ def _functions(
     functions = []
     for j, reference in enumerate(frf.references):
         for row in rows:
+            if not frf.measured[list(row.index), j].all():
+                continue
             values = np.zeros(len(frf.freq_hz), dtype=np.complex128)
             for i, factor in zip(row.index, row.factor, strict=True):
                 values += factor * frf.values[i, j]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,7 @@ from armodal.protocols.frf_records import Dof, FrequencyResponse
 
 __all__ = ["frf_matrix"]
 
+MOST_NAMED = 6  # FRFs that were not measured
 _SAME_LINE = 1e-3  # of a line's spacing: programs round their frequency axes
 
 
@@ -40,12 +42,13 @@ def frf_matrix(
     Returns
     -------
     FrequencyResponse
-        Variance 0 (not told): `analyzer` works it out from coherence and averages.
+        Variance 0 (not told): `analyzer` works it out from coherence and averages. FRFs that no
+        file has are not measured: value 0, variance infinite.
 
     Raises
     ------
     ForeignFileError
-        If forms or lines differ, an FRF comes twice, or the matrix has holes.
+        If forms or lines differ, or an FRF comes twice.
     """
     what = f"posture {table.name!r}"
     frfs = [frf for content in contents for frf in content.frfs]
@@ -68,20 +71,17 @@ def frf_matrix(
                 "out, or name the degrees of freedom with `responses` in the manifest"
             )
         cells[row, column] = frf
-    for row in rows:
-        for column in columns:
-            if (row, column) not in cells:
-                raise ForeignFileError(
-                    f"{what}: wanted every response over every reference, point {row[0]} {row[1]} "
-                    f"over {column[0]} is missing; make postures of their own of the complete parts"
-                )
     shape = (len(rows), len(columns), len(first.freq_hz))
-    grid = [[cells[row, column] for column in columns] for row in rows]
+    values, variance = np.zeros(shape, dtype=np.complex128), np.full(shape, np.inf)
     coherence = np.full(shape, np.nan)
-    for i, line in enumerate(grid):
-        for j, frf in enumerate(line):
-            if frf.coherence is not None:
-                coherence[i, j] = frf.coherence
+    for (i, row), (j, column) in product(enumerate(rows), enumerate(columns)):
+        cell = cells.get((row, column))
+        if cell is not None:
+            values[i, j], variance[i, j] = cell.values, 0.0
+            if cell.coherence is not None:
+                coherence[i, j] = cell.coherence
+    measured = np.isfinite(variance[..., 0])
+    _say_holes(measured, tuple(rows.values()), tuple(columns.values()), what, said)
     averages = _one(contents, "averages", table.averages, what)
     decay = _one(contents, "decay_rad_s", table.window_decay_rad_s, what)
     if averages is not None and averages > MOST_AVERAGES:
@@ -90,16 +90,16 @@ def frf_matrix(
             "`averages` in the manifest"
         )
     n_hits = 0 if averages is None else int(averages)
-    _say_uncertainty(coherence, n_hits, what, said)
+    _say_uncertainty(coherence[measured], n_hits, what, said)
     return FrequencyResponse(
         posture=table.name,
         form=first.form,
         freq_hz=first.freq_hz,
         decay_rad_s=0.0 if decay is None else float(decay),
-        values=frozen_array([[frf.values for frf in line] for line in grid], np.complex128),
+        values=frozen_array(values, np.complex128),
         coherence=frozen_array(coherence, np.float64),
-        variance=frozen_array(np.zeros(shape), np.float64),
-        n_hits=frozen_array(np.full(shape[:2], n_hits), np.int64),
+        variance=frozen_array(variance, np.float64),
+        n_hits=frozen_array(np.where(measured, n_hits, 0), np.int64),
         responses=tuple(rows.values()),
         references=tuple(columns.values()),
         joints_rad=frozen_array(placement.joints_rad, np.float64),
@@ -195,11 +195,33 @@ def _one(contents: Sequence[Content], name: str, told: float | None, what: str) 
     return value
 
 
+def _say_holes(
+    measured: npt.NDArray[np.bool_],
+    responses: tuple[Dof, ...],
+    references: tuple[Dof, ...],
+    what: str,
+    said: list[str],
+) -> None:
+    """Say which FRFs were not measured, and of which the mirror was."""
+    holes = np.argwhere(~measured)
+    if not len(holes):
+        return
+    named = [
+        f"{responses[i].point} {responses[i].label} over {references[j].point}" for i, j in holes
+    ]
+    more = f" and {len(named) - MOST_NAMED} more" if len(named) > MOST_NAMED else ""
+    said.append(
+        f"{what}: {len(holes)} of {measured.size} FRFs were not measured and are left out: "
+        f"{', '.join(named[:MOST_NAMED])}{more}"
+    )
+
+
 def _say_uncertainty(
     coherence: npt.NDArray[np.float64], n_hits: int, what: str, said: list[str]
 ) -> None:
+    """Say what `coherence` (n_measured, n_freq) and the number of averages leave open."""
     untold = int(np.count_nonzero(np.isnan(coherence).any(axis=-1)))
-    if untold == coherence[..., 0].size:
+    if untold == len(coherence):
         said.append(f"{what}: no coherence: uncertainties come from the misfit alone")
         return
     if untold:

@@ -19,6 +19,7 @@ from armodal.protocols.foreign.measured import (
     NotToldError,
     check_frf_values,
     clipped_coherence,
+    not_measured,
 )
 from armodal.protocols.foreign.roles import Role, role_of, tokens
 from armodal.protocols.foreign.uff_records import DataKind
@@ -82,6 +83,9 @@ def frfs_of(part: Variables, found: Found, hints: Hints, words: Words) -> tuple[
         for j, reference in enumerate(references):
             where = part.origin if values.shape[:2] == (1, 1) else f"{part.origin}: FRF {i + 1}"
             where += f", {j + 1}" if len(references) > 1 else ""
+            if values.shape[:2] != (1, 1) and not_measured(values[i, j]):
+                words.said.append(f"{where}: 0 or NaN on every line: taken as not measured")
+                continue
             keep = check_frf_values(freq, values[i, j], where)
             own = None if coherence is None else coherence[i, min(j, coherence.shape[1] - 1)][keep]
             if own is not None:

@@ -47,7 +47,7 @@ def write_mat(frf: FrequencyResponse, path: str | Path) -> None:
         "references": _cell([dof.point for dof in frf.references]),
         "response_directions": np.array([dof.direction for dof in frf.responses]),
         "reference_directions": np.array([dof.direction for dof in frf.references]),
-        "averages": float(frf.n_hits.min()),
+        "averages": float(frf.n_hits[frf.measured].min()),
         "window_decay_rad_s": frf.decay_rad_s,
         "posture": frf.posture,
     }

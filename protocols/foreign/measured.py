@@ -31,6 +31,7 @@ __all__ = [
     "check_signals",
     "clipped_coherence",
     "exact_rate",
+    "not_measured",
     "parse_dof",
 ]
 
@@ -41,6 +42,7 @@ _MOST_DENOMINATOR = 1000
 _COHERENCE_ROUNDING = 1e-6
 _LARGEST_SIGNAL = 1e12  # N, m/s^2
 _LARGEST_FRF = 1e30  # SI: its square is a number too
+_SMALLEST_FRF = 1.0 / _LARGEST_FRF  # the largest line of a response: its square is not 0
 _LARGEST_COHERENCE = 1.5  # above, it is something else: quantised ones of analysers reach 1.25
 
 
@@ -223,7 +225,8 @@ def check_frf_values(
     Raises
     ------
     ForeignFileError
-        For frequencies that do not increase, NaN, fewer than two lines, or nothing but one value.
+        For frequencies that do not increase, NaN, fewer than two lines, nothing but one value, or
+        nothing above 1e-30.
     """
     if freq_hz.shape != values.shape or freq_hz.ndim != 1:
         raise ForeignFileError(
@@ -251,8 +254,19 @@ def check_frf_values(
             f"{origin}: wanted a response, got the constant {values[keep][0]:.3g} on every line; "
             "check the channel, or leave this FRF out"
         )
+    largest = float(np.max(np.abs(values[keep])))
+    if largest < _SMALLEST_FRF:
+        raise ForeignFileError(
+            f"{origin}: wanted a response, got numbers up to {largest:.3g} only; check the "
+            "channel and its unit, or leave this FRF out"
+        )
     result: npt.NDArray[np.bool_] = keep
     return result
+
+
+def not_measured(values: npt.NDArray[np.complex128]) -> bool:
+    """Whether one FRF of a matrix (n,) is what programs fill a hole with: 0 or NaN throughout."""
+    return bool(np.all(values == 0.0) or np.all(np.isnan(values)))
 
 
 def check_signals(signals: npt.NDArray[np.float64], origin: str) -> None:

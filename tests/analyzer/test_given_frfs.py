@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from armodal.analyzer.given_frfs import with_variance
+from armodal.analyzer.given_frfs import complete_points, with_variance
+from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 
 FREQ = np.arange(1.0, 101.0)
@@ -50,6 +53,29 @@ def test_it_agrees_with_the_scatter_of_averaged_noise():
 def test_unknown_averages_bound_the_variance_as_two_do():
     told, bound = (with_variance(level_frfs([0.9] * 3, n)) for n in (2, 0))
     assert np.array_equal(told.variance, bound.variance)
+
+
+def test_an_frf_not_measured_stays_so_and_weighs_on_no_other():
+    frf = level_frfs([0.9, np.nan, 0.9], 3)
+    values, variance = frf.values.copy(), frf.variance.copy()
+    values[1], variance[1] = 0.0, np.inf
+    hole = with_variance(replace(frf, values=values, variance=variance))
+    assert hole.measured.ravel().tolist() == [True, False, True]
+    assert np.array_equal(hole.variance[[0, 2]], with_variance(frf).variance[[0, 2]])
+
+
+def test_points_that_lack_an_frf_are_left_out_with_all_their_axes():
+    frf = level_frfs([0.9, 0.9, 0.9], 3)
+    z = frf.responses[0].direction
+    axes = tuple(Dof(point=p, label=label, direction=z) for p, label in ("1x", "1y", "2x"))
+    variance = frf.variance.copy()
+    variance[1] = np.inf
+    frf = replace(frf, responses=axes, variance=variance)
+    assert [dof.point for dof in complete_points(frf).responses] == ["2"]
+    variance = variance.copy()
+    variance[2] = np.inf
+    with pytest.raises(EstimateError, match="every point lacks an FRF"):
+        complete_points(replace(frf, variance=variance))
 
 
 def test_frfs_without_coherence_weigh_like_the_others():

@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from unittest.mock import Mock, patch
 
 from support.made_run import ARM, PLAN
 from support.screen import Notices
 from textual.pilot import Pilot
 
 from armodal.daq.commands import Command
-from armodal.tui.screens.run.app import RunApp
+from armodal.tui.screens.run import app
+from armodal.tui.screens.run.collector import CalmCollector
 from armodal.tui.screens.run.conductor import RunOptions
 from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import Happening, Tick
@@ -37,7 +39,10 @@ class StageEngine(Engine):
 
 
 class Stage:
-    """An app whose process is a list of what it was told."""
+    """An app whose process is a list of what it was told.
+
+    Its garbage is left to Python: the tests hold ten times the objects of an app.
+    """
 
     def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
         place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
@@ -45,11 +50,13 @@ class Stage:
         self.sent: list[Command] = []
         self.unheard: list[Happening] = []  # said, and not listened to yet
         self.notices = Notices()
-        self.app = RunApp(
-            RunOptions(place=place, **options),
-            clock=lambda: self.now_s,
-            make_engine=lambda tell: StageEngine(tell, self),
-        )
+        self.collector = Mock(spec=CalmCollector)
+        with patch.object(app, "CalmCollector", lambda: self.collector):
+            self.app = app.RunApp(
+                RunOptions(place=place, **options),
+                clock=lambda: self.now_s,
+                make_engine=lambda tell: StageEngine(tell, self),
+            )
 
     async def tell(self, pilot: Pilot[int], *events: Happening) -> None:
         for event in events:

@@ -23,7 +23,8 @@ app = typer.Typer(add_completion=False)
 def fit(
     session: SessionPath,
     band: Annotated[
-        tuple[float, float] | None, typer.Option(help="Only lines from LOW to HIGH Hz.")
+        tuple[float, float] | None,
+        typer.Option(help="Only lines from LOW to HIGH Hz; else those that carry a signal."),
     ] = None,
     estimator: Annotated[
         FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")

@@ -16,6 +16,7 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
+    carried_band,
     drift_told,
     fit_modes,
     hit_choices,
@@ -29,6 +30,7 @@ from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 from armodal.tui.commands.fit_settings import FitSettings
+from armodal.tui.console import working
 from armodal.tui.json_text import plain
 
 __all__ = ["fit_values"]
@@ -56,7 +58,7 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     postures: dict[str, Any] = {}
     warnings = list(session.warnings)
     for frf in frfs:
-        model = fit_modes(frf, band_hz=settings.band_hz, max_order=settings.max_order)
+        model = _fitted(frf, settings, warnings)
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = _stabilisation(model)
         modes += _modes(superset, frf, model)
@@ -77,6 +79,21 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     }
     values: dict[str, Any] = plain(found)
     return values
+
+
+def _fitted(frf: FrequencyResponse, settings: FitSettings, warnings: list[str]) -> ModalModel:
+    """The modes in the band asked for, else in the one that carries a signal, which is said."""
+    band = settings.band_hz
+    if band is None:
+        band = carried_band(frf)
+        if band is not None:
+            warnings.append(
+                f"posture {frf.posture!r}: no band was asked for: fitted from {band[0]:.5g} to "
+                f"{band[1]:.5g} Hz of {frf.freq_hz[0]:.5g} to {frf.freq_hz[-1]:.5g} Hz, beyond "
+                "which the FRFs are noise; `--band` asks for another"
+            )
+    with working(f"posture {frf.posture!r}") as tell:
+        return fit_modes(frf, band_hz=band, max_order=settings.max_order, tell=tell)
 
 
 def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:

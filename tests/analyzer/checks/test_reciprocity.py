@@ -48,6 +48,18 @@ def test_noise_of_a_good_measurement_names_nothing():
         assert finding.outcome is Outcome.GOOD, finding.text
 
 
+def test_a_hole_whose_mirror_was_measured_is_told_and_compared_with_nothing():
+    frf = frequency_response(["a", "b"], ["a", "b"])
+    rows = [i for i, dof in enumerate(frf.responses) if dof.point == "a"]
+    column = [dof.point for dof in frf.references].index("b")
+    values, variance = frf.values.copy(), frf.variance.copy()
+    values[rows, column], variance[rows, column] = 0.0, np.inf
+    nothing, told = reciprocity([replace(frf, values=values, variance=variance)])
+    assert "hit one more point" in nothing.text
+    assert (told.outcome, set(told.points)) == (Outcome.CANNOT_TELL, {"a", "b"})
+    assert "a under a hit at b was not measured; b under a hit at a was" in told.text
+
+
 def test_one_hit_point_cannot_tell():
     (finding,) = reciprocity([frequency_response(["a", "b"], ["a"])])
     assert finding.outcome is Outcome.CANNOT_TELL

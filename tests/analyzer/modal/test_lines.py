@@ -47,7 +47,7 @@ def test_a_misfit_tells_the_noise_it_was_made_of():
     unit = (rng.normal(size=shape) + 1j * rng.normal(size=shape)) / np.sqrt(2.0)
     for floor, relative in ((0.3, 0.0), (0.1, 0.2)):
         left = np.sqrt(floor**2 + (relative * size) ** 2) * unit
-        found = misfit_variance(left, size.astype(complex), 1.0)
+        found = misfit_variance(left, size.astype(complex), 1.0, np.ones(shape[:2], dtype=bool))
         want = floor**2 + (relative * size) ** 2
         # Away from the peak eight FRFs and nine lines are averaged: 72 values, 12 % of a variance.
         flat = np.r_[100:1900, 2100:3900]

@@ -13,11 +13,29 @@ from armodal.analyzer.report import write_report
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.records import Loss
 
+EVIL = "<script>alert(1)</script>"
+
 
 @pytest.fixture(scope="module")
-def html(session, identified, tmp_path_factory):
+def path(session, identified, tmp_path_factory):
+    """The report of a session."""
     path = tmp_path_factory.mktemp("report") / "report.html"
     write_report(session, identified, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def html(path):
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def told_html(session, identified, tmp_path_factory):
+    """That of one with losses and warnings."""
+    loss = Loss(kind="can", count=7, first_sample=None, host_s=0.0, note="frames lost")
+    told = replace(session, losses=(loss,), warnings=("the tail was torn", EVIL), complete=False)
+    path = tmp_path_factory.mktemp("told") / "report.html"
+    write_report(told, identified, path)
     return path.read_text(encoding="utf-8")
 
 
@@ -64,32 +82,20 @@ def test_provenance_names_arm_plan_and_board(html, session):
         assert channel.serial_number in html
 
 
-def test_losses_and_warnings_stand_above_the_numbers(session, identified, tmp_path):
-    loss = Loss(kind="can", count=7, first_sample=None, host_s=0.0, note="frames lost")
-    told = replace(session, losses=(loss,), warnings=("the tail was torn",), complete=False)
-    path = tmp_path / "report.html"
-    write_report(told, identified, path)
-    html = path.read_text(encoding="utf-8")
-    numbers = html.index("<h2>Stiffness</h2>")
+def test_losses_and_warnings_stand_above_the_numbers(told_html):
+    numbers = told_html.index("<h2>Stiffness</h2>")
     for said in ("frames lost", "the tail was torn", "not complete"):
-        assert html.index(said) < numbers
+        assert told_html.index(said) < numbers
 
 
-def test_text_from_files_is_shown_and_never_run(session, identified, tmp_path):
-    evil = "<script>alert(1)</script>"
-    told = replace(session, warnings=(evil,))
-    path = tmp_path / "report.html"
-    write_report(told, identified, path)
-    html = path.read_text(encoding="utf-8")
-    assert evil not in html
-    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in html
+def test_text_from_files_is_shown_and_never_run(told_html):
+    assert EVIL not in told_html
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in told_html
 
 
-def test_the_file_has_the_permissions_of_any_other(session, identified, tmp_path):
-    ordinary = tmp_path / "ordinary"
+def test_the_file_has_the_permissions_of_any_other(path):
+    ordinary = path.with_name("ordinary")
     ordinary.touch()
-    path = tmp_path / "report.html"
-    write_report(session, identified, path)
     assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyuff
+from support import foreign_samples as chain
 from support.command import armodal
 from typer.testing import CliRunner
 
@@ -133,6 +134,48 @@ def test_matlab_files_come_back(tmp_path):
     one, two = (read_session(tmp_path / name).frfs[0] for name in ("s.h5", "t.h5"))
     assert np.array_equal(one.values, two.values)
     assert np.array_equal(one.freq_hz, two.freq_hz)
+
+
+@pytest.mark.parametrize("ending", ["uff", "mat"])
+def test_frfs_not_measured_stay_so_through_fit_export_and_import(tmp_path, ending):
+    freq = 0.25 * np.arange(1, 400)
+    chain.write_sets(
+        tmp_path / "a.uff",
+        [
+            chain.si_set(),
+            *(
+                chain.frf_set(i + 1, chain.accelerance(freq, i, j), freq, ref_node=j + 1)
+                for i in range(3)
+                for j in range(3)
+                if i != j
+            ),
+        ],
+    )
+    _, out, _ = armodal(
+        "import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5", "--json"
+    )
+    assert any("3 of 9 FRFs were not measured" in text for text in json.loads(out)["warnings"])
+    code, out, _ = armodal("fit", tmp_path / "s.h5", "--json")
+    assert code == 0
+    f_hz = [mode["f_hz"] for mode in json.loads(out)["modes"]]
+    assert np.allclose(f_hz, chain.POLES_HZ, rtol=1e-4)  # text holds six digits
+    code, _, _ = armodal("export", tmp_path / "s.h5", "--out", tmp_path / f"b.{ending}")
+    assert code == 0
+    code, _, said = armodal(
+        "import", plain(tmp_path, f'["b.{ending}"]'), "--out", tmp_path / "t.h5"
+    )
+    assert code == 0, said
+    one, two = (
+        {
+            (frf.responses[i].point, frf.references[j].point): frf.values[i, j]
+            for i, j in np.argwhere(frf.measured)
+        }
+        for frf in (read_session(tmp_path / name).frfs[0] for name in ("s.h5", "t.h5"))
+    )
+    assert one.keys() == two.keys()
+    assert len(one) == 6
+    for path, values in one.items():
+        assert np.allclose(values, two[path], rtol=1e-4)
 
 
 @pytest.mark.parametrize("command", ["import", "export"])

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
+from support.gap_results import made_result
 from support.small_case import small_case
 from typer.testing import CliRunner
 
@@ -77,10 +80,36 @@ def test_another_magnitude_is_refused_before_anything_is_measured(tmp_path, give
     assert not folder.exists()
 
 
-def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(
-    tmp_path, monkeypatch
-):
+@pytest.fixture
+def laboratory(tmp_path, monkeypatch):
+    """Arguments of a small laboratory."""
     monkeypatch.setattr(armodal.tui.commands.gap, "make_case", small_case)
+    where = ["--lab-arm", "bench57", "--out", str(tmp_path / "lab"), "--seed", "1"]
+    return ["gap", "--lab", *where, "--hide", "softening"]
+
+
+def test_the_command_hits_at_levels_and_tells_the_truth_beside_what_was_found(
+    laboratory, tmp_path, monkeypatch
+):
+    result = made_result("ambiguous", [], standing=["softening", "friction"])
+    found = SimpleNamespace(result=replace(result, summary="two stand"))
+    monkeypatch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: found)
+    for_machines = CliRunner().invoke(app, [*laboratory, "--json"])
+    assert for_machines.exit_code == 0, for_machines.output
+    said = json.loads(for_machines.stdout)
+    assert has_levels(read_session(tmp_path / "lab" / "test-1.h5"))
+    assert [rival["name"] for rival in said["rivals"]] == ["softening", "friction"]
+    assert [effect["name"] for effect in said["truth"]["effects"]] == ["softening"]
+    for_people = CliRunner().invoke(app, laboratory)
+    shown = " ".join(for_people.stdout.split())
+    assert "two stand" in shown
+    assert "in truth: softening" in shown
+
+
+@pytest.mark.long
+def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(
+    laboratory, tmp_path, monkeypatch
+):
     done = []
 
     def once(*given, **named):
@@ -89,10 +118,8 @@ def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why
 
     monkeypatch.setattr(armodal.tui.commands.gap, "run_loop", once)
     folder = tmp_path / "lab"
-    where = ["--lab", "--lab-arm", "bench57", "--out", str(folder), "--budget", "1", "--seed", "1"]
-    result = CliRunner().invoke(
-        app, ["gap", *where, "--hide", "softening", "--magnitude", "clear", "--json"]
-    )
+    asked = [*laboratory, "--budget", "1"]
+    result = CliRunner().invoke(app, [*asked, "--magnitude", "clear", "--json"])
     assert result.exit_code == 0, result.output
     said = json.loads(result.stdout)
     assert has_levels(read_session(folder / "test-1.h5"))
@@ -104,9 +131,7 @@ def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why
     assert test["words"]
     assert test["why"]
     assert (folder / "test-2.h5").exists()
-    for_people = CliRunner().invoke(
-        app, ["gap", *where, "--hide", "softening", "--arm-out", str(folder / "again.toml")]
-    )
+    for_people = CliRunner().invoke(app, [*asked, "--arm-out", str(folder / "again.toml")])
     shown = " ".join(for_people.stdout.split())
     for words in (f"test 2: {test['words']}", said["summary"], "in truth: softening"):
         assert words in shown

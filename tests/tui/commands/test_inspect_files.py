@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from support.command import armodal
 from support.foreign_samples import accelerance
@@ -125,6 +125,8 @@ def test_no_file_is_one_message(tmp_path, command, name):
     make=st.sampled_from([np.asarray, np.abs, np.sign, lambda x: -np.abs(x), lambda x: 0.0 * x]),
     exponent=st.integers(-200, 200),
 )
+# The square of these is below the least number there is.
+@example(kind="frf", rows=3, columns=4, step=1.0, seed=0, make=np.asarray, exponent=-162)
 @settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

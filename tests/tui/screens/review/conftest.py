@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 import pytest
 from support.screen import Notices
 
+from armodal.tui.screens.review import shape_picture
 from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.posture_view import fit_automatic, opened_session
@@ -22,6 +23,12 @@ class Clock:
 
     def __call__(self):
         return self.now
+
+
+@pytest.fixture(autouse=True)
+def _unhurried_pictures(monkeypatch):
+    """Shapes move by themselves once a second: a screen that never rests is waited for in vain."""
+    monkeypatch.setattr(shape_picture, "FRAMES_A_SECOND", 1)
 
 
 @pytest.fixture

@@ -18,6 +18,14 @@ class Cycle:
         self.itself = self
 
 
+@pytest.fixture(autouse=True)
+def _nothing_left_out() -> Iterator[None]:
+    """As in a program: the tests leave out what they have loaded."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
+
+
 @pytest.fixture
 def collector() -> Iterator[CalmCollector]:
     calm = CalmCollector()
