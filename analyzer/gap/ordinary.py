@@ -45,6 +45,7 @@ Array = npt.NDArray[np.float64]
 
 _FARTHEST = 5.0  # prior deviations
 BASE_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
+_LEAST_CARRIED = 0.1  # of what the most loaded joint carries
 _UPRIGHT = 0.99  # cosine between an axis and gravity
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
@@ -251,15 +252,14 @@ def _scales(superset: Superset) -> tuple[float, ...]:
         )
         for i in range(len(joints))
     ]
+    # A wrist without a tool carries next to nothing, and is built for the tool.
+    carried = [max(w, _LEAST_CARRIED * max(carried)) for w in carried]
     own = [None if j.stiffness is None else 1.0 / j.stiffness.value for j in joints]
-    # ln of compliance times what is carried, of the joints that have a spring.
     level = np.mean(
-        [np.log(c * w) for c, w in zip(own, carried, strict=True) if c is not None and w > 0.0]
-        or [0.0]
+        [np.log(c * w) for c, w in zip(own, carried, strict=True) if c is not None] or [0.0]
     )
     return tuple(
-        float(np.exp(level)) / max(w, 1e-6) if c is None else c
-        for c, w in zip(own, carried, strict=True)
+        float(np.exp(level)) / w if c is None else c for c, w in zip(own, carried, strict=True)
     )
 
 
