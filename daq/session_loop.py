@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +36,9 @@ from armodal.daq.session_machine import PromptKind, SessionState
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.stopping import Stopping, begin_stopping
 from armodal.daq.surroundings import EventQueue
+from armodal.protocols.force_pulse import TURNED
 from armodal.protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
+from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import Hit, JointReading
 
@@ -75,6 +78,7 @@ class SessionLoop:
         outbox: EventQueue,
         state: SessionState,
         accepted_before: tuple[tuple[int, str, str], ...] = (),
+        polarities_before: Mapping[int, int] | None = None,
         next_hit: int,
         turn_s: float,
     ) -> None:
@@ -98,6 +102,7 @@ class SessionLoop:
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         # Number, posture and roving point of every accepted hit, the last one at the end.
         self._kept = list(accepted_before)
+        self._polarities = dict(polarities_before or {})  # of accepted hits, by their number
         self._stopping: Stopping | None = None
         self.accepted = 0
         self.rejected = 0
@@ -197,6 +202,7 @@ class SessionLoop:
                 )
             )
         )
+        self._polarities.pop(number, None)
         self.accepted -= 1
         self.rejected += 1
         self._outbox.put(HitWithdrawn(number=number, posture=posture, point=point))
@@ -306,6 +312,7 @@ class SessionLoop:
                 plan.trigger,
                 self._settings.limits,
                 exponential_end=plan.windows.exponential_end,
+                polarity=self._polarity(),
             ),
             self._arm.judged(before, after, posture),
         )
@@ -339,7 +346,15 @@ class SessionLoop:
         )
         if verdict.accepted:
             self._kept.append((hit.number, hit.posture, roving_point(plan, hit)))
+            if verdict.polarity < 0 and self._polarity() != verdict.polarity:
+                self.note(CALIBRATION + TURNED, now_s)
+            self._polarities[hit.number] = verdict.polarity
         self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
+
+    def _polarity(self) -> int | None:
+        """Sign of the hammer's force by most of the accepted hits; None before the first."""
+        total = sum(self._polarities.values())
+        return None if total == 0 else int(math.copysign(1, total))
 
     def _report(self, now_s: float) -> None:
         if self._is_due("preview", PREVIEW_EVERY_WALL_S, now_s):

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.force_pulse import pulse_onset, pulse_polarity
 from armodal.protocols.foreign.hit_variables import MOST_TRIMMED
 from armodal.protocols.foreign.manifest import PostureTable
 from armodal.protocols.foreign.measured import AXES, ForeignHit
@@ -20,7 +21,6 @@ from armodal.protocols.session.records import Hit, JointReading, Verdict
 
 __all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger", "trimmed"]
 
-_TRIGGER_SHARE = 0.05  # of the peak force: where the pulse begins
 _COUNTS = 2**30  # of the largest value: 256 times finer than a 24-bit converter at half range
 _ORTHOGONAL = 1e-6
 _SAME_RATE = 1e-6  # relative: a rate worked out from times that were printed
@@ -63,8 +63,6 @@ def place_hits(
             if hit.hit.direction is None:
                 said.append(f"posture {table.name!r}: the direction of the hit is not told")
         force = hit.force_n
-        if force.max() <= 0.0 or -force.min() > force.max():
-            said.append(f"{hit.origin}: the force pulse is negative; it is taken as it is")
         for point, one in _by_point(hit, placement):
             along = _along_sensor_axes(one, point, placement, said)
             placed.append(
@@ -167,8 +165,7 @@ def _along_sensor_axes(
 
 def pretrigger(signals: npt.NDArray[np.float64]) -> int:
     """Return the sample at which the force first reaches a twentieth of its peak."""
-    size = np.abs(signals[0])
-    return int(np.argmax(size >= _TRIGGER_SHARE * size.max()))
+    return pulse_onset(signals[0] - np.median(signals[0]))
 
 
 def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
@@ -237,8 +234,9 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
             accepted=True,
             reasons=(),
             notes=(f"imported from {hit.origin[:200]}",),
-            peak_n=float(np.max(hit.signals[0])),
+            peak_n=float(np.max(np.abs(hit.signals[0]))),
             width_s=float("nan"),
+            polarity=pulse_polarity(hit.signals[0]),
         )
         records.append(
             Hit(

@@ -16,12 +16,14 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
+    band_of_hits,
     drift_told,
     fit_modes,
     hit_choices,
     mass_scaling,
     missing_mode_hints,
     real_modes,
+    record_notes,
     stable_poles,
     typical_random_errors,
 )
@@ -44,7 +46,7 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     """
     session = settings.applied_to(session)
     superset = Superset(session.header.arm)
-    frfs = estimate_frfs(session, superset)
+    frfs = estimate_frfs(session, superset, band_hz=settings.band_hz)
     if not frfs:
         raise EstimateError(
             "the session has no accepted hits and no FRFs: there is nothing to fit; measure first"
@@ -60,6 +62,8 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = _stabilisation(model)
         modes += _modes(superset, frf, model)
+        warnings += record_notes(session, frf.posture, band_hz=settings.band_hz)
+        warnings += _beyond(frf, settings.band_hz, averaged_here=frf.posture not in given)
         warnings += [f"posture {frf.posture!r}: {note}" for note in model.notes]
         averaged_here = frf.posture not in given
         if settings.about_hits() and not averaged_here:
@@ -77,6 +81,20 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     }
     values: dict[str, Any] = plain(found)
     return values
+
+
+def _beyond(
+    frf: FrequencyResponse, band_hz: tuple[float, float] | None, *, averaged_here: bool
+) -> list[str]:
+    """Say where FRFs made elsewhere have no lines that were asked for."""
+    first, last = float(frf.freq_hz[0]), float(frf.freq_hz[-1])
+    spacing = float(np.median(np.diff(frf.freq_hz)))
+    if averaged_here or band_hz is None:
+        return []
+    if band_hz[0] > first - spacing and band_hz[1] < last + spacing:
+        return []
+    asked = f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz was asked for"
+    return [f"posture {frf.posture!r}: {asked}; its FRFs hold {first:.4g} to {last:.5g} Hz"]
 
 
 def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:
@@ -162,6 +180,7 @@ def _posture(
     plan = session.header.plan
     choices = hit_choices(session, frf.posture) if averaged_here else ()
     errors = typical_random_errors(frf)
+    usable = band_of_hits(session, frf.posture)
     return {
         "form": str(frf.form),
         "lines": len(frf.freq_hz),
@@ -170,6 +189,7 @@ def _posture(
         "force_s": plan.windows.force_s if averaged_here else None,
         "window_decay_rad_s": frf.decay_rad_s,
         "window": _said_of_window(frf),
+        "usable_band_hz": None if usable is None else [usable.low_hz, usable.high_hz],
         "hits_dropped": [
             {
                 "hit": hit.hit,
