@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.daq.blocks import CapturedBlock
-from armodal.daq.judge import channels_of, judge_record
+from armodal.daq.judge import FORCE, channels_of, judge_record
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.board.records import BlockInfo, Channel
 from armodal.protocols.force_pulse import TURNED
@@ -53,7 +53,10 @@ def judged(session: Session) -> Session:
 def _judged(
     hit: Hit, session: Session, channels: tuple[Channel, ...], polarity: int | None
 ) -> Verdict:
-    counts = frozen_array(np.rint(hit.counts / _FINER), np.int32)
+    # A sensor without an axis has zeros for it: nothing to be judged.
+    there = hit.counts.any(axis=0) | np.array([c.quantity == FORCE for c in channels])
+    counts = frozen_array(np.rint(hit.counts[:, there] / _FINER), np.int32)
+    channels = tuple(c for c, is_there in zip(channels, there, strict=True) if is_there)
     info = BlockInfo(
         block_id=hit.number,
         first_sample=hit.first_sample,

@@ -19,10 +19,19 @@ from armodal.protocols.foreign.measured import AXES, ForeignHit
 from armodal.protocols.foreign.placement import HIT, RESPONSE, Placement
 from armodal.protocols.session.records import Hit, JointReading, Verdict
 
-__all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger", "trimmed"]
+__all__ = [
+    "PlacedHit",
+    "foreign_dictionary",
+    "hit_records",
+    "place_hits",
+    "pretrigger",
+    "trimmed",
+    "with_even_axes",
+]
 
 _COUNTS = 2**30  # of the largest value: 256 times finer than a 24-bit converter at half range
 _ORTHOGONAL = 1e-6
+_LEAST_LENGTH = 0.5  # of the median length behind the pulse
 _SAME_RATE = 1e-6  # relative: a rate worked out from times that were printed
 
 
@@ -77,7 +86,7 @@ def place_hits(
                     signals=frozen_array(np.concatenate([force[None], along]), np.float64),
                 )
             )
-    return trimmed(placed, said)
+    return placed
 
 
 def _by_point(hit: ForeignHit, placement: Placement) -> list[tuple[str, ForeignHit]]:
@@ -105,13 +114,73 @@ def _by_point(hit: ForeignHit, placement: Placement) -> list[tuple[str, ForeignH
 
 
 def trimmed(hits: Sequence[PlacedHit], said: list[str]) -> list[PlacedHit]:
-    """Cut records to the shortest where they are a few samples apart, and say it."""
-    lengths = {hit.signals.shape[1] for hit in hits}
-    if len(lengths) < 2 or max(lengths) - min(lengths) > MOST_TRIMMED:
+    """Cut records to the shortest, and say it; those below half of the usual are left out.
+
+    Records a few samples apart are cut at their end, others so that all are as long behind their
+    pulse.
+    """
+    lengths = [hit.signals.shape[1] for hit in hits]
+    if len(set(lengths)) < 2:
         return list(hits)
-    n = min(lengths)
-    said.append(f"records are {n} to {max(lengths)} samples long: the first {n} are used")
-    return [replace(hit, signals=frozen_array(hit.signals[:, :n], np.float64)) for hit in hits]
+    if max(lengths) - min(lengths) <= MOST_TRIMMED:
+        n = min(lengths)
+        said.append(f"records are {n} to {max(lengths)} samples long: the first {n} are used")
+        return [_until(hit, n) for hit in hits]
+    behind = [hit.signals.shape[1] - pretrigger(hit.signals) for hit in hits]
+    least = _LEAST_LENGTH * float(np.median(behind))
+    kept = [hit for hit, n in zip(hits, behind, strict=True) if n >= least]
+    short = [hit.origin for hit, n in zip(hits, behind, strict=True) if n < least]
+    if short:
+        said.append(
+            f"{len(short)} records are less than half as long as the others: left out "
+            f"({', '.join(dict.fromkeys(short))})"[:400]
+        )
+    n = min(behind[i] for i, hit in enumerate(hits) if behind[i] >= least)
+    if n < max(behind):
+        said.append(
+            f"records hold {n} to {max(behind)} samples behind their pulse: the first {n} are used"
+        )
+    return [_until(hit, pretrigger(hit.signals) + n) for hit in kept]
+
+
+def _until(hit: PlacedHit, n: int) -> PlacedHit:
+    return replace(hit, signals=frozen_array(hit.signals[:, :n], np.float64))
+
+
+def with_even_axes(hits: Sequence[PlacedHit], said: list[str]) -> list[PlacedHit]:
+    """Give every record the channels of the sensor with most axes; those not there are zero."""
+    most = max((hit.signals.shape[0] for hit in hits), default=0)
+    fewer = [hit for hit in hits if hit.signals.shape[0] < most]
+    if not fewer:
+        return list(hits)
+    _check_axes(hits)
+    points = dict.fromkeys(hit.sensor_point for hit in fewer)
+    said.append(
+        f"the sensors at {', '.join(points)} have fewer axes than others: their missing channels "
+        "are stored as zeros and not used"
+    )
+    return [
+        replace(
+            hit,
+            signals=frozen_array(
+                np.pad(hit.signals, ((0, most - hit.signals.shape[0]), (0, 0))), np.float64
+            ),
+        )
+        for hit in hits
+    ]
+
+
+def _check_axes(hits: Sequence[PlacedHit]) -> None:
+    """Refuse a point at which hits have other numbers of axes."""
+    first: dict[str, PlacedHit] = {}
+    for hit in hits:
+        one = first.setdefault(hit.sensor_point, hit)
+        if hit.signals.shape[0] != one.signals.shape[0]:
+            raise ForeignFileError(
+                f"{hit.origin}: wanted {one.signals.shape[0]} channels at point "
+                f"{hit.sensor_point} like {one.origin}, got {hit.signals.shape[0]}; name another "
+                "point with `responses`, or import them as a session of their own"
+            )
 
 
 def _check_single(table: PostureTable) -> None:
@@ -174,7 +243,7 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
     Raises
     ------
     ForeignFileError
-        If hits differ in length, rate or number of channels.
+        If hits differ in sampling rate.
     """
     _check_alike(hits)
     n_axes = hits[0].signals.shape[0] - 1 if hits else 3
@@ -210,13 +279,11 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
 
 def _check_alike(hits: Sequence[PlacedHit]) -> None:
     for hit in hits:
-        same_rate = abs(float(hit.rate_hz / hits[0].rate_hz) - 1.0) < _SAME_RATE
-        if hit.signals.shape != hits[0].signals.shape or not same_rate:
+        if abs(float(hit.rate_hz / hits[0].rate_hz) - 1.0) >= _SAME_RATE:
             raise ForeignFileError(
-                f"{hit.origin}: wanted {hits[0].signals.shape[0]} channels of "
-                f"{hits[0].signals.shape[1]} samples at {float(hits[0].rate_hz):g} Hz like "
-                f"{hits[0].origin}, got {hit.signals.shape[0]} of {hit.signals.shape[1]} at "
-                f"{float(hit.rate_hz):g} Hz; import them as a session of their own"
+                f"{hit.origin}: wanted samples at {float(hits[0].rate_hz):g} Hz like "
+                f"{hits[0].origin}, got {float(hit.rate_hz):g} Hz; import them as a session of "
+                "their own"
             )
 
 
@@ -224,8 +291,8 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
     """Return the hits of a session, not yet judged, in counts of the dictionary's channels."""
     scale = np.array([channel.scale for channel in dictionary.channels])
     records: list[Hit] = []
+    first = 0
     for i, hit in enumerate(hits):
-        n = hit.signals.shape[1]
         counts = np.rint(hit.signals.T / scale)
         reading = JointReading(
             joints_rad=hit.joints_rad, drive_state=None, held=True, age_s=0.0, host_s=float(i)
@@ -245,8 +312,8 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
                 sensor_point=hit.sensor_point,
                 hit_point=hit.hit_point,
                 hit_direction=hit.hit_direction,
-                first_sample=i * n,
-                trigger_sample=i * n + pretrigger(hit.signals),
+                first_sample=first,
+                trigger_sample=first + pretrigger(hit.signals),
                 trigger_host_s=float(i),
                 counts=frozen_array(counts, np.int32),
                 before=reading,
@@ -254,4 +321,5 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
                 verdict=verdict,
             )
         )
+        first += hit.signals.shape[1]
     return tuple(records)
