@@ -26,8 +26,8 @@ class UsableBand:
     def words(self) -> str:
         """Return what is used where no band is asked for, and why no more."""
         return (
-            f"FRFs from {self.low_hz:.4g} to {self.high_hz:.5g} Hz: above, {self.limit}; `--band` "
-            "takes other lines"
+            f"FRFs from {self.low_hz:.4g} to {self.high_hz:.5g} Hz: above, {self.limit}; "
+            "`armodal fit --band` takes other lines"
         )
 
     def widened(self, band_hz: tuple[float, float]) -> tuple[float, float] | None:

@@ -28,8 +28,8 @@ from armodal.protocols.foreign.looked_at import look_at
 N_HITS = len(TIMES_S)
 
 
-def imported(folder, files='["r.npz"]', head="", **keys):
-    return judged(run(manifest(folder, posture(files, **keys), head=head)))
+def imported(folder, files='["r.npz"]', head="", mode="roving-response"):
+    return judged(run(manifest(folder, posture(files), head=head, mode=mode)))
 
 
 def said(session, words):
@@ -156,7 +156,7 @@ def test_two_hammers_in_a_recording_are_two_references(tmp_path):
     with pytest.raises(ForeignFileError, match="2 signals are forces"):
         imported(tmp_path)
     files = '[{ path = "r.npz", references = ["7:-z", "8:-z"], responses = ["1:z"] }]'
-    session = imported(tmp_path, files)
+    session = imported(tmp_path, files, mode="roving-hammer")
     assert [hit.hit_point for hit in session.hits] == ["7", "8", "7", "8", "7", "8", "7"]
     assert len(session.accepted()) == N_HITS
     frf = frf_of(session)
