@@ -36,7 +36,7 @@ def record_notes(
         len(hit.counts) - (hit.trigger_sample - hit.first_sample)
         for hit in session.accepted(posture)
     ]
-    if min(behind) < max(behind):
+    if len({len(hit.counts) for hit in session.accepted(posture)}) > 1:
         notes.append(
             f"records hold {min(behind)} to {max(behind)} samples from the trigger on: the first "
             f"{min(behind)} are used"

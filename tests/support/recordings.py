@@ -39,15 +39,25 @@ def truth(freq_hz, channel=0):
 
 
 def recording(
-    *, channels=1, sign=1.0, touch=0.0, times=TIMES_S, peaks=PEAKS_N, double=DOUBLE, end_s=END_S
+    *,
+    channels=1,
+    sign=1.0,
+    touch=0.0,
+    times=TIMES_S,
+    peaks=PEAKS_N,
+    double=DOUBLE,
+    end_s=END_S,
+    width_s=2e-3,
+    noise=1e-3,
+    seed=31,
 ):
     """A recording; `touch` N is a weak pulse between the second and the third hit."""
-    rng = np.random.default_rng(31)
+    rng = np.random.default_rng(seed)
     t = np.arange(round(end_s * RATE)) / RATE
     push = np.zeros(t.size)
 
     def strike(at_s, peak):
-        x = (t - at_s) / 2e-3
+        x = (t - at_s) / width_s
         push[(x > 0) & (x < 1)] += peak * np.sin(np.pi * x[(x > 0) & (x < 1)])
 
     for i, (at_s, peak) in enumerate(zip(times, peaks, strict=True)):
@@ -58,7 +68,7 @@ def recording(
         strike(0.5 * (times[1] + times[2]), touch)
     ringing = sum(signal.lfilter(*_section(*mode), push) for mode in MODES)
     response = np.array([(k + 1) * ringing for k in range(channels)])
-    response += 1e-3 * rng.standard_normal(response.shape)
+    response += noise * rng.standard_normal(response.shape)
     force = sign * push + 0.01 * rng.standard_normal(t.size)
     return Long(time=t, force=force[None], response=response)
 
