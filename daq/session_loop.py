@@ -36,6 +36,7 @@ from armodal.daq.session_machine import PromptKind, SessionState
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.stopping import Stopping, begin_stopping
 from armodal.daq.surroundings import EventQueue
+from armodal.daq.untriggered import UntriggeredPushes
 from armodal.protocols.force_pulse import TURNED
 from armodal.protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
 from armodal.protocols.session.journal_payloads import CALIBRATION
@@ -99,6 +100,7 @@ class SessionLoop:
         self._silent = False
         self._jumped_s = -math.inf
         self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0, "health": 0.0}
+        self._untriggered = UntriggeredPushes(board.channels, settings.plan.trigger)
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         # Number, posture and roving point of every accepted hit, the last one at the end.
         self._kept = list(accepted_before)
@@ -361,6 +363,8 @@ class SessionLoop:
             preview = self._board.stream.preview()
             if preview is not None:
                 self._outbox.put(preview)
+                if told := self._untriggered.told_by(preview):
+                    self.note(told, now_s)
         if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
             self._losses.watch("can", self._bus.faults, "lines that are not slcan", now_s)
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
