@@ -181,7 +181,11 @@ def identify(
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
             *superset.arm.effects_left_out(),
-            *(note for frf in frfs for note in record_notes(session, frf.posture)),
+            *(
+                note
+                for frf in frfs
+                for note in record_notes(session, frf.posture, board_limits=False)
+            ),
             *fit_notes(fit, fitted, shares),
         ),
     )

@@ -18,7 +18,11 @@ def band_of_hits(session: Session, posture: str) -> UsableBand | None:
 
 
 def record_notes(
-    session: Session, posture: str, *, band_hz: tuple[float, float] | None = None
+    session: Session,
+    posture: str,
+    *,
+    band_hz: tuple[float, float] | None = None,
+    board_limits: bool = True,
 ) -> tuple[str, ...]:
     """Say what was taken of a posture's hits: the band, and records of other lengths cut.
 
@@ -26,12 +30,16 @@ def record_notes(
     ----------
     band_hz
         The band asked for; a warning where it leaves what the hits excite.
+    board_limits
+        Whether a band that the board ends, and not the force, is said too.
     """
     usable = band_of_hits(session, posture)
     if usable is None:
         return ()
     where = f"posture {posture!r}: "
-    notes = [usable.words if band_hz is None else usable.warning(band_hz)]
+    notes = [usable.warning(band_hz)] if band_hz is not None else []
+    if band_hz is None and (board_limits or usable.by_force):
+        notes.append(usable.words)
     behind = [
         len(hit.counts) - (hit.trigger_sample - hit.first_sample)
         for hit in session.accepted(posture)

@@ -21,6 +21,7 @@ class UsableBand:
     low_hz: float
     high_hz: float
     limit: str
+    by_force: bool = False  # whether the force ends it, not the board
 
     @property
     def words(self) -> str:
@@ -79,6 +80,6 @@ def usable_band(
     end_hz = float(freq_hz[int(np.argmax(weak))]) * (1.0 - 1e-12) if np.any(weak) else np.inf
     if end_hz < top_hz:
         limit = f"the force is below {100 * _LEAST_FORCE:.0f} % of its spectrum's maximum"
-        return UsableBand(low_hz=_LOWEST_HZ, high_hz=end_hz, limit=limit)
+        return UsableBand(low_hz=_LOWEST_HZ, high_hz=end_hz, limit=limit, by_force=True)
     limit = "an anti-alias filter may not be flat"
     return UsableBand(low_hz=_LOWEST_HZ, high_hz=top_hz, limit=limit)
