@@ -54,7 +54,7 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
     """
     _check(frf)
     keep = _band(frf, band_hz)
-    notes: tuple[str, ...] = ()
+    notes = _beyond(frf, band_hz)
     first = _blown_up(frf, keep)
     if first is not None:
         keep = keep & (frf.freq_hz >= frf.freq_hz[first])
@@ -62,7 +62,7 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
             f"lines below {frf.freq_hz[first]:.4g} Hz are left out: noise that integration, drift "
             "or AC coupling has blown up, larger than the FRFs themselves"
         )
-        notes = (said,)
+        notes = (*notes, said)
     values = np.ascontiguousarray(frf.values[..., keep])
     given = frf.variance[..., keep]
     told = bool(np.any(np.isfinite(given) & (given > 0.0)))
@@ -75,6 +75,18 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
         share=independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq)))),
         notes=notes,
     )
+
+
+def _beyond(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> tuple[str, ...]:
+    """Say where FRFs have no lines that were asked for."""
+    if band_hz is None:
+        return ()
+    first, last = float(frf.freq_hz[0]), float(frf.freq_hz[-1])
+    spacing = float(np.median(np.diff(frf.freq_hz)))
+    if band_hz[0] > first - spacing and band_hz[1] < last + spacing:
+        return ()
+    asked = f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz was asked for"
+    return (f"{asked}, the FRFs hold {first:.4g} to {last:.5g} Hz",)
 
 
 def misfit_variance(left: _Complex, values: _Complex, line_share: float) -> _Real:

@@ -63,7 +63,6 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
         stabilisation[frf.posture] = _stabilisation(model)
         modes += _modes(superset, frf, model)
         warnings += record_notes(session, frf.posture, band_hz=settings.band_hz)
-        warnings += _beyond(frf, settings.band_hz, averaged_here=frf.posture not in given)
         warnings += [f"posture {frf.posture!r}: {note}" for note in model.notes]
         averaged_here = frf.posture not in given
         if settings.about_hits() and not averaged_here:
@@ -81,20 +80,6 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     }
     values: dict[str, Any] = plain(found)
     return values
-
-
-def _beyond(
-    frf: FrequencyResponse, band_hz: tuple[float, float] | None, *, averaged_here: bool
-) -> list[str]:
-    """Say where FRFs made elsewhere have no lines that were asked for."""
-    first, last = float(frf.freq_hz[0]), float(frf.freq_hz[-1])
-    spacing = float(np.median(np.diff(frf.freq_hz)))
-    if averaged_here or band_hz is None:
-        return []
-    if band_hz[0] > first - spacing and band_hz[1] < last + spacing:
-        return []
-    asked = f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz was asked for"
-    return [f"posture {frf.posture!r}: {asked}; its FRFs hold {first:.4g} to {last:.5g} Hz"]
 
 
 def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:

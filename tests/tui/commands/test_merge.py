@@ -7,6 +7,7 @@ import pytest
 from support.command import armodal
 from support.recordings import MODES, recording, truth, write_npz
 
+import armodal as armodal_api
 from armodal.protocols.session.hdf5 import read_session
 
 HAMMERS = {"soft": 8e-3, "hard": 2e-3}
@@ -88,3 +89,10 @@ def test_what_cannot_be_merged_is_one_message(tmp_path):
     over = armodal("merge", soft, soft, "--out", soft)
     assert over.returncode == 2
     assert not (tmp_path / "both.h5").exists()
+
+
+def test_scripts_merge_as_the_command_does(tmp_path, merged):
+    path, _ = merged
+    sessions = [armodal_api.open_session(tmp_path / f"{name}.h5") for name in HAMMERS]
+    (frf,) = armodal_api.frfs(armodal_api.merge(sessions))
+    np.testing.assert_array_equal(frf.values, read_session(path).frfs[0].values)
