@@ -44,10 +44,12 @@ def judged(session: Session) -> Session:
         hits.append(replace(hit, verdict=replace(verdict, notes=notes)))
         if not verdict.accepted:
             warnings.append(f"{hit.verdict.notes[0]}: rejected: {', '.join(verdict.reasons)}")
-    turned = [hit for hit in hits if hit.verdict.polarity < 0]
+    # A hit with several sensors is as many records of one origin.
+    every = {hit.verdict.notes[0] for hit in hits}
+    turned = {hit.verdict.notes[0] for hit in hits if hit.verdict.polarity < 0}
     if turned:
-        warnings.append(f"{len(turned)} of {len(hits)} hits: {TURNED}")
-    return replace(session, hits=tuple(hits), warnings=tuple(warnings))
+        warnings.append(f"{len(turned)} of {len(every)} hits: {TURNED}")
+    return replace(session, hits=tuple(hits), warnings=tuple(dict.fromkeys(warnings)))
 
 
 def _judged(
