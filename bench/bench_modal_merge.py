@@ -83,8 +83,8 @@ def main() -> None:
         told = ", ".join(f"{name} {100 * np.mean(found):.1f} %" for name, found in shares.items())
         print(
             f"aim {aim:.0%}, {hits} hits: within three variances {told}, 95 wanted; "
-            f"{differ} of {len(PAIRS)} pairs said to differ; {above} lines worse than one hammer's, "
-            "0 wanted",
+            f"{differ} of {len(PAIRS)} pairs said to differ; {above} lines worse than one "
+            "hammer's, 0 wanted",
             flush=True,
         )
 
