@@ -25,6 +25,7 @@ from armodal.daq.events import (
     Prompted,
 )
 from armodal.daq.geometry import hit_direction
+from armodal.daq.hammer_polarity import HammerPolarity
 from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
 from armodal.daq.joint_state import JointState
 from armodal.daq.journal_writer import JournalWriter
@@ -104,7 +105,7 @@ class SessionLoop:
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         # Number, posture and roving point of every accepted hit, the last one at the end.
         self._kept = list(accepted_before)
-        self._polarities = dict(polarities_before or {})  # of accepted hits, by their number
+        self._polarity = HammerPolarity(polarities_before)
         self._stopping: Stopping | None = None
         self.accepted = 0
         self.rejected = 0
@@ -204,7 +205,7 @@ class SessionLoop:
                 )
             )
         )
-        self._polarities.pop(number, None)
+        self._polarity.drop(number)
         self.accepted -= 1
         self.rejected += 1
         self._outbox.put(HitWithdrawn(number=number, posture=posture, point=point))
@@ -314,7 +315,7 @@ class SessionLoop:
                 plan.trigger,
                 self._settings.limits,
                 exponential_end=plan.windows.exponential_end,
-                polarity=self._polarity(),
+                polarity=self._polarity.known,
             ),
             self._arm.judged(before, after, posture),
         )
@@ -348,15 +349,9 @@ class SessionLoop:
         )
         if verdict.accepted:
             self._kept.append((hit.number, hit.posture, roving_point(plan, hit)))
-            if verdict.polarity < 0 and self._polarity() != verdict.polarity:
+            if self._polarity.keep(hit.number, verdict.polarity):
                 self.note(CALIBRATION + TURNED, now_s)
-            self._polarities[hit.number] = verdict.polarity
         self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
-
-    def _polarity(self) -> int | None:
-        """Sign of the hammer's force by most of the accepted hits; None before the first."""
-        total = sum(self._polarities.values())
-        return None if total == 0 else int(math.copysign(1, total))
 
     def _report(self, now_s: float) -> None:
         if self._is_due("preview", PREVIEW_EVERY_WALL_S, now_s):

@@ -11,6 +11,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.content import read_content
+from armodal.protocols.foreign.even_records import trimmed, with_even_axes
 from armodal.protocols.foreign.frf_matrix import frf_matrix
 from armodal.protocols.foreign.hit_records import (
     PlacedHit,
@@ -18,8 +19,6 @@ from armodal.protocols.foreign.hit_records import (
     hit_records,
     place_hits,
     pretrigger,
-    trimmed,
-    with_even_axes,
 )
 from armodal.protocols.foreign.import_arm import MeasuredPosture, imported_arm, placement_of
 from armodal.protocols.foreign.manifest import Manifest, PostureTable
