@@ -77,6 +77,9 @@ def _single_hits(
 ) -> dict[str, tuple[ComplexArray, Array]]:
     """Accelerance (n_hits, n_axes, n_freq) and level (n_hits,) of the hits of each point."""
     hits = session.accepted(frf.posture)
+    if not roving_hammer:
+        # Hits at other points are other FRFs.
+        hits = tuple(hit for hit in hits if hit.hit_point == frf.references[0].point)
     if not hits or frf.posture in {given.posture for given in session.frfs}:
         return {}
     step = float(frf.freq_hz[1] - frf.freq_hz[0]) / 2.0
@@ -85,9 +88,12 @@ def _single_hits(
     single = hit_frfs(spectra)
     level = np.sqrt(np.mean(np.abs(spectra.force) ** 2, axis=-1))
     at = np.array([hit.hit_point if roving_hammer else hit.sensor_point for hit in hits])
-    return {
-        point: (single[at == point], level[at == point]) for point in dict.fromkeys(at.tolist())
-    }
+    found = {}
+    for point in dict.fromkeys(at.tolist()):
+        here = single[at == point]
+        # An axis that a sensor has not is zero.
+        found[point] = (here[:, here.any(axis=(0, 2))], level[at == point])
+    return found
 
 
 def _poles(frf: FrequencyResponse) -> tuple[complex, ...]:

@@ -21,6 +21,7 @@ from armodal.protocols.frf_records import FrfForm
 __all__ = [
     "AXES",
     "Content",
+    "Cut",
     "ForeignFrf",
     "ForeignHit",
     "Hints",
@@ -121,6 +122,23 @@ class Content:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cut:
+    """What the manifest says of records with many hits; None leaves it to the pulses.
+
+    wanted : whether records are cut at all.
+    record_s, pretrigger_s : length of a hit's record, and what of it lies before the pulse.
+    level_n : force from which a pulse is a hit.
+    apart_s : pulses closer than this are one hit.
+    """
+
+    wanted: bool = True
+    record_s: float | None = None
+    pretrigger_s: float | None = None
+    level_n: float | None = None
+    apart_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Hints:
     """What the manifest says about a file; None where it says nothing."""
 
@@ -136,6 +154,7 @@ class Hints:
     rate_hz: float | None = None
     force_scale: float | None = None  # N per unit of the file's numbers
     response_scale: float | None = None  # SI per unit of the file's numbers
+    cut: Cut = Cut()
 
     @property
     def reference(self) -> ToldDof | None:

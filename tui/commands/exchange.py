@@ -15,7 +15,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.modal import ModalModel, fit_modes
+from armodal.analyzer.modal import ModalModel, fit_modes, record_notes
 from armodal.daq.judge_imported import judged
 from armodal.protocols.arm.updated import JointValues, arm_text_with
 from armodal.protocols.errors import EstimateError, ForeignFileError
@@ -76,7 +76,13 @@ def _posture_summary(session: Session, name: str) -> dict[str, Any]:
 
 
 def export_session(
-    session: Session, output: Path, *, modes: bool, binary: bool, software: str
+    session: Session,
+    output: Path,
+    *,
+    modes: bool,
+    binary: bool,
+    software: str,
+    band_hz: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
     """Write the FRFs of every posture as UFF or, by the ending, MATLAB; return a summary.
 
@@ -85,7 +91,7 @@ def export_session(
     """
     _check_ending(output, _ENDINGS, "file")
     arm = session.header.arm
-    frfs = estimate_frfs(session, Superset(arm))
+    frfs = estimate_frfs(session, Superset(arm), band_hz=band_hz)
     if not frfs:
         raise EstimateError("the session has no accepted hits and no FRFs: nothing to export")
     files: list[dict[str, Any]] = []
@@ -100,7 +106,8 @@ def export_session(
             content, said = posture_uff(frf, arm, modes=found, software=software)
             write_uff(content, path, binary=binary)
         files.append({"posture": frf.posture, "file": str(path), "notes": list(said)})
-    return {"files": files, "warnings": list(session.warnings)}
+    notes = [note for f in frfs for note in record_notes(session, f.posture, band_hz=band_hz)]
+    return {"files": files, "warnings": [*session.warnings, *notes]}
 
 
 def _exported(model: ModalModel) -> list[ExportedMode]:
@@ -204,6 +211,10 @@ def export_command(
     model: Annotated[
         Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
     ] = None,
+    band: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="FRFs from LOW to HIGH Hz too where hits excite less."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Write FRFs, geometry, mode shapes and the identified model for other programs.
@@ -219,7 +230,9 @@ def export_command(
     measured = read_session(session)
     result = None if model is None else identify(measured, say)
     say("FRFs and modes" if modes else "FRFs")
-    summary = export_session(measured, path, modes=modes, binary=binary, software=SOFTWARE)
+    summary = export_session(
+        measured, path, modes=modes, binary=binary, software=SOFTWARE, band_hz=band
+    )
     if model is not None and result is not None:
         export_model(measured, result, model, software=SOFTWARE)
     summary["model"] = None if model is None else str(model)

@@ -228,14 +228,6 @@ def test_hits_of_several_files_make_one_posture(tmp_path):
     assert [hit.number for hit in session.accepted("one")] == [1, 2, 3]
 
 
-def test_a_hit_of_another_length_is_refused(tmp_path):
-    for i, n in enumerate((2048, 1024)):
-        t, force, responses = hit_signals(n=n)
-        np.save(tmp_path / f"h{i}.npy", np.vstack([t, force, responses]))
-    with pytest.raises(ForeignFileError, match="2048 samples"):
-        run(manifest(tmp_path, posture('["h0.npy", "h1.npy"]')))
-
-
 def test_pickles_are_never_loaded(tmp_path):
     np.save(tmp_path / "h.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
     with pytest.raises(ForeignFileError, match="never unpickled"):
