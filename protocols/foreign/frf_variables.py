@@ -101,9 +101,7 @@ def frfs_of(part: Variables, found: Found, hints: Hints, words: Words) -> tuple[
                     values=frozen_array(values[i, j][keep], np.complex128),
                     coherence=None if own is None else frozen_array(own, np.float64),
                     variance=(
-                        None
-                        if variance is None
-                        else frozen_array(variance[i, j][keep], np.float64)
+                        None if variance is None else frozen_array(variance[i, j][keep], np.float64)
                     ),
                     averages=None if averages is None else int(averages[i, j]),
                 )

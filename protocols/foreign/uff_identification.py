@@ -16,8 +16,8 @@ from armodal.protocols.foreign.measured import ToldDof, axis_direction
 from armodal.protocols.foreign.uff_records import FunctionKind, UffFunction
 
 __all__ = [
-    "direction_words",
     "VARIANCE_WORDS",
+    "direction_words",
     "estimate_words",
     "is_variance",
     "reference_dof",

@@ -19,7 +19,7 @@ class Averaged:
 
 
 def averaged(rng, n_averages, noise=0.02):
-    """Three modes at four points, H1 and coherence of so many hits, white noise on the responses."""
+    """Three modes at four points: H1 and coherence of hits with white noise on the responses."""
     f = np.array([24.0, 58.0, 91.0]) * (1.0 + 0.03 * rng.uniform(-1.0, 1.0, 3))
     poles = poles_of(f, rng.uniform(0.005, 0.02, 3))
     residues = rng.normal(size=(3, N_POINTS, 1)) * rng.uniform(0.5, 1.0, (3, 1, 1))
@@ -36,4 +36,3 @@ def averaged(rng, n_averages, noise=0.02):
     )
     variance = np.broadcast_to(sigma**2 / power, H.shape)[:, None]
     return Averaged(frf=frf, f_hz=f, variance=variance)
-
