@@ -117,7 +117,7 @@ def _own_matrices(part: Variables, shape: tuple[int, ...]) -> tuple[Reals | None
     # MATLAB drops sides of one.
     if variance is not None and variance.size == np.prod(shape):
         variance = variance.reshape(shape)
-        known = bool(np.isfinite(variance).all() and (variance >= 0.0).all())
+        known = bool((variance >= 0.0).all())  # infinite where nothing was measured
     else:
         known = False
     several = averages is not None and 1 < averages.size == np.prod(shape[:2])
