@@ -72,12 +72,13 @@ def synthesis_figure(frf: FrequencyResponse, model: ModalModel) -> Any:
     figure.update_yaxes(title="phase, deg", range=[-190, 190], row=2, col=1)
     figure.update_xaxes(title="Hz; grey lines are modes", row=2, col=1)
     return figure.update_layout(
-        height=560,
-        margin=MARGIN,
+        height=580,
+        margin={**MARGIN, "t": 95},
         modebar=MODEBAR,
-        legend={**LEGEND, "x": 1.0, "xanchor": "right"},
+        legend=LEGEND,
+        # Above the legend: on a narrow screen they do not fit beside one another.
         updatemenus=[
-            {"buttons": buttons, "x": 0.0, "xanchor": "left", "y": 1.02, "yanchor": "bottom"}
+            {"buttons": buttons, "x": 0.0, "xanchor": "left", "y": 1.09, "yanchor": "bottom"}
         ],
     ).update_layout({name.replace(".", "_"): value for name, value in _rows(False).items()})
 

@@ -20,7 +20,7 @@ __all__ = ["has_geometry", "moving_shapes_figure", "shape_bars_figure"]
 
 LARGEST_MOTION = 0.15  # of the structure's size
 PHASES, CYCLES = 16, 6
-EYE = {"x": 1.5, "y": 1.5, "z": 1.2}  # far enough to see all corners on a narrow screen
+EYE = {"x": 2.2, "y": 2.2, "z": 1.5}  # far enough to see all corners on a narrow screen
 REST, MOVING = "#9aa5b1", "#1f5fa8"
 
 
