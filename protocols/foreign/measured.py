@@ -86,7 +86,9 @@ class ForeignFrf:
     reference: ToldDof
     freq_hz: npt.NDArray[np.float64]  # (n,)
     values: npt.NDArray[np.complex128]  # (n,)
-    coherence: npt.NDArray[np.float64] | None  # (n,)
+    coherence: npt.NDArray[np.float64] | None  # (n,) as told: a little above 1 is left so
+    variance: npt.NDArray[np.float64] | None = None  # (n,) of the values, where the file tells it
+    averages: int | None = None  # of this FRF, where the file tells it for each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -306,9 +308,10 @@ def check_signals(signals: npt.NDArray[np.float64], origin: str) -> None:
 def clipped_coherence(
     values: npt.NDArray[np.float64], origin: str, said: list[str]
 ) -> npt.NDArray[np.float64] | None:
-    """Return a coherence from 0 to 1; None, and a word, for what is no coherence.
+    """Return a coherence, clipped at 0; None, and a word, for what is no coherence.
 
-    Quantised spectra and unequal windows bring a little more than 1: that is said and clipped.
+    Quantised spectra and unequal windows bring a little more than 1. That is said, and left for
+    `analyzer` to clip: it shows how wrong the coherence may be on other lines.
     """
     told = values[np.isfinite(values)]
     low, high = (float(told.min()), float(told.max())) if told.size else (0.0, 0.0)
@@ -319,4 +322,4 @@ def clipped_coherence(
         said.append(f"{origin}: the coherence reaches {high:.3g}: clipped to 1")
     if told.size < values.size:
         said.append(f"{origin}: no coherence on {values.size - told.size} lines: taken as 0 there")
-    return np.asarray(np.clip(np.nan_to_num(values), 0.0, 1.0))
+    return np.asarray(np.maximum(np.nan_to_num(values), 0.0))

@@ -22,7 +22,7 @@ from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
 from armodal.protocols.foreign.import_session import import_session
 from armodal.protocols.foreign.manifest import load_manifest
-from armodal.protocols.foreign.mat_write import write_mat
+from armodal.protocols.foreign.mat_write import write_mat, write_npz
 from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
@@ -37,7 +37,8 @@ __all__ = ["app", "export_model"]
 
 app = typer.Typer(add_completion=False)
 
-_ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat"), (".json", ".toml")
+_ARRAYS = {".mat": write_mat, ".npz": write_npz}
+_ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat", ".npz"), (".json", ".toml")
 
 
 def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:
@@ -84,7 +85,7 @@ def export_session(
     software: str,
     band_hz: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
-    """Write the FRFs of every posture as UFF or, by the ending, MATLAB; return a summary.
+    """Write the FRFs of every posture as UFF or, by the ending, MATLAB or NPZ; return a summary.
 
     The first posture goes to `output`, each further one to a file numbered behind it: names of
     postures never become paths.
@@ -98,9 +99,9 @@ def export_session(
     for i, frf in enumerate(frfs):
         numbered = output.with_name(f"{output.stem}-{i + 1}{output.suffix}")
         path = output if len(frfs) == 1 else numbered
-        if output.suffix.lower() == ".mat":
-            write_mat(frf, path)
-            said: tuple[str, ...] = ()
+        said: tuple[str, ...] = ()
+        if output.suffix.lower() in _ARRAYS:
+            _ARRAYS[output.suffix.lower()](frf, path)
         else:
             found = _exported(fit_modes(frf)) if modes else []
             content, said = posture_uff(frf, arm, modes=found, software=software)
@@ -204,7 +205,7 @@ def import_command(
 def export_command(
     session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
     output: Annotated[
-        Path | None, typer.Option("--out", help="File to write: .uff, .unv or .mat.")
+        Path | None, typer.Option("--out", help="File to write: .uff, .unv, .mat or .npz.")
     ] = None,
     modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
     binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
