@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         frfs,
         import_session,
         load_arm,
+        merge,
         open_session,
         save_session,
     )
@@ -71,6 +72,7 @@ __all__ = [
     "identify",
     "import_session",
     "load_arm",
+    "merge",
     "open_session",
     "plan",
     "predict",
@@ -100,6 +102,7 @@ _HOME = {
     "identify": "api.models",
     "import_session": "api.sessions",
     "load_arm": "api.sessions",
+    "merge": "api.sessions",
     "open_session": "api.sessions",
     "plan": "api.models",
     "predict": "api.models",

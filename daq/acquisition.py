@@ -175,6 +175,9 @@ def _run(
             for hit in hits
             if hit.verdict.accepted
         ),
+        polarities_before={
+            hit.number: hit.verdict.polarity for hit in hits if hit.verdict.accepted
+        },
         next_hit=hits[-1].number + 1 if hits else 1,
         turn_s=_turn_wall_s(settings) * settings.time_scale,
     )

@@ -76,7 +76,9 @@ def configuration_for(
         If the trigger level is beyond the force channel's range.
     """
     index = next(i for i, c in enumerate(channels) if c.quantity == FORCE)
-    level = round(plan.trigger.level_n / channels[index].scale)
+    # A hammer that reads a push as negative crosses the level downwards, below zero.
+    sign = 1.0 if plan.trigger.rising else -1.0
+    level = round(sign * abs(plan.trigger.level_n) / channels[index].scale)
     if abs(level) > COUNT_MAX:
         raise PlanError(
             f"trigger level {plan.trigger.level_n:g} N is beyond the range of "

@@ -15,6 +15,7 @@ from armodal.daq.judge_anti_alias import templates
 from armodal.daq.judge_levels import FORCE, clipped, lost_in_noise, still_ringing, stuck, unsettled
 from armodal.daq.judge_pulses import FEWEST_QUIET, Pulses, find_pulses
 from armodal.protocols.board.records import BoardDictionary, Channel
+from armodal.protocols.force_pulse import pulse_onset, pulse_polarity
 from armodal.protocols.plan_records import Sampling, Trigger
 from armodal.protocols.session.records import Verdict
 
@@ -90,6 +91,7 @@ def judge_record(
     limits: JudgeLimits | None = None,
     *,
     exponential_end: float = 1.0,
+    polarity: int | None = None,
 ) -> Verdict:
     """Judge the samples of one block; posture and motion are judged elsewhere.
 
@@ -101,6 +103,9 @@ def judge_record(
         One for each column.
     exponential_end
         Value at the record's end of the window the analysis applies; 1 is none.
+    polarity
+        Sign of the recorded force of a push, where other hits of this hammer have told it; None
+        finds it in this record.
 
     Returns
     -------
@@ -116,7 +121,18 @@ def judge_record(
         return found.verdict(float("nan"), float("nan"))
     rate_hz = float(sampling.rate_hz)
     start = block.info.trigger_sample - block.first_sample
-    force_n = _force(block, channels, start, rising=trigger.rising)
+    force_n = _force(block, channels, start)
+    usual = 1 if trigger.rising else -1
+    polarity = polarity or pulse_polarity(force_n, usual)
+    found.polarity = polarity
+    force_n = polarity * force_n
+    planned = sampling.pretrigger
+    if polarity != usual:
+        onset = pulse_onset(force_n)
+        found.turned(late=onset < start)
+        # The board triggered on what followed the pulse: the record is judged from the pulse on.
+        planned = start = min(start, onset)
+        force_n = polarity * _force(block, channels, start)
     pulses = find_pulses(
         force_n,
         rate_hz,
@@ -132,7 +148,7 @@ def judge_record(
     found.strength(pulses, abs(trigger.level_n))
     found.swing(pulses, force_n)
     found.number(pulses, start, rate_hz)
-    found.place(pulses, force_n, start, rate_hz, None if block.missing else sampling.pretrigger)
+    found.place(pulses, force_n, start, rate_hz, None if block.missing else planned)
     quiet = start - _RINGING_REACH
     if vibrating := unsettled(block.counts, channels, quiet, start, limits.settled):
         found.reject("not-settled", "still vibrating before the hit: " + ", ".join(vibrating))
@@ -141,16 +157,14 @@ def judge_record(
     return found.verdict(pulses.peak_n, pulses.half_width / rate_hz)
 
 
-def _force(
-    block: CapturedBlock, channels: tuple[Channel, ...], start: int, *, rising: bool
-) -> Signal:
-    """Force in N, pulses upwards, about zero before the hit."""
+def _force(block: CapturedBlock, channels: tuple[Channel, ...], start: int) -> Signal:
+    """Force in N as recorded, about zero before the hit."""
     column = force_column(channels)
     force_n: Signal = block.counts[:, column] * np.float64(channels[column].scale)
     quiet = force_n[: max(min(start, len(force_n)) - _RINGING_REACH, 0)]
     # A pulse is short beside its record, so the median of all is near zero force as well.
-    force_n = force_n - np.float64(np.median(quiet if quiet.size >= FEWEST_QUIET else force_n))
-    return force_n if rising else -force_n
+    about_zero: Signal = force_n - np.median(quiet if quiet.size >= FEWEST_QUIET else force_n)
+    return about_zero
 
 
 class _Findings:
@@ -160,6 +174,12 @@ class _Findings:
         self._limits = limits
         self._reasons: list[str] = []
         self._notes: list[str] = []
+        self.polarity = 1
+
+    def turned(self, *, late: bool) -> None:
+        """Say that the force is against the trigger's slope, and came before the trigger."""
+        advice = "; turn trigger.slope in the plan, and the pulse itself triggers" if late else ""
+        self._notes.append("the hammer's polarity is reversed: its force is turned" + advice)
 
     def reject(self, reason: str, note: str) -> None:
         self._reasons.append(reason)
@@ -261,4 +281,5 @@ class _Findings:
             notes=tuple(self._notes),
             peak_n=peak_n,
             width_s=width_s,
+            polarity=self.polarity,
         )

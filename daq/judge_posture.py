@@ -86,4 +86,5 @@ def with_posture(verdict: Verdict, judged: tuple[tuple[str, ...], tuple[str, ...
         notes=verdict.notes + judged[1],
         peak_n=verdict.peak_n,
         width_s=verdict.width_s,
+        polarity=verdict.polarity,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ from armodal.daq.events import (
     Prompted,
 )
 from armodal.daq.geometry import hit_direction
+from armodal.daq.hammer_polarity import HammerPolarity
 from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
 from armodal.daq.joint_state import JointState
 from armodal.daq.journal_writer import JournalWriter
@@ -35,7 +37,10 @@ from armodal.daq.session_machine import PromptKind, SessionState
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.stopping import Stopping, begin_stopping
 from armodal.daq.surroundings import EventQueue
+from armodal.daq.untriggered import UntriggeredPushes
+from armodal.protocols.force_pulse import TURNED
 from armodal.protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
+from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import Hit, JointReading
 
@@ -75,6 +80,7 @@ class SessionLoop:
         outbox: EventQueue,
         state: SessionState,
         accepted_before: tuple[tuple[int, str, str], ...] = (),
+        polarities_before: Mapping[int, int] | None = None,
         next_hit: int,
         turn_s: float,
     ) -> None:
@@ -95,9 +101,11 @@ class SessionLoop:
         self._silent = False
         self._jumped_s = -math.inf
         self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0, "health": 0.0}
+        self._untriggered = UntriggeredPushes(board.channels, settings.plan.trigger)
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         # Number, posture and roving point of every accepted hit, the last one at the end.
         self._kept = list(accepted_before)
+        self._polarity = HammerPolarity(polarities_before)
         self._stopping: Stopping | None = None
         self.accepted = 0
         self.rejected = 0
@@ -197,6 +205,7 @@ class SessionLoop:
                 )
             )
         )
+        self._polarity.drop(number)
         self.accepted -= 1
         self.rejected += 1
         self._outbox.put(HitWithdrawn(number=number, posture=posture, point=point))
@@ -306,6 +315,7 @@ class SessionLoop:
                 plan.trigger,
                 self._settings.limits,
                 exponential_end=plan.windows.exponential_end,
+                polarity=self._polarity.known,
             ),
             self._arm.judged(before, after, posture),
         )
@@ -339,6 +349,8 @@ class SessionLoop:
         )
         if verdict.accepted:
             self._kept.append((hit.number, hit.posture, roving_point(plan, hit)))
+            if self._polarity.keep(hit.number, verdict.polarity):
+                self.note(CALIBRATION + TURNED, now_s)
         self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
 
     def _report(self, now_s: float) -> None:
@@ -346,6 +358,8 @@ class SessionLoop:
             preview = self._board.stream.preview()
             if preview is not None:
                 self._outbox.put(preview)
+                if told := self._untriggered.told_by(preview):
+                    self.note(told, now_s)
         if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
             self._losses.watch("can", self._bus.faults, "lines that are not slcan", now_s)
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)

@@ -29,6 +29,7 @@ MODULES = {
     "inspect": "inspect_files",
     "import": "exchange",
     "export": "exchange",
+    "merge": "merge",
     "review": "review",
     "plan": "plan",
     "mozzi": "mozzi",

@@ -14,7 +14,7 @@ import numpy as np
 
 from armodal.daq.acquisition import run_acquisition
 from armodal.daq.commands import Command, Ready, Stop
-from armodal.daq.events import Event, Failed, Finished, HitJudged, Prompted
+from armodal.daq.events import Event, Failed, Finished, HitJudged, Noted, Prompted
 from armodal.daq.geometry import hit_direction
 from armodal.daq.session_machine import Prompt, PromptKind
 from armodal.daq.settings import AcquisitionSettings
@@ -215,4 +215,6 @@ def describe(event: Event) -> str | None:
     if isinstance(event, Prompted) and event.prompt.kind is PromptKind.POSTURE:
         posture = event.prompt.posture
         return None if posture is None else f"bring the arm to posture '{posture.name}'"
+    if isinstance(event, Noted):
+        return f"note: {event.text}"
     return None

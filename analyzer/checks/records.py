@@ -14,6 +14,7 @@ class Outcome(StrEnum):
     GOOD = "good"
     FAULT = "fault"
     CANNOT_TELL = "cannot tell"
+    TO_KNOW = "to know"  # no fault of the measurement, and the analysis allows for it
 
 
 class Fault(StrEnum):

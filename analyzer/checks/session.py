@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.checks.drift import drift_finding
 from armodal.analyzer.checks.driving_point import driving_point
 from armodal.analyzer.checks.homogeneity import homogeneity
 from armodal.analyzer.checks.links import check_links
@@ -15,7 +16,7 @@ from armodal.analyzer.checks.reciprocity import reciprocity
 from armodal.analyzer.checks.records import Finding, Outcome
 from armodal.analyzer.checks.rigid_link import RigidLinkResult
 from armodal.analyzer.checks.sensor import sensor_verdict
-from armodal.analyzer.modal import convert_form, fit_modes, hit_frfs, hit_spectra
+from armodal.analyzer.modal import ModalModel, convert_form, fit_modes, hit_frfs, hit_spectra
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
@@ -46,7 +47,8 @@ def check_session(
     links: list[RigidLinkResult] = []
     roving_hammer = session.header.plan.mode is Mode.ROVING_HAMMER
     for frf in frfs:
-        poles = _poles(frf)
+        model = _model(frf)
+        poles = () if model is None else tuple(mode.pole_rad_s for mode in model.modes)
         single = _single_hits(session, frf, roving_hammer=roving_hammer)
         if roving_hammer:
             found.append(_no_links(frf.posture, _NOT_ROVING))
@@ -69,6 +71,7 @@ def check_session(
             )
         )
         found += reciprocity([frf])
+        found.append(drift_finding(frf.posture, model))
     return (*found, sensor_verdict(links))
 
 
@@ -77,6 +80,9 @@ def _single_hits(
 ) -> dict[str, tuple[ComplexArray, Array]]:
     """Accelerance (n_hits, n_axes, n_freq) and level (n_hits,) of the hits of each point."""
     hits = session.accepted(frf.posture)
+    if not roving_hammer:
+        # Hits at other points are other FRFs.
+        hits = tuple(hit for hit in hits if hit.hit_point == frf.references[0].point)
     if not hits or frf.posture in {given.posture for given in session.frfs}:
         return {}
     step = float(frf.freq_hz[1] - frf.freq_hz[0]) / 2.0
@@ -85,16 +91,19 @@ def _single_hits(
     single = hit_frfs(spectra)
     level = np.sqrt(np.mean(np.abs(spectra.force) ** 2, axis=-1))
     at = np.array([hit.hit_point if roving_hammer else hit.sensor_point for hit in hits])
-    return {
-        point: (single[at == point], level[at == point]) for point in dict.fromkeys(at.tolist())
-    }
+    found = {}
+    for point in dict.fromkeys(at.tolist()):
+        here = single[at == point]
+        # An axis that a sensor has not is zero.
+        found[point] = (here[:, here.any(axis=(0, 2))], level[at == point])
+    return found
 
 
-def _poles(frf: FrequencyResponse) -> tuple[complex, ...]:
+def _model(frf: FrequencyResponse) -> ModalModel | None:
     try:
-        return tuple(mode.pole_rad_s for mode in fit_modes(frf).modes)
+        return fit_modes(frf)
     except EstimateError:
-        return ()
+        return None
 
 
 def _driven(frf: FrequencyResponse) -> list[tuple[int, str]]:

@@ -31,7 +31,14 @@ from armodal.analyzer.identification.result_rows import (
     validation_results,
 )
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at, posture_frf
+from armodal.analyzer.modal import (
+    ModalModel,
+    band_of_hits,
+    fit_modes,
+    fit_modes_at,
+    posture_frf,
+    record_notes,
+)
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
@@ -44,8 +51,13 @@ BAND_ABOVE = 1.5  # the model is fitted up to this multiple of the highest fitte
 SEARCH_STRIDE = 4  # lines skipped while axes are searched
 
 
-def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyResponse, ...]:
-    """FRFs of every planned posture with accepted hits or given FRFs, in plan order."""
+def estimate_frfs(
+    session: Session, superset: Superset, *, band_hz: tuple[float, float] | None = None
+) -> tuple[FrequencyResponse, ...]:
+    """FRFs of every planned posture with accepted hits or given FRFs, in plan order.
+
+    A band asked for widens the one that hits excite; `record_notes` says what that means.
+    """
     frfs = []
     given = {frf.posture: frf for frf in session.frfs}
     for posture in session.header.plan.postures:
@@ -62,7 +74,9 @@ def estimate_frfs(session: Session, superset: Superset) -> tuple[FrequencyRespon
         ]
         rotation = superset.posture(np.mean(measured, axis=0)).point_rotation
         directions = {p: rotation[i] for p, i in superset.point_index.items()}
-        frfs.append(posture_frf(session, posture.name, directions))
+        usable = None if band_hz is None else band_of_hits(session, posture.name)
+        widened = None if usable is None or band_hz is None else usable.widened(band_hz)
+        frfs.append(posture_frf(session, posture.name, directions, band_hz=widened))
     return tuple(frfs)
 
 
@@ -167,6 +181,11 @@ def identify(
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
             *superset.arm.effects_left_out(),
+            *(
+                note
+                for frf in frfs
+                for note in record_notes(session, frf.posture, board_limits=False)
+            ),
             *fit_notes(fit, fitted, shares),
         ),
     )

@@ -23,6 +23,7 @@ from armodal.analyzer.modal.random_error import (
     coherence_random_error,
     typical_random_errors,
 )
+from armodal.analyzer.modal.record_notes import band_of_hits, record_notes
 from armodal.analyzer.modal.scaling import MassScaling, mass_scaling, real_modes
 from armodal.analyzer.modal.spectra import HitSpectra, hit_frfs, hit_spectra
 from armodal.analyzer.modal.stable_poles import stable_poles
@@ -38,6 +39,7 @@ __all__ = [
     "SensorAxes",
     "Stabilisation",
     "TrackedCmif",
+    "band_of_hits",
     "carried_band",
     "cmif",
     "coherence_random_error",
@@ -62,6 +64,7 @@ __all__ = [
     "multivariate_mif",
     "posture_frf",
     "real_modes",
+    "record_notes",
     "stable_poles",
     "synthesise",
     "tracked_cmif",

@@ -103,20 +103,25 @@ def posture_frf(
     numbers = np.array([hit.number for hit in hits])
     membership = np.array([np.isin(numbers, choice.kept) for choice in choices], dtype=float)
     counts = membership.sum(axis=1).astype(np.int64)
-    averages = _average(spectra, membership, choices, averaging.estimator)
+    columns = active_channels(session)[2][1:]
+    there = _axes_there(hits, columns, membership)
+    averages = _average(spectra, membership, choices, averaging.estimator, there)
+    kept_rows = there.reshape(len(points), len(references), len(axes)).any(axis=1).reshape(-1)
 
     def matrix(per_pair: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
         """(point x reference, axis, ...) to (point x axis, reference, ...)."""
         split = per_pair.reshape(len(points), len(references), *per_pair.shape[1:])
         swapped = split.swapaxes(1, 2)
-        return swapped.reshape(len(points) * len(axes), len(references), *swapped.shape[3:])
+        rows = swapped.reshape(len(points) * len(axes), len(references), *swapped.shape[3:])
+        return rows[kept_rows]
 
     value, coherence, variance = (matrix(part) for part in averages)
-    responses = tuple(
+    every = tuple(
         Dof(point=point, label="xyz"[axis], direction=frozen_array(columns[:, axis], np.float64))
         for point, columns in ((point, _axes(directions, point)) for point in points)
         for axis in axes
     )
+    responses = tuple(dof for dof, is_kept in zip(every, kept_rows, strict=True) if is_kept)
     return FrequencyResponse(
         posture=posture,
         form=FrfForm.ACCELERANCE,
@@ -132,15 +137,26 @@ def posture_frf(
     )
 
 
+def _axes_there(
+    hits: tuple[Hit, ...], columns: list[int], membership: npt.NDArray[np.float64]
+) -> npt.NDArray[np.bool_]:
+    """Whether a pair's hits have an axis, (n_pairs, n_axes): one without a count is none."""
+    counted = np.array([hit.counts[:, columns].any(axis=0) for hit in hits])
+    there: npt.NDArray[np.bool_] = (membership @ counted) > 0.0
+    return there
+
+
 def _average(
     spectra: HitSpectra,
     membership: npt.NDArray[np.float64],
     choices: tuple[HitChoice, ...],
     estimator: FrfEstimator,
+    there: npt.NDArray[np.bool_],
 ) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Estimate, coherence and variance, each (n_pairs, n_axes, n_freq).
 
-    `membership` (n_pairs, n_hits) is 1 where a kept hit belongs to the pair.
+    `membership` (n_pairs, n_hits) is 1 where a kept hit belongs to the pair, `there` (n_pairs,
+    n_axes) whether an axis was measured.
     """
     kept = membership.any(axis=0)
     membership = membership[:, kept]
@@ -168,7 +184,14 @@ def _average(
         spectra.decay_rad_s, float(spectra.freq_hz[1] - spectra.freq_hz[0])
     )
     n_hits = np.repeat(counts[:, None], X.shape[1], axis=1)
-    variance = hit_scatter_variance(scatter, floor, np.abs(value) ** 2, n_hits, independent)
+    variance = np.zeros(value.shape)
+    variance[there] = hit_scatter_variance(
+        scatter[there][:, None],
+        floor[there][:, None],
+        (np.abs(value) ** 2)[there][:, None],
+        n_hits[there][:, None],
+        independent,
+    )[:, 0]
     # Hits kept because they agree scatter less than hits do.
     widened = np.array([choice.variance_factor for choice in choices])[:, None, None]
     coherence = np.stack(

@@ -55,10 +55,11 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
     """
     _check(frf)
     keep = _band(frf, band_hz)
-    notes: tuple[str, ...] = ()
+    notes = _beyond(frf, band_hz)
     holes = np.count_nonzero(~frf.measured)
     if holes:
-        notes = (f"{holes} of {frf.measured.size} FRFs were not measured and are left out",)
+        said = f"{holes} of {frf.measured.size} FRFs were not measured and are left out"
+        notes = (*notes, said)
     first = _blown_up(frf, keep)
     if first is not None:
         keep = keep & (frf.freq_hz >= frf.freq_hz[first])
@@ -79,6 +80,18 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
         share=independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq)))),
         notes=notes,
     )
+
+
+def _beyond(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> tuple[str, ...]:
+    """Say where FRFs have no lines that were asked for."""
+    if band_hz is None:
+        return ()
+    first, last = float(frf.freq_hz[0]), float(frf.freq_hz[-1])
+    spacing = float(np.median(np.diff(frf.freq_hz)))
+    if band_hz[0] > first - spacing and band_hz[1] < last + spacing:
+        return ()
+    asked = f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz was asked for"
+    return (f"{asked}, the FRFs hold {first:.4g} to {last:.5g} Hz",)
 
 
 def misfit_variance(

@@ -19,7 +19,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["SMOOTHED_LINES", "hit_scatter_variance", "independent_line_share", "smooth_lines"]
+__all__ = [
+    "SMOOTHED_LINES",
+    "hit_scatter_variance",
+    "independent_line_share",
+    "scatter_dof",
+    "smooth_lines",
+]
 
 SMOOTHED_LINES = 4  # lines on either side: about nine lines, some four of them independent
 _SINGLE_HIT_RELATIVE = 0.01
@@ -54,6 +60,13 @@ def independent_line_share(decay_rad_s: float, line_spacing_hz: float) -> float:
     """
     c = decay_rad_s / line_spacing_hz
     return float(np.tanh(c) / c) if c > 0.0 else 1.0
+
+
+def scatter_dof(n_hits: npt.NDArray[np.int64], independent_share: float) -> npt.NDArray[np.float64]:
+    """Degrees of freedom of the variance of `hit_scatter_variance`, of the shape of `n_hits`."""
+    lines = 1.0 + 2.0 * SMOOTHED_LINES * independent_share
+    dof: npt.NDArray[np.float64] = np.asarray(2.0 * (n_hits - 1) * lines + _MODEL_DOF)
+    return dof
 
 
 def hit_scatter_variance(

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from scipy.fft import prev_fast_len
 
 from armodal.analyzer.modal.sensor_axes import axis_letter
+from armodal.analyzer.modal.usable_band import UsableBand, usable_band
 from armodal.analyzer.modal.windows import (
     exponential_decay,
     exponential_window,
@@ -19,18 +20,16 @@ from armodal.analyzer.modal.windows import (
 )
 from armodal.protocols.board.records import Channel
 from armodal.protocols.errors import EstimateError
+from armodal.protocols.force_pulse import pulse_onset
 from armodal.protocols.session.records import Hit, Session
 
 __all__ = ["HitSpectra", "active_channels", "hit_frfs", "hit_spectra"]
 
-_LOWEST_HZ = 3.0
-_HIGHEST_OF_RATE = 0.39  # anti-alias filters of 24-bit boards are flat to about here
 _LEAD_S = 0.002  # kept before the trigger: the foot of a pulse that rises slowly,
 _LEAD_SAMPLES = 8  # and the ringing of an anti-alias filter of linear phase
 _FEWEST_QUIET = (
     32  # samples before the trigger that tell a noise: fewer may be the filter's ringing
 )
-_LEAST_FORCE = 0.02  # of the force spectrum's maximum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +37,7 @@ class HitSpectra:
     """Windowed, coupling-corrected spectra of single hits on the lines s = decay + j w.
 
     The noise entries are the expected |noise|^2 of a line, from the samples before the trigger.
+    `usable` is the band the hits excite, whatever band was asked for.
     """
 
     freq_hz: npt.NDArray[np.float64]  # (n_freq,)
@@ -46,6 +46,7 @@ class HitSpectra:
     response: npt.NDArray[np.complex128]  # (n_hits, n_axes, n_freq) m/s, axes in order x, y, z
     force_noise: npt.NDArray[np.float64]  # (n_hits, n_freq)
     response_noise: npt.NDArray[np.float64]  # (n_hits, n_axes, n_freq)
+    usable: UsableBand
 
 
 def active_channels(session: Session) -> tuple[Channel, tuple[Channel, ...], list[int]]:
@@ -70,17 +71,26 @@ def active_channels(session: Session) -> tuple[Channel, tuple[Channel, ...], lis
     return active[force[0]], tuple(active[i] for i in acceleration), columns
 
 
-def _check_records(hits: tuple[Hit, ...], n_channels: int) -> int:
-    """Length every record shares, or an error that names the hit that differs."""
-    n_samples = hits[0].counts.shape[0]
+def _check_records(hits: tuple[Hit, ...], n_channels: int) -> None:
+    """Refuse a hit that lacks a channel, or holds less than half of what the longest does."""
+    longest = max(len(hit.counts) for hit in hits)
     for hit in hits:
-        if hit.counts.shape[0] != n_samples or hit.counts.shape[1] < n_channels:
+        n, recorded = hit.counts.shape
+        if 2 * n < longest or recorded < n_channels:
             raise EstimateError(
-                f"hit {hit.number} has counts of shape {hit.counts.shape}, wanted "
-                f"({n_samples}, {n_channels} or more) like hit {hits[0].number}; "
-                "reject it or analyse its block separately"
+                f"hit {hit.number} has {n} samples of {recorded} channels, wanted {n_channels} or "
+                f"more channels, and at least half of the longest hit's {longest} samples; reject "
+                "it or analyse it separately"
             )
-    return int(n_samples)
+
+
+def _trigger(hit: Hit, force: npt.NDArray[np.int32], *, rising: bool) -> int:
+    """Sample of a hit's record at which its pulse begins."""
+    trigger = int(hit.trigger_sample - hit.first_sample)
+    if (hit.verdict.polarity > 0) == rising:
+        return trigger
+    # Against the trigger's slope the board triggers on what follows the pulse.
+    return min(trigger, pulse_onset(force - np.median(force)))
 
 
 def hit_spectra(
@@ -90,17 +100,17 @@ def hit_spectra(
 
     Records are cut to begin shortly before the trigger, and to a length quick to transform: what
     rings beyond the record's end then changes a mode's residue and not its pole
-    (`docs/theory-modal.md`, section 1).
+    (`docs/theory-modal.md`, section 1). Records of other lengths are cut to the shortest behind the
+    trigger. The force of a reversed hammer is turned.
 
     Parameters
     ----------
     session
         Gives scales, coupling corners, sampling rate and windows.
     hits
-        Hits of equal length.
+        Hits, none shorter than half of the longest.
     band_hz
-        Lines kept; by default 3 Hz to 0.39 of the sampling rate, cut where the median force
-        spectrum first falls below 2 % of its maximum.
+        Lines kept; by default the band the hits excite (`usable_band`).
 
     Returns
     -------
@@ -110,41 +120,41 @@ def hit_spectra(
     Raises
     ------
     EstimateError
-        If there are no hits, their lengths differ, one has no force, or the band holds no line.
+        If there are no hits, one is far shorter, one has no force, or the band holds no line.
     """
     if not hits:
         raise EstimateError("FRFs need at least one accepted hit, got none; measure the posture")
     force_channel, acceleration_channels, columns = active_channels(session)
-    n_samples = _check_records(hits, max(columns) + 1)
+    _check_records(hits, max(columns) + 1)
     rate = float(session.header.plan.sampling.rate_hz)
     windows = session.header.plan.windows
-    triggers = [int(hit.trigger_sample - hit.first_sample) for hit in hits]
+    rising = session.header.plan.trigger.rising
+    triggers = [_trigger(hit, hit.counts[:, columns[0]], rising=rising) for hit in hits]
     lead = min(_LEAD_SAMPLES + round(_LEAD_S * rate), *triggers)
-    n = int(prev_fast_len(n_samples - max(triggers) + lead, real=True))
+    behind = min(len(hit.counts) - at for hit, at in zip(hits, triggers, strict=True))
+    n = int(prev_fast_len(behind + lead, real=True))
     decay = exponential_decay(windows.exponential_end, n / rate)
 
     channels = (force_channel, *acceleration_channels)
     scale = np.array([channel.scale for channel in channels])
-    records = np.stack([hit.counts[:, columns] for hit in hits]).transpose(0, 2, 1) * scale[:, None]
+    records = np.empty((len(hits), len(channels), n))
     variance = np.empty(records.shape[:2])
-    for i, trigger in enumerate(triggers):
+    for i, (hit, trigger) in enumerate(zip(hits, triggers, strict=True)):
+        if not np.ptp(hit.counts[:, columns[0]]):
+            raise EstimateError(
+                f"hit {hit.number} of posture {hit.posture!r}: wanted a force, got none at "
+                "all; see the hammer's cable, and reject the hit or measure it again"
+            )
+        record = hit.counts[:, columns].T * scale[:, None]
+        record[0] *= hit.verdict.polarity
         # The last two samples before the trigger may already hold the pulse's foot.
-        quiet = records[i, :, : max(trigger - 2, 2)]
+        quiet = record[:, : max(trigger - 2, 2)]
         variance[i] = scale**2 / 12.0
         if quiet.shape[1] >= _FEWEST_QUIET:
             variance[i] = np.maximum(quiet.var(axis=1, ddof=1), variance[i])
-        records[i] -= quiet.mean(axis=1, keepdims=True)
-        if not np.ptp(hits[i].counts[:, columns[0]]):
-            raise EstimateError(
-                f"hit {hits[i].number} of posture {hits[i].posture!r}: wanted a force, got none at "
-                "all; see the hammer's cable, and reject the hit or measure it again"
-            )
-    records = np.stack(
-        [
-            record[:, trigger - lead : trigger - lead + n]
-            for record, trigger in zip(records, triggers, strict=True)
+        records[i] = (record - quiet.mean(axis=1, keepdims=True))[
+            :, trigger - lead : trigger - lead + n
         ]
-    )
 
     exponential = exponential_window(n, rate, decay)
     force_weight = exponential
@@ -160,7 +170,8 @@ def hit_spectra(
     noise_force = np.sum(force_weight**2) * variance[:, 0] / rate**2
     noise_response = np.sum(exponential**2) * variance[:, 1:] / rate**2
 
-    keep_lines = _band_lines(freq, np.abs(spectra[:, 0]), rate, band_hz)
+    usable = usable_band(freq, np.abs(spectra[:, 0]), rate)
+    keep_lines = _band_lines(freq, band_hz or (usable.low_hz, usable.high_hz))
     freq = freq[keep_lines]
     s = laplace_lines(freq, decay)
     coupling = np.stack([highpass_response(s, c.highpass_hz) for c in coupled])
@@ -175,23 +186,13 @@ def hit_spectra(
         response=spectra[:, 1:],
         force_noise=noise_force[:, None] * gain[0],
         response_noise=noise_response[..., None] * gain[1:],
+        usable=usable,
     )
 
 
 def _band_lines(
-    freq: npt.NDArray[np.float64],
-    force: npt.NDArray[np.float64],
-    rate: float,
-    band_hz: tuple[float, float] | None,
+    freq: npt.NDArray[np.float64], band_hz: tuple[float, float]
 ) -> npt.NDArray[np.bool_]:
-    """Lines to keep: the band asked for, or the one the force excites."""
-    if band_hz is None:
-        high = _HIGHEST_OF_RATE * rate
-        typical = np.median(force, axis=0)
-        weak = (typical < _LEAST_FORCE * typical.max()) & (freq > _LOWEST_HZ)
-        if np.any(weak):
-            high = min(high, float(freq[int(np.argmax(weak))]) * (1.0 - 1e-12))
-        band_hz = (_LOWEST_HZ, high)
     low, high = band_hz
     keep = (freq >= low) & (freq <= high) & (freq > 0.0)
     if np.count_nonzero(keep) < 2:

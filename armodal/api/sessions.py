@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from armodal.analyzer import modal
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
 from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.merge_sessions import merge_sessions
 from armodal.daq.judge_imported import judged
 from armodal.protocols.arm import files as arm_files
 from armodal.protocols.arm.records import Arm
@@ -19,7 +21,15 @@ from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
 
-__all__ = ["fit_modes", "frfs", "import_session", "load_arm", "open_session", "save_session"]
+__all__ = [
+    "fit_modes",
+    "frfs",
+    "import_session",
+    "load_arm",
+    "merge",
+    "open_session",
+    "save_session",
+]
 
 
 def open_session(path: str | Path) -> Session:
@@ -76,8 +86,17 @@ def load_arm(name_or_path: str | Path) -> Arm:
     return arm_files.load_arm(str(name_or_path))
 
 
-def frfs(session: Session) -> tuple[FrequencyResponse, ...]:
+def frfs(
+    session: Session, *, band_hz: tuple[float, float] | None = None
+) -> tuple[FrequencyResponse, ...]:
     """FRFs of every posture: averaged over its accepted hits, or those that were imported.
+
+    Parameters
+    ----------
+    session
+        With accepted hits or FRFs.
+    band_hz
+        Lines taken although the hits hardly excite them.
 
     Returns
     -------
@@ -89,7 +108,25 @@ def frfs(session: Session) -> tuple[FrequencyResponse, ...]:
     EstimateError
         If a posture's hits cannot be averaged.
     """
-    return estimate_frfs(session, Superset(session.header.arm))
+    return estimate_frfs(session, Superset(session.header.arm), band_hz=band_hz)
+
+
+def merge(sessions: Sequence[Session]) -> Session:
+    """One session of several hammers' FRFs, every line weighted by its variance.
+
+    Parameters
+    ----------
+    sessions
+        Two or more, of the same points.
+
+    Raises
+    ------
+    EstimateError
+        If they are not measurements of the same FRFs, or one tells no variance.
+    """
+    names = [f"session {i + 1}" for i in range(len(sessions))]
+    created = datetime.now(UTC).isoformat(timespec="seconds")
+    return merge_sessions(sessions, names, created=created, software=SOFTWARE)[0]
 
 
 def fit_modes(

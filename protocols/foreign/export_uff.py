@@ -18,7 +18,11 @@ from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.foreign.session_texts import UNKNOWN_PLACES
-from armodal.protocols.foreign.uff_identification import direction_words, estimate_words
+from armodal.protocols.foreign.uff_identification import (
+    VARIANCE_WORDS,
+    direction_words,
+    estimate_words,
+)
 from armodal.protocols.foreign.uff_records import (
     DataKind,
     FunctionKind,
@@ -118,7 +122,11 @@ def posture_uff(
     renamed = {name: number for name, number in numbers.items() if name != str(number)}
     if renamed:
         said.append("node numbers: " + ", ".join(f"{k} is {n}" for k, n in renamed.items()))
-    functions = [*_functions(frf, rows, numbers), *_coherences(frf, rows, numbers)]
+    functions = [
+        *_functions(frf, rows, numbers),
+        *_coherences(frf, rows, numbers),
+        *_variances(frf, rows, numbers),
+    ]
     nodes, lines = _geometry(frf, arm, numbers)
     unplaced = len(numbers) - (0 if nodes is None else len(nodes.number))
     if unplaced:
@@ -193,7 +201,7 @@ def _functions(
             values = np.zeros(len(frf.freq_hz), dtype=np.complex128)
             for i, factor in zip(row.index, row.factor, strict=True):
                 values += factor * frf.values[i, j]
-            n_hits = min(int(frf.n_hits[i, j]) for i in row.index)
+            n_hits = _n_hits(frf, row, j)
             functions.append(
                 UffFunction(
                     kind=FunctionKind.FREQUENCY_RESPONSE,
@@ -230,6 +238,38 @@ def _coherences(
                 )
             )
     return functions
+
+
+def _variances(
+    frf: FrequencyResponse, rows: Sequence[_Row], numbers: Mapping[str, int]
+) -> list[UffFunction]:
+    """E|error|^2 of every FRF where it is known, as functions of the general type.
+
+    A coherence tells it only to a program that averages as armodal does; this is the number itself.
+    """
+    functions = []
+    for j, reference in enumerate(frf.references):
+        for row in rows:
+            parts = frf.variance[list(row.index), j]
+            if not (np.isfinite(parts).all() and (parts > 0.0).any()):
+                continue
+            identification = list(_identification(frf, row, reference, _n_hits(frf, row, j)))
+            identification[2] = VARIANCE_WORDS
+            functions.append(
+                UffFunction(
+                    kind=FunctionKind.GENERAL,
+                    values=frozen_array(np.array(row.factor) ** 2 @ parts, np.float64),
+                    numerator=DataKind.UNKNOWN,
+                    denominator=DataKind.UNKNOWN,
+                    identification=tuple(identification),
+                    **_place(frf, row, reference, numbers),
+                )
+            )
+    return functions
+
+
+def _n_hits(frf: FrequencyResponse, row: _Row, j: int) -> int:
+    return min(int(frf.n_hits[i, j]) for i in row.index)
 
 
 def _coherence(frf: FrequencyResponse, row: _Row, j: int) -> npt.NDArray[np.float64]:

@@ -42,8 +42,8 @@ def frf_matrix(
     Returns
     -------
     FrequencyResponse
-        Variance 0 (not told): `analyzer` works it out from coherence and averages. FRFs that no
-        file has are not measured: value 0, variance infinite.
+        Variance 0 where no file tells it: `analyzer` works it out from coherence and averages. FRFs
+        that no file has are not measured: value 0, variance infinite.
 
     Raises
     ------
@@ -73,24 +73,21 @@ def frf_matrix(
         cells[row, column] = frf
     shape = (len(rows), len(columns), len(first.freq_hz))
     values, variance = np.zeros(shape, dtype=np.complex128), np.full(shape, np.inf)
-    coherence = np.full(shape, np.nan)
+    coherence, n_hits = np.full(shape, np.nan), np.zeros(shape[:2], dtype=np.int64)
+    averages = _averages_of_all(contents, table, what)
     for (i, row), (j, column) in product(enumerate(rows), enumerate(columns)):
         cell = cells.get((row, column))
         if cell is not None:
-            values[i, j], variance[i, j] = cell.values, 0.0
+            values[i, j] = cell.values
+            variance[i, j] = 0.0 if cell.variance is None else cell.variance
+            n_hits[i, j] = _averages(cell, table, averages)
             if cell.coherence is not None:
                 coherence[i, j] = cell.coherence
     measured = np.isfinite(variance[..., 0])
     _say_holes(measured, tuple(rows.values()), tuple(columns.values()), what, said)
-    averages = _one(contents, "averages", table.averages, what)
     decay = _one(contents, "decay_rad_s", table.window_decay_rad_s, what)
-    if averages is not None and averages > MOST_AVERAGES:
-        raise ForeignFileError(
-            f"{what}: wanted up to {MOST_AVERAGES} averages, the files tell {averages:g}; say "
-            "`averages` in the manifest"
-        )
-    n_hits = 0 if averages is None else int(averages)
-    _say_uncertainty(coherence[measured], n_hits, what, said)
+    if not (variance[measured] > 0.0).any():
+        _say_uncertainty(coherence[measured], averages, what, said)
     return FrequencyResponse(
         posture=table.name,
         form=first.form,
@@ -99,11 +96,29 @@ def frf_matrix(
         values=frozen_array(values, np.complex128),
         coherence=frozen_array(coherence, np.float64),
         variance=frozen_array(variance, np.float64),
-        n_hits=frozen_array(np.where(measured, n_hits, 0), np.int64),
+        n_hits=frozen_array(n_hits, np.int64),
         responses=tuple(rows.values()),
         references=tuple(columns.values()),
         joints_rad=frozen_array(placement.joints_rad, np.float64),
     )
+
+
+def _averages_of_all(contents: Sequence[Content], table: PostureTable, what: str) -> int:
+    """Return the averages that manifest or files tell for all FRFs; 0 where they do not."""
+    averages = _one(contents, "averages", table.averages, what)
+    if averages is not None and averages > MOST_AVERAGES:
+        raise ForeignFileError(
+            f"{what}: wanted up to {MOST_AVERAGES} averages, the files tell {averages:g}; say "
+            "`averages` in the manifest"
+        )
+    return 0 if averages is None else int(averages)
+
+
+def _averages(frf: ForeignFrf, table: PostureTable, otherwise: int) -> int:
+    """Return the averages of one FRF: the manifest's, the FRF's own, or those of all."""
+    if table.averages is not None or frf.averages is None:
+        return otherwise
+    return min(frf.averages, MOST_AVERAGES)
 
 
 def _alike(frfs: Sequence[ForeignFrf], what: str, said: list[str]) -> list[ForeignFrf]:
@@ -140,6 +155,7 @@ def _between(frf: ForeignFrf, low_hz: float, high_hz: float) -> ForeignFrf:
         freq_hz=frozen_array(frf.freq_hz[keep], np.float64),
         values=frozen_array(frf.values[keep], np.complex128),
         coherence=None if coherence is None else frozen_array(coherence[keep], np.float64),
+        variance=None if frf.variance is None else frozen_array(frf.variance[keep], np.float64),
     )
 
 

@@ -76,6 +76,7 @@ def frfs_of(part: Variables, found: Found, hints: Hints, words: Words) -> tuple[
     coherence = _coherence(found, values.shape, freq, part.origin, words.said)
     if coherence is None and not found.get(Role.COHERENCE):
         words.said += _empty_coherence(part)
+    variance, averages = _own_matrices(part, values.shape)
     if freq[0] == 0.0:
         words.said.append(f"{part.origin}: the line at 0 Hz is left out")
     frfs = []
@@ -99,9 +100,30 @@ def frfs_of(part: Variables, found: Found, hints: Hints, words: Words) -> tuple[
                     freq_hz=frozen_array(freq[keep], np.float64),
                     values=frozen_array(values[i, j][keep], np.complex128),
                     coherence=None if own is None else frozen_array(own, np.float64),
+                    variance=(
+                        None if variance is None else frozen_array(variance[i, j][keep], np.float64)
+                    ),
+                    averages=None if averages is None else int(averages[i, j]),
                 )
             )
     return tuple(frfs)
+
+
+def _own_matrices(part: Variables, shape: tuple[int, ...]) -> tuple[Reals | None, Reals | None]:
+    """Return variances, and averages of each FRF, where armodal wrote them; else None."""
+    own = part.texts.get("unit") == (SI,) and part.texts.get("form", ("",))[0] in set(FrfForm)
+    by_name = {v.name: v.values for v in part.variables if own and not v.is_complex}
+    variance, averages = by_name.get("variance"), by_name.get("averages")
+    # MATLAB drops sides of one.
+    if variance is not None and variance.size == np.prod(shape):
+        variance = variance.reshape(shape)
+        known = bool((variance >= 0.0).all())  # infinite where nothing was measured
+    else:
+        known = False
+    several = averages is not None and 1 < averages.size == np.prod(shape[:2])
+    if averages is not None and several and np.isfinite(averages).all():
+        return (variance if known else None), np.clip(averages, 0, 10**6).reshape(shape[:2])
+    return (variance if known else None), None
 
 
 def _lines(part: Variables, found: Found, arrays: Sequence[Variable], hints: Hints) -> Reals:

@@ -12,15 +12,20 @@ import numpy.typing as npt
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.hit_variables import MOST_TRIMMED
+from armodal.protocols.force_pulse import pulse_onset, pulse_polarity
 from armodal.protocols.foreign.manifest import PostureTable
 from armodal.protocols.foreign.measured import AXES, ForeignHit
 from armodal.protocols.foreign.placement import HIT, RESPONSE, Placement
 from armodal.protocols.session.records import Hit, JointReading, Verdict
 
-__all__ = ["PlacedHit", "foreign_dictionary", "hit_records", "place_hits", "pretrigger", "trimmed"]
+__all__ = [
+    "PlacedHit",
+    "foreign_dictionary",
+    "hit_records",
+    "place_hits",
+    "pretrigger",
+]
 
-_TRIGGER_SHARE = 0.05  # of the peak force: where the pulse begins
 _COUNTS = 2**30  # of the largest value: 256 times finer than a 24-bit converter at half range
 _ORTHOGONAL = 1e-6
 _SAME_RATE = 1e-6  # relative: a rate worked out from times that were printed
@@ -63,8 +68,6 @@ def place_hits(
             if hit.hit.direction is None:
                 said.append(f"posture {table.name!r}: the direction of the hit is not told")
         force = hit.force_n
-        if force.max() <= 0.0 or -force.min() > force.max():
-            said.append(f"{hit.origin}: the force pulse is negative; it is taken as it is")
         for point, one in _by_point(hit, placement):
             along = _along_sensor_axes(one, point, placement, said)
             placed.append(
@@ -79,7 +82,7 @@ def place_hits(
                     signals=frozen_array(np.concatenate([force[None], along]), np.float64),
                 )
             )
-    return trimmed(placed, said)
+    return placed
 
 
 def _by_point(hit: ForeignHit, placement: Placement) -> list[tuple[str, ForeignHit]]:
@@ -104,16 +107,6 @@ def _by_point(hit: ForeignHit, placement: Placement) -> list[tuple[str, ForeignH
         )
         for point, places in rows.items()
     ]
-
-
-def trimmed(hits: Sequence[PlacedHit], said: list[str]) -> list[PlacedHit]:
-    """Cut records to the shortest where they are a few samples apart, and say it."""
-    lengths = {hit.signals.shape[1] for hit in hits}
-    if len(lengths) < 2 or max(lengths) - min(lengths) > MOST_TRIMMED:
-        return list(hits)
-    n = min(lengths)
-    said.append(f"records are {n} to {max(lengths)} samples long: the first {n} are used")
-    return [replace(hit, signals=frozen_array(hit.signals[:, :n], np.float64)) for hit in hits]
 
 
 def _check_single(table: PostureTable) -> None:
@@ -167,8 +160,7 @@ def _along_sensor_axes(
 
 def pretrigger(signals: npt.NDArray[np.float64]) -> int:
     """Return the sample at which the force first reaches a twentieth of its peak."""
-    size = np.abs(signals[0])
-    return int(np.argmax(size >= _TRIGGER_SHARE * size.max()))
+    return pulse_onset(signals[0] - np.median(signals[0]))
 
 
 def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
@@ -177,7 +169,7 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
     Raises
     ------
     ForeignFileError
-        If hits differ in length, rate or number of channels.
+        If hits differ in sampling rate.
     """
     _check_alike(hits)
     n_axes = hits[0].signals.shape[0] - 1 if hits else 3
@@ -213,13 +205,11 @@ def foreign_dictionary(hits: Sequence[PlacedHit]) -> BoardDictionary:
 
 def _check_alike(hits: Sequence[PlacedHit]) -> None:
     for hit in hits:
-        same_rate = abs(float(hit.rate_hz / hits[0].rate_hz) - 1.0) < _SAME_RATE
-        if hit.signals.shape != hits[0].signals.shape or not same_rate:
+        if abs(float(hit.rate_hz / hits[0].rate_hz) - 1.0) >= _SAME_RATE:
             raise ForeignFileError(
-                f"{hit.origin}: wanted {hits[0].signals.shape[0]} channels of "
-                f"{hits[0].signals.shape[1]} samples at {float(hits[0].rate_hz):g} Hz like "
-                f"{hits[0].origin}, got {hit.signals.shape[0]} of {hit.signals.shape[1]} at "
-                f"{float(hit.rate_hz):g} Hz; import them as a session of their own"
+                f"{hit.origin}: wanted samples at {float(hits[0].rate_hz):g} Hz like "
+                f"{hits[0].origin}, got {float(hit.rate_hz):g} Hz; import them as a session of "
+                "their own"
             )
 
 
@@ -227,8 +217,8 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
     """Return the hits of a session, not yet judged, in counts of the dictionary's channels."""
     scale = np.array([channel.scale for channel in dictionary.channels])
     records: list[Hit] = []
+    first = 0
     for i, hit in enumerate(hits):
-        n = hit.signals.shape[1]
         counts = np.rint(hit.signals.T / scale)
         reading = JointReading(
             joints_rad=hit.joints_rad, drive_state=None, held=True, age_s=0.0, host_s=float(i)
@@ -237,8 +227,9 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
             accepted=True,
             reasons=(),
             notes=(f"imported from {hit.origin[:200]}",),
-            peak_n=float(np.max(hit.signals[0])),
+            peak_n=float(np.max(np.abs(hit.signals[0]))),
             width_s=float("nan"),
+            polarity=pulse_polarity(hit.signals[0]),
         )
         records.append(
             Hit(
@@ -247,8 +238,8 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
                 sensor_point=hit.sensor_point,
                 hit_point=hit.hit_point,
                 hit_direction=hit.hit_direction,
-                first_sample=i * n,
-                trigger_sample=i * n + pretrigger(hit.signals),
+                first_sample=first,
+                trigger_sample=first + pretrigger(hit.signals),
                 trigger_host_s=float(i),
                 counts=frozen_array(counts, np.int32),
                 before=reading,
@@ -256,4 +247,5 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
                 verdict=verdict,
             )
         )
+        first += hit.signals.shape[1]
     return tuple(records)

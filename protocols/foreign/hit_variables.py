@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
-from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.measured import (
     ForeignHit,
@@ -17,13 +18,15 @@ from armodal.protocols.foreign.measured import (
     ToldDof,
     check_signals,
     exact_rate,
+    parse_dof,
 )
+from armodal.protocols.foreign.recording import Recording, cut_recording
 from armodal.protocols.foreign.roles import Role, tokens
 from armodal.protocols.foreign.uff_records import DataKind
 from armodal.protocols.foreign.units import SI, seconds, signal_scale, unit
 from armodal.protocols.foreign.variables import Axis, Variable, Variables
 
-__all__ = ["MOST_TRIMMED", "hit_of"]
+__all__ = ["MOST_TRIMMED", "hits_in"]
 
 MOST_TRIMMED = 8  # samples: what channels and blocks are apart that one device recorded
 _MOST_CHANNELS = 64
@@ -32,56 +35,124 @@ _COARSE = 1e-5  # relative: a step printed with fewer than five digits
 _PLAIN_TIMES = frozenset(
     {"time", "t", "zeit", "temps", "domain", "axis", "elapsed", "vector", "values", "column"}
 )
+_DOF_NAME = re.compile(r"(?<!\d)(\d{1,9})[\s_:.-]*?([+-]?)([xyzXYZ])$")  # acc 3 x, P12:-Y
 _SIGNALS = (Role.RESPONSE, Role.UNKNOWN, Role.MAGNITUDE)
 
 Found = Mapping[Role, Sequence[Variable]]
 Signal = npt.NDArray[np.float64]
 
 
-def hit_of(part: Variables, found: Found, hints: Hints, said: list[str]) -> ForeignHit:
-    """Return the hit of named arrays in SI.
+def hits_in(part: Variables, found: Found, hints: Hints, said: list[str]) -> list[ForeignHit]:
+    """Return the hits of named arrays in SI, cut apart where a record holds many.
 
     Raises
     ------
     NotToldError
-        If it is not told which signal is the force.
+        If it is not told which signal is the force, or what several hammers hit.
     ForeignFileError
         If there is no even time, or signals are of other lengths or not finite.
     """
+    stacked = _stacked(part, found, said)
+    if stacked:
+        return [hit for one in stacked for hit in _hits_of_rows(part, found, one, hints, said)]
     force = _rows(found.get(Role.FORCE, ()))
     responses = _rows([v for role in _SIGNALS for v in found.get(role, ())])
-    if len(force) != 1 or not responses:
+    return _hits_of_rows(part, found, _Rows(part.origin, force, responses), hints, said)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """Signals of one record."""
+
+    origin: str
+    force: list[Variable]
+    responses: list[Variable]
+
+
+def _stacked(part: Variables, found: Found, said: list[str]) -> list[_Rows]:
+    """Return the hits of matrices that hold one a row: forces, and as many of each response."""
+    forces = found.get(Role.FORCE, ())
+    others = [v for role in _SIGNALS for v in found.get(role, ()) if v.values.ndim == 2]
+    if len(forces) != 1 or forces[0].values.ndim != 2 or min(forces[0].values.shape) < 2:
+        return []
+    alike = [v for v in others if v.values.shape == forces[0].values.shape]
+    if not alike or len(alike) < len(others):
+        return []
+    force, responses = _rows(forces), [_rows([one]) for one in alike]
+    said.append(f"{part.origin}: {forces[0].name[:40]} has {len(force)} rows: one hit each")
+    return [
+        _Rows(f"{part.origin}: hit {i + 1}", [force[i]], [rows[i] for rows in responses])
+        for i in range(len(force))
+    ]
+
+
+def _hits_of_rows(
+    part: Variables, found: Found, rows: _Rows, hints: Hints, said: list[str]
+) -> list[ForeignHit]:
+    forces, responses = rows.force, rows.responses
+    if not forces or not responses:
         raise NotToldError(
             f"{part.origin}: wanted signals called time, force and at least one acceleration, got "
-            f"{len(force)} called force beside {len(responses)} others; rename them, or say "
+            f"{len(forces)} called force beside {len(responses)} others; rename them, or say "
             '`variables` in the manifest, such as { force = "CH1", response = ["CH2"] }',
             key="variables",
         )
-    length, responses = _common_length(part, force[0], responses, said)
-    if len(responses) + 1 > _MOST_CHANNELS:
+    if len(forces) > 1 and len(hints.references) != len(forces):
+        names = ", ".join(one.name[:40] for one in forces)
+        raise NotToldError(
+            f"{part.origin}: {len(forces)} signals are forces ({names[:200]}); name the point and "
+            "direction that each hammer hits with `references`, or the force to use in `variables`",
+            key=f"references {len(forces)}",
+        )
+    length, alike = _common_length(part, forces[0], [*forces[1:], *responses], said)
+    forces, responses = [forces[0], *forces[1:]], [one for one in alike if one not in forces[1:]]
+    if len(responses) + len(forces) > _MOST_CHANNELS:
         raise ForeignFileError(
             f"{part.origin}: wanted at most {_MOST_CHANNELS} channels, got {len(responses) + 1}; "
             "name those to read in `variables` in the manifest"
         )
     rate = _rate(part, found, length, hints, said)
-    rows = [_in_si(force[0], DataKind.EXCITATION_FORCE, part, hints, said)]
-    rows += [_in_si(one, DataKind.ACCELERATION, part, hints, said) for one in responses]
-    signals = np.stack([row[:length] for row in rows])
+    kinds = [DataKind.EXCITATION_FORCE] * len(forces) + [DataKind.ACCELERATION] * len(responses)
+    signals = np.stack(
+        [
+            _in_si(one, kind, part, hints, said)[:length]
+            for one, kind in zip([*forces, *responses], kinds, strict=True)
+        ]
+    )
     check_signals(signals, part.origin)
-    told = hints.responses or tuple(ToldDof(None, None) for _ in responses)
+    told = hints.responses or dofs_by_name([one.name for one in responses])
+    if told[0].node is not None and not hints.responses:
+        said.append(f"{part.origin}: points and directions are those its channels' names end in")
     if len(told) != len(responses):
         raise ForeignFileError(
             f"{part.origin}: wanted {len(told)} responses, as the manifest says, got "
             f"{len(responses)}"
         )
-    return ForeignHit(
-        origin=part.origin,
+    recording = Recording(
+        origin=rows.origin,
         rate_hz=rate,
-        force_n=frozen_array(signals[0], np.float64),
-        acceleration_m_s2=frozen_array(signals[1:], np.float64),
-        hit=hints.reference or ToldDof(None, None),
+        forces_n=signals[: len(forces)],
+        acceleration_m_s2=signals[len(forces) :],
+        hammers=hints.references or (ToldDof(None, None),),
         responses=told,
     )
+    return cut_recording(recording, hints.cut, said)
+
+
+def dofs_by_name(names: Sequence[str]) -> tuple[ToldDof, ...]:
+    """Return points and directions that the names of channels end in; none told otherwise.
+
+    >>> [(dof.node, dof.label) for dof in dofs_by_name(["acc 3 x", "P12:-Y"])]
+    [('3', 'x'), ('12', 'y')]
+    >>> dofs_by_name(["acc_x", "acc_y"])[0].node is None
+    True
+    """
+    matches = [_DOF_NAME.search(name.strip()) for name in names]
+    dofs = [parse_dof(f"{int(m[1])}:{m[2]}{m[3]}", "") for m in matches if m]
+    keys = {(dof.node, tuple(np.abs(dof.direction))) for dof in dofs if dof.direction is not None}
+    if len(keys) < len(names):
+        return tuple(ToldDof(None, None) for _ in names)
+    return tuple(dofs)
 
 
 def _rows(variables: Sequence[Variable]) -> list[Variable]:

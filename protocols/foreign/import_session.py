@@ -11,6 +11,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.content import read_content
+from armodal.protocols.foreign.even_records import trimmed, with_even_axes
 from armodal.protocols.foreign.frf_matrix import frf_matrix
 from armodal.protocols.foreign.hit_records import (
     PlacedHit,
@@ -18,7 +19,6 @@ from armodal.protocols.foreign.hit_records import (
     hit_records,
     place_hits,
     pretrigger,
-    trimmed,
 )
 from armodal.protocols.foreign.import_arm import MeasuredPosture, imported_arm, placement_of
 from armodal.protocols.foreign.manifest import Manifest, PostureTable
@@ -78,14 +78,19 @@ def import_session(manifest: Manifest, *, created: str, software: str) -> Sessio
             sensors = [dof.point for dof in frf.responses]
             struck = [dof.point for dof in frf.references]
         moving, still = (struck, sensors) if roving_hammer else (sensors, struck)
-        if len(set(still)) != 1 and found:
+        if found and len(set(still)) > 1 and len(set(moving)) > 1:
+            said.append(
+                f"posture {posture.table.name!r}: {len(set(struck))} points are struck and "
+                f"{len(set(sensors))} have sensors: every sensor is to be hit from every one"
+            )
+        elif len(set(still)) != 1 and found:
             raise ForeignFileError(
                 f"{manifest.origin}: posture {posture.table.name!r}: mode {manifest.file.mode} "
                 f"wants one fixed point, got {', '.join(sorted(set(still)))}; change `mode`"
             )
         points.append(list(dict.fromkeys(moving)))
         fixed.append(still[0])
-    hits = trimmed(hits, said)
+    hits = with_even_axes(trimmed(hits, said), said)
     dictionary = foreign_dictionary(hits)
     facts = _facts(arm, fixed[0], points, hits, frfs)
     plan = plan_from_text(plan_text(manifest.file, facts), arm, origin=manifest.origin)
@@ -135,15 +140,16 @@ def _facts(
 ) -> PlanFacts:
     if hits:
         signals = [hit.signals for hit in hits]
+        peaks = [float(np.abs(one[0] - np.median(one[0])).max()) for one in signals]
         per_point = len(hits) // max(sum(len(names) for names in points), 1)
         return PlanFacts(
             arm=arm.name,
             fixed_point=fixed_point,
             hits_per_point=min(max(per_point, 1), 100),
             rate_hz=hits[0].rate_hz,
-            samples=signals[0].shape[1],
+            samples=max(one.shape[1] for one in signals),
             pretrigger=min(pretrigger(one) for one in signals),
-            level_n=max(0.05 * min(float(np.abs(one[0]).max()) for one in signals), 1e-6),
+            level_n=max(0.05 * min(peaks), 1e-6),
             points=points,
         )
     # Of averaged FRFs no sampling is told: the slowest that gives these lines.

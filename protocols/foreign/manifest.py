@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.measured import Hints, parse_dof
+from armodal.protocols.foreign.measured import Cut, Hints, parse_dof
 from armodal.protocols.foreign.units import SI
 from armodal.protocols.frf_records import FrfForm
 from armodal.protocols.plan_model import AveragingTable, WindowsTable
@@ -78,6 +78,15 @@ class ScaleTable(FileModel):
     response: Factor = 1.0
 
 
+class CutTable(FileModel):
+    """How a record of many hits is cut where the pulses do not tell it rightly."""
+
+    record_s: Annotated[float, Field(gt=0.0, le=1e4)] | None = None
+    pretrigger_s: Annotated[float, Field(gt=0.0, le=1e3)] | None = None
+    level_n: Annotated[float, Field(gt=0.0, le=1e9)] | None = None
+    apart_s: Annotated[float, Field(gt=0.0, le=1e3)] | None = None
+
+
 class Reading(FileModel):
     """How a file is read: what it does not tell itself."""
 
@@ -89,6 +98,7 @@ class Reading(FileModel):
     rate_hz: Annotated[float, Field(gt=0.0, le=1e7)] | None = None
     first_line_hz: Annotated[float, Field(ge=0.0, le=1e6)] | None = None
     line_spacing_hz: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+    cut: bool | CutTable | None = None
 
 
 class FileTable(Reading):
@@ -186,7 +196,14 @@ def _hints(table: FileTable, general: Reading, origin: str) -> Hints:
         rate_hz=told("rate_hz"),
         force_scale=None if scale is None else scale.force,
         response_scale=None if scale is None else scale.response,
+        cut=_cut(told("cut")),
     )
+
+
+def _cut(told: bool | CutTable | None) -> Cut:
+    if isinstance(told, CutTable):
+        return Cut(**told.model_dump())
+    return Cut(wanted=told is not False)
 
 
 def _unit_names(units: Units | None) -> tuple[str | None, str | None]:

@@ -12,7 +12,7 @@ from armodal.protocols.foreign.by_numbers import parts_by_numbers, roles_by_numb
 from armodal.protocols.foreign.complex_arrays import has_frf
 from armodal.protocols.foreign.even import is_even
 from armodal.protocols.foreign.frf_variables import Words, frfs_of
-from armodal.protocols.foreign.hit_variables import hit_of
+from armodal.protocols.foreign.hit_variables import hits_in
 from armodal.protocols.foreign.measured import Content, ForeignFrf, ForeignHit, Hints, NotToldError
 from armodal.protocols.foreign.roles import Role, role_of
 from armodal.protocols.foreign.sections import (
@@ -79,7 +79,7 @@ def _sections(
                     part, found, hints if alone else replace(hints, responses=()), words
                 )
             else:
-                hits.append(hit_of(part, found, hints, words.said))
+                hits += hits_in(part, found, hints, words.said)
         except ForeignFileError as error:
             asked = isinstance(error, NotToldError) and error.key not in {"kind", "variables"}
             if alone or asked:

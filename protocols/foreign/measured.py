@@ -21,6 +21,7 @@ from armodal.protocols.frf_records import FrfForm
 __all__ = [
     "AXES",
     "Content",
+    "Cut",
     "ForeignFrf",
     "ForeignHit",
     "Hints",
@@ -85,7 +86,9 @@ class ForeignFrf:
     reference: ToldDof
     freq_hz: npt.NDArray[np.float64]  # (n,)
     values: npt.NDArray[np.complex128]  # (n,)
-    coherence: npt.NDArray[np.float64] | None  # (n,)
+    coherence: npt.NDArray[np.float64] | None  # (n,) as told: a little above 1 is left so
+    variance: npt.NDArray[np.float64] | None = None  # (n,) of the values, where the file tells it
+    averages: int | None = None  # of this FRF, where the file tells it for each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,6 +124,23 @@ class Content:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cut:
+    """What the manifest says of records with many hits; None leaves it to the pulses.
+
+    wanted : whether records are cut at all.
+    record_s, pretrigger_s : length of a hit's record, and what of it lies before the pulse.
+    level_n : force from which a pulse is a hit.
+    apart_s : pulses closer than this are one hit.
+    """
+
+    wanted: bool = True
+    record_s: float | None = None
+    pretrigger_s: float | None = None
+    level_n: float | None = None
+    apart_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Hints:
     """What the manifest says about a file; None where it says nothing."""
 
@@ -136,6 +156,7 @@ class Hints:
     rate_hz: float | None = None
     force_scale: float | None = None  # N per unit of the file's numbers
     response_scale: float | None = None  # SI per unit of the file's numbers
+    cut: Cut = Cut()
 
     @property
     def reference(self) -> ToldDof | None:
@@ -287,9 +308,10 @@ def check_signals(signals: npt.NDArray[np.float64], origin: str) -> None:
 def clipped_coherence(
     values: npt.NDArray[np.float64], origin: str, said: list[str]
 ) -> npt.NDArray[np.float64] | None:
-    """Return a coherence from 0 to 1; None, and a word, for what is no coherence.
+    """Return a coherence, clipped at 0; None, and a word, for what is no coherence.
 
-    Quantised spectra and unequal windows bring a little more than 1: that is said and clipped.
+    Quantised spectra and unequal windows bring a little more than 1. That is said, and left for
+    `analyzer` to clip: it shows how wrong the coherence may be on other lines.
     """
     told = values[np.isfinite(values)]
     low, high = (float(told.min()), float(told.max())) if told.size else (0.0, 0.0)
@@ -300,4 +322,4 @@ def clipped_coherence(
         said.append(f"{origin}: the coherence reaches {high:.3g}: clipped to 1")
     if told.size < values.size:
         said.append(f"{origin}: no coherence on {values.size - told.size} lines: taken as 0 there")
-    return np.asarray(np.clip(np.nan_to_num(values), 0.0, 1.0))
+    return np.asarray(np.maximum(np.nan_to_num(values), 0.0))

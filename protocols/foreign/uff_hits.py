@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.hit_variables import MOST_TRIMMED
 from armodal.protocols.foreign.measured import ForeignHit, Hints, check_signals, exact_rate
+from armodal.protocols.foreign.recording import Recording, cut_recording
 from armodal.protocols.foreign.uff_identification import response_dof
 from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
 from armodal.protocols.foreign.units import Scale, signal_scale, unit
@@ -33,13 +33,17 @@ def hits_of(
         groups[-1].append(function)
         seen.add(key)
     return [
-        _hit(group, units, hints, f"{origin}: hit {i + 1}", said) for i, group in enumerate(groups)
+        hit
+        for i, group in enumerate(groups)
+        for hit in cut_recording(
+            _recording(group, units, hints, f"{origin}: hit {i + 1}", said), hints.cut, said
+        )
     ]
 
 
-def _hit(
+def _recording(
     group: list[UffFunction], units: UffUnits | None, hints: Hints, where: str, said: list[str]
-) -> ForeignHit:
+) -> Recording:
     force = [f for f in group if _is_force(f)]
     others = [f for f in group if not _is_force(f)]
     if len(force) != 1 or not others:
@@ -81,12 +85,12 @@ def _hit(
             f"{where}: wanted {len(hints.responses)} responses, as the manifest says, got "
             f"{len(others)}"
         )
-    return ForeignHit(
+    return Recording(
         origin=where,
         rate_hz=exact_rate(np.asarray(first.abscissa)[:length], where, rounding=_SIX_DIGITS),
-        force_n=frozen_array(signals[0], np.float64),
-        acceleration_m_s2=frozen_array(np.stack(signals[1:]), np.float64),
-        hit=hints.reference or response_dof(first),
+        forces_n=signals[0][None],
+        acceleration_m_s2=np.stack(signals[1:]),
+        hammers=(hints.reference or response_dof(first),),
         responses=hints.responses or tuple(response_dof(function) for function in others),
     )
 

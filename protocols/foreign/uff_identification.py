@@ -13,16 +13,19 @@ import numpy.typing as npt
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.measured import ToldDof, axis_direction
-from armodal.protocols.foreign.uff_records import UffFunction
+from armodal.protocols.foreign.uff_records import FunctionKind, UffFunction
 
 __all__ = [
+    "VARIANCE_WORDS",
     "direction_words",
     "estimate_words",
+    "is_variance",
     "reference_dof",
     "response_dof",
     "told_estimate",
 ]
 
+VARIANCE_WORDS = "armodal variance of this frequency response"
 _DIRECTION = re.compile(r"armodal (response|reference) direction (\S+) (\S+) (\S+)")
 _ESTIMATE = re.compile(r"armodal averages (\d{1,6}), window decay (\S{1,30}) rad/s")
 
@@ -43,6 +46,11 @@ def estimate_words(averages: int, decay_rad_s: float) -> str:
     'armodal averages 3, window decay 2.5 rad/s'
     """
     return f"armodal averages {averages}, window decay {decay_rad_s:.12g} rad/s"
+
+
+def is_variance(function: UffFunction) -> bool:
+    """Return whether a function is the variance E|error|^2 of an FRF, as armodal writes it."""
+    return function.kind == FunctionKind.GENERAL and function.identification[2] == VARIANCE_WORDS
 
 
 def told_estimate(function: UffFunction, where: str) -> tuple[int | None, float | None]:

@@ -21,6 +21,7 @@ from armodal.protocols.foreign.measured import (
 )
 from armodal.protocols.foreign.uff_hits import hits_of, say_assumed
 from armodal.protocols.foreign.uff_identification import (
+    is_variance,
     reference_dof,
     response_dof,
     told_estimate,
@@ -66,7 +67,8 @@ def _content(file: UffFile, hints: Hints, origin: str) -> Content:
     frfs = [f for f in file.functions if f.kind == FunctionKind.FREQUENCY_RESPONSE]
     times = [f for f in file.functions if f.kind == FunctionKind.TIME_RESPONSE]
     coherences = [f for f in file.functions if f.kind == FunctionKind.COHERENCE]
-    others = {f.kind for f in file.functions} - {1, 4, 6}
+    variances = [f for f in file.functions if is_variance(f)]
+    others = {f.kind for f in file.functions if not is_variance(f)} - {1, 4, 6}
     if others:
         said.append(f"{origin}: functions of type {sorted(others)} are not used")
     if frfs and times:
@@ -81,17 +83,14 @@ def _content(file: UffFile, hints: Hints, origin: str) -> Content:
         if max(abs(function.response_direction), abs(function.reference_direction)) > 3:
             said.append(f"{origin}: FRFs of rotations are not used")
             continue
-        measured.append(_frf(function, coherences, file.units, hints, where, said))
         count, decay = told_estimate(function, where)
+        frf = _frf(function, coherences, variances, file.units, hints, where, said)
+        measured.append(replace(frf, averages=count))
         averages.add(count)
         decays.add(decay)
     if len(decays) > 1:
         raise ForeignFileError(
             f"{origin}: wanted FRFs of one window, got several; export them to separate files"
-        )
-    if len(averages) > 1:
-        said.append(
-            f"{origin}: FRFs differ in their number of averages; the smallest holds for all"
         )
     measured = _named(measured, hints, origin)
     nodes = file.nodes
@@ -138,6 +137,7 @@ def _fewest(averages: set[int | None]) -> int | None:
 def _frf(
     function: UffFunction,
     coherences: list[UffFunction],
+    variances: list[UffFunction],
     units: UffUnits | None,
     hints: Hints,
     where: str,
@@ -155,6 +155,7 @@ def _frf(
     if freq[0] == 0.0:
         said.append(f"{where.split(':', maxsplit=1)[0]}: the line at 0 Hz is left out")
     coherence = _coherence_of(function, coherences, where, said)
+    variance = _variance_of(function, variances, scale)
     return ForeignFrf(
         origin=where,
         form=form,
@@ -163,6 +164,7 @@ def _frf(
         freq_hz=frozen_array(freq[keep], np.float64),
         values=frozen_array(values[keep], np.complex128),
         coherence=None if coherence is None else frozen_array(coherence[keep], np.float64),
+        variance=None if variance is None else frozen_array(variance[keep], np.float64),
     )
 
 
@@ -224,6 +226,28 @@ def _coherence_of(
         return None
     zero = function.abscissa <= 0.0
     return clipped_coherence(np.where(zero, 1.0, on_lines), where, said)
+
+
+def _variance_of(
+    function: UffFunction, variances: list[UffFunction], scale: float
+) -> npt.NDArray[np.float64] | None:
+    """Return the variance that armodal wrote for an FRF, on its lines; None where there is none."""
+    for one in variances:
+        same = (
+            (one.response_node, one.response_direction, one.reference_node, one.reference_direction)
+            == (
+                function.response_node,
+                function.response_direction,
+                function.reference_node,
+                function.reference_direction,
+            )
+            and one.identification[3:] == function.identification[3:]
+            and np.array_equal(one.abscissa, function.abscissa)
+        )
+        values = np.asarray(np.real(one.values), dtype=np.float64)
+        if same and np.isfinite(values).all() and (values >= 0.0).all():
+            return values * scale**2
+    return None
 
 
 def _on_lines(

@@ -146,6 +146,7 @@ def _write_table(table: h5py.Group, header: SessionHeader, hits: Sequence[Hit]) 
     texts("notes", (json.dumps(hit.verdict.notes, ensure_ascii=False) for hit in hits))
     numbers("peak_n", (hit.verdict.peak_n for hit in hits), np.float64, "N")
     numbers("width_s", (hit.verdict.width_s for hit in hits), np.float64, "s")
+    numbers("polarity", (hit.verdict.polarity for hit in hits), np.int8)
     for name in ("before", "after"):
         group = add_group(table, name, "NXcollection")
         _write_readings(group, [getattr(hit, name) for hit in hits], len(header.arm.joints))
@@ -190,9 +191,20 @@ def _read_table(table: Tree, header: SessionHeader) -> dict[str, Any]:
         "notes": table.texts("notes", n),
         "peak_n": table.array("peak_n", np.float64, (n,)),
         "width_s": table.array("width_s", np.float64, (n,)),
+        "polarity": _read_polarity(table, n),
         "before": _read_readings(table.group("before"), n, len(header.arm.joints)),
         "after": _read_readings(table.group("after"), n, len(header.arm.joints)),
     }
+
+
+def _read_polarity(table: Tree, n: int) -> npt.NDArray[np.int8]:
+    """Signs of the recorded force; files without them have hammers that read a push as positive."""
+    if not table.has("polarity"):
+        return np.ones(n, dtype=np.int8)
+    signs: npt.NDArray[np.int8] = table.array("polarity", np.int8, (n,))
+    if (np.abs(signs) != 1).any():
+        table.refuse("polarity", "1 and -1", str(signs[np.abs(signs) != 1][0]))
+    return signs
 
 
 def _read_readings(group: Tree, n: int, n_joints: int) -> tuple[JointReading, ...]:
@@ -234,6 +246,7 @@ def _hit(table: Tree, columns: dict[str, Any], row: int, counts: npt.NDArray[np.
             notes=_words(table, "notes", columns["notes"][row]),
             peak_n=float(columns["peak_n"][row]),
             width_s=float(columns["width_s"][row]),
+            polarity=int(columns["polarity"][row]),
         ),
     )
 

@@ -7,7 +7,7 @@ found) is null in the JSON, since JSON has no other word for it.
 from __future__ import annotations
 
 import json
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -79,6 +79,7 @@ class VerdictModel(Strict):
     notes: Annotated[tuple[Sentence, ...], Field(max_length=MAX_CODES)]
     peak_n: Finite | None
     width_s: Finite | None
+    polarity: Literal[1, -1] = 1
 
 
 class HitModel(Strict):

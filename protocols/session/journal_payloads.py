@@ -137,6 +137,7 @@ def hit_model(hit: Hit) -> HitModel:
                 "notes": hit.verdict.notes,
                 "peak_n": _finite(hit.verdict.peak_n),
                 "width_s": _finite(hit.verdict.width_s),
+                "polarity": int(hit.verdict.polarity),
             },
         },
         f"hit {hit.number}",
@@ -176,6 +177,7 @@ def decode_hit(payload: bytes | memoryview) -> Hit:
             notes=verdict.notes,
             peak_n=math.nan if verdict.peak_n is None else verdict.peak_n,
             width_s=math.nan if verdict.width_s is None else verdict.width_s,
+            polarity=verdict.polarity,
         ),
     )
 

@@ -34,7 +34,8 @@ class Verdict:
     """The judge's word on one hit.
 
     `reasons` are codes of the field (double, overload, soft, late, gap, posture, moved, stale,
-    not-held ...), empty when accepted; `notes` are sentences that do not reject.
+    not-held ...), empty when accepted; `notes` are sentences that do not reject. `polarity` is the
+    sign of the recorded force when the hammer pushes: -1 for a reversed hammer.
     """
 
     accepted: bool
@@ -42,6 +43,7 @@ class Verdict:
     notes: tuple[str, ...]
     peak_n: float
     width_s: float
+    polarity: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -31,9 +31,13 @@ def level_frfs(coherence, n_hits):
 
 @pytest.mark.parametrize("n", [2, 5, 30])
 def test_the_variance_is_that_of_coherence_and_averages(n):
-    """Bendat and Piersol: |H|^2 (1 - g)/(g (n - 1))."""
-    frf = with_variance(level_frfs([0.95] * 3, n))
-    assert np.allclose(frf.variance, 4.0 * 0.05 / 0.95 / (n - 1), rtol=1e-6)
+    """Bendat and Piersol: |H|^2 (1 - g)/(g (n - 1)), over lines that scatter as n averages do."""
+    noise = np.random.default_rng(n).gamma(n - 1, 0.05 / (n - 1), (3, 1, 100))
+    told = level_frfs([0.0] * 3, n)
+    frf = with_variance(replace(told, coherence=1.0 - noise))
+    wanted = 4.0 * noise.mean() / (1.0 - noise.mean()) / (n - 1)
+    # The larger of a smoothed line and the level around: 15 % too large for two averages.
+    assert np.mean(frf.variance) == pytest.approx(wanted, rel=0.25)
 
 
 def test_it_agrees_with_the_scatter_of_averaged_noise():
@@ -86,3 +90,18 @@ def test_frfs_without_coherence_weigh_like_the_others():
 @pytest.mark.parametrize(("coherence", "n"), [([np.nan] * 3, 3), ([1.0] * 3, 1)])
 def test_without_coherence_or_with_one_average_nothing_is_told(coherence, n):
     assert (with_variance(level_frfs(coherence, n)).variance == 0).all()
+
+
+def test_a_variance_that_came_with_the_frfs_stays():
+    told = level_frfs([0.9, 0.9, 0.9], 3)
+    frf = with_variance(replace(told, variance=np.full(told.values.shape, 7.0)))
+    assert (frf.variance == 7.0).all()
+
+
+def test_a_coherence_above_one_is_cut_to_it_once_the_variance_is_known():
+    told = level_frfs([0.9, 0.9, 0.9], 3)
+    coherence = told.coherence.copy()
+    coherence[:, :, ::2] = 1.05
+    frf = with_variance(replace(told, coherence=coherence))
+    assert frf.coherence.max() == 1.0
+    assert (frf.variance > 0.0).all()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.modal.spectra import HitSpectra
+from armodal.analyzer.modal.usable_band import UsableBand
 from armodal.analyzer.ratio_calibration import ratio_calibration
 from armodal.protocols.errors import EstimateError
 
@@ -25,6 +26,7 @@ def spectra(ratios: list[float], mass_kg: float, bent: float = 0.0) -> HitSpectr
         response=response,
         force_noise=noise,
         response_noise=np.zeros(response.shape),
+        usable=UsableBand(low_hz=1.0, high_hz=300.0, limit=""),
     )
 
 

@@ -23,6 +23,6 @@ def test_an_inverting_channel_turns_slope_and_level_over(
 ):
     channels = fakes["dictionary"]().channels
     channels = (replace(channels[0], scale=scale), *channels[1:])
-    wanted = replace(plan, trigger=Trigger(level_n=8.0 if rising else -8.0, rising=rising))
+    wanted = replace(plan, trigger=Trigger(level_n=8.0, rising=rising))
     found = configuration_for(wanted, channels, measured_mask(channels), stream=False)
     assert (found.slope, found.trigger_level_counts) == (slope, level_counts)

@@ -271,4 +271,28 @@ def test_an_inverted_hammer_gets_the_verdict_of_its_mirror_image(
     sampling = Sampling(rate_hz=plan.sampling.rate_hz, samples=N, pretrigger=PRETRIGGER)
     trigger = Trigger(level_n=LEVEL_N if rising else -LEVEL_N, rising=rising)
     block = replace(upright, counts=mirrored)
-    assert judge_record(block, (hammer, *channels[1:]), sampling, trigger) == wanted
+    verdict = judge_record(block, (hammer, *channels[1:]), sampling, trigger)
+    assert verdict == replace(wanted, polarity=1 if rising else -1)
+
+
+@pytest.mark.parametrize("second", [0.0, 0.4])
+def test_a_reversed_hammer_is_judged_by_its_pulse_against_the_slope_too(judge, second):
+    force = filtered_force([(0.1, 3e-3, 150.0), (0.16, 3e-3, second * 150.0)])
+    upright = block_of(force, np.random.default_rng(19))
+    reversed_counts = upright.counts.copy()
+    reversed_counts[:, 0] *= -1
+    # The board triggers where the filter's ringing first comes back above the level.
+    late = replace(upright.info, trigger_sample=1000 + PRETRIGGER + 12)
+    for info in (upright.info, late):
+        verdict = judge(replace(upright, counts=reversed_counts, info=info))
+        assert verdict.reasons == (("double",) if second else ())
+        assert verdict.polarity == -1
+        assert verdict.peak_n == judge(upright).peak_n
+        assert any("polarity is reversed" in note for note in verdict.notes)
+    assert any("trigger.slope" in note for note in verdict.notes)
+
+
+def test_a_pulse_against_the_other_hits_of_its_hammer_is_a_swing(judge):
+    block = block_of(filtered_force([(0.1, 3e-3, 150.0)]), np.random.default_rng(20))
+    assert "swing" in judge(block, polarity=-1).reasons
+    assert judge(block, polarity=1).accepted

@@ -98,7 +98,7 @@ def check_session_command(
     session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
     as_json: Json = False,
 ) -> None:
-    """Check a measurement without a model: sensor faults, reciprocity, homogeneity.
+    """Check a measurement without a model: sensor faults, reciprocity, homogeneity, drift.
 
     Exit code 1 if a fault is found.
 

@@ -15,14 +15,14 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.modal import ModalModel, fit_modes
+from armodal.analyzer.modal import ModalModel, fit_modes, record_notes
 from armodal.daq.judge_imported import judged
 from armodal.protocols.arm.updated import JointValues, arm_text_with
 from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
 from armodal.protocols.foreign.import_session import import_session
 from armodal.protocols.foreign.manifest import load_manifest
-from armodal.protocols.foreign.mat_write import write_mat
+from armodal.protocols.foreign.mat_write import write_mat, write_npz
 from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
@@ -37,7 +37,8 @@ __all__ = ["app", "export_model"]
 
 app = typer.Typer(add_completion=False)
 
-_ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat"), (".json", ".toml")
+_ARRAYS = {".mat": write_mat, ".npz": write_npz}
+_ENDINGS, _MODEL_ENDINGS = (".uff", ".unv", ".mat", ".npz"), (".json", ".toml")
 
 
 def import_manifest(path: Path, output: Path, *, software: str) -> tuple[Session, dict[str, Any]]:
@@ -76,31 +77,38 @@ def _posture_summary(session: Session, name: str) -> dict[str, Any]:
 
 
 def export_session(
-    session: Session, output: Path, *, modes: bool, binary: bool, software: str
+    session: Session,
+    output: Path,
+    *,
+    modes: bool,
+    binary: bool,
+    software: str,
+    band_hz: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
-    """Write the FRFs of every posture as UFF or, by the ending, MATLAB; return a summary.
+    """Write the FRFs of every posture as UFF or, by the ending, MATLAB or NPZ; return a summary.
 
     The first posture goes to `output`, each further one to a file numbered behind it: names of
     postures never become paths.
     """
     _check_ending(output, _ENDINGS, "file")
     arm = session.header.arm
-    frfs = estimate_frfs(session, Superset(arm))
+    frfs = estimate_frfs(session, Superset(arm), band_hz=band_hz)
     if not frfs:
         raise EstimateError("the session has no accepted hits and no FRFs: nothing to export")
     files: list[dict[str, Any]] = []
     for i, frf in enumerate(frfs):
         numbered = output.with_name(f"{output.stem}-{i + 1}{output.suffix}")
         path = output if len(frfs) == 1 else numbered
-        if output.suffix.lower() == ".mat":
-            write_mat(frf, path)
-            said: tuple[str, ...] = ()
+        said: tuple[str, ...] = ()
+        if output.suffix.lower() in _ARRAYS:
+            _ARRAYS[output.suffix.lower()](frf, path)
         else:
             found = _exported(fit_modes(frf)) if modes else []
             content, said = posture_uff(frf, arm, modes=found, software=software)
             write_uff(content, path, binary=binary)
         files.append({"posture": frf.posture, "file": str(path), "notes": list(said)})
-    return {"files": files, "warnings": list(session.warnings)}
+    notes = [note for f in frfs for note in record_notes(session, f.posture, band_hz=band_hz)]
+    return {"files": files, "warnings": [*session.warnings, *notes]}
 
 
 def _exported(model: ModalModel) -> list[ExportedMode]:
@@ -197,12 +205,16 @@ def import_command(
 def export_command(
     session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
     output: Annotated[
-        Path | None, typer.Option("--out", help="File to write: .uff, .unv or .mat.")
+        Path | None, typer.Option("--out", help="File to write: .uff, .unv, .mat or .npz.")
     ] = None,
     modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
     binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
     model: Annotated[
         Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
+    ] = None,
+    band: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="FRFs from LOW to HIGH Hz too where hits excite less."),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -219,7 +231,9 @@ def export_command(
     measured = read_session(session)
     result = None if model is None else identify(measured, say)
     say("FRFs and modes" if modes else "FRFs")
-    summary = export_session(measured, path, modes=modes, binary=binary, software=SOFTWARE)
+    summary = export_session(
+        measured, path, modes=modes, binary=binary, software=SOFTWARE, band_hz=band
+    )
     if model is not None and result is not None:
         export_model(measured, result, model, software=SOFTWARE)
     summary["model"] = None if model is None else str(model)

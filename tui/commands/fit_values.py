@@ -16,6 +16,7 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
+    band_of_hits,
     carried_band,
     drift_told,
     fit_modes,
@@ -23,6 +24,7 @@ from armodal.analyzer.modal import (
     mass_scaling,
     missing_mode_hints,
     real_modes,
+    record_notes,
     stable_poles,
     typical_random_errors,
 )
@@ -46,7 +48,7 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     """
     session = settings.applied_to(session)
     superset = Superset(session.header.arm)
-    frfs = estimate_frfs(session, superset)
+    frfs = estimate_frfs(session, superset, band_hz=settings.band_hz)
     if not frfs:
         raise EstimateError(
             "the session has no accepted hits and no FRFs: there is nothing to fit; measure first"
@@ -62,6 +64,7 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = _stabilisation(model)
         modes += _modes(superset, frf, model)
+        warnings += record_notes(session, frf.posture, band_hz=settings.band_hz)
         warnings += [f"posture {frf.posture!r}: {note}" for note in model.notes]
         averaged_here = frf.posture not in given
         if settings.about_hits() and not averaged_here:
@@ -179,6 +182,7 @@ def _posture(
     plan = session.header.plan
     choices = hit_choices(session, frf.posture) if averaged_here else ()
     errors = typical_random_errors(frf)
+    usable = band_of_hits(session, frf.posture)
     return {
         "form": str(frf.form),
         "lines": len(frf.freq_hz),
@@ -187,6 +191,7 @@ def _posture(
         "force_s": plan.windows.force_s if averaged_here else None,
         "window_decay_rad_s": frf.decay_rad_s,
         "window": _said_of_window(frf),
+        "usable_band_hz": None if usable is None else [usable.low_hz, usable.high_hz],
         "hits_dropped": [
             {
                 "hit": hit.hit,

@@ -7,9 +7,13 @@ from typing import Annotated
 
 import typer
 
-from armodal.analyzer.identification.identify import identify
-from armodal.analyzer.report import gap_path, read_gap, write_report
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs, identify
+from armodal.analyzer.modal import fit_modes
+from armodal.analyzer.report import gap_path, read_gap, write_plain_report, write_report
+from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.session.records import Session
 from armodal.tui.commands.options import SessionPath
 from armodal.tui.commands.workspace import workspace_section
 from armodal.tui.console import Json, out, print_json, say
@@ -32,9 +36,13 @@ def report(
             help="Also the workspace with what was identified, over so many random postures.",
         ),
     ] = 0,
+    band: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="Of a plain structure: only lines from LOW to HIGH Hz."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Write one self-contained HTML page of a session.
+    """Write one self-contained HTML page of a session: of an arm, or of a plain structure.
 
     Example: armodal report session.h5 --workspace 100000 --out report.html
     """
@@ -42,14 +50,41 @@ def report(
     beside = gap_path(session)
     check_output(path, session, beside)
     measured = read_session(session)
-    gap = read_gap(beside) if beside.exists() else None
-    result = identify(measured, say)
-    sections = []
-    if workspace:
-        say("workspace")
-        sections.append(workspace_section(measured.header.arm, result, workspace))
-    write_report(measured, result, path, sections=sections, gap=gap)
+    if not measured.header.arm.joints:
+        if workspace:
+            raise ArmError(
+                "--workspace: wanted an arm with joints, the session is of a plain structure; "
+                "leave it out"
+            )
+        _plain(measured, band, path)
+    else:
+        if band is not None:
+            raise ArmError(
+                "--band is for a plain structure, the session is of an arm; leave it out"
+            )
+        gap = read_gap(beside) if beside.exists() else None
+        result = identify(measured, say)
+        sections = []
+        if workspace:
+            say("workspace")
+            sections.append(workspace_section(measured.header.arm, result, workspace))
+        write_report(measured, result, path, sections=sections, gap=gap)
     if as_json:
         print_json({"report": str(path)})
     else:
         out.print(f"report {path}")
+
+
+def _plain(session: Session, band_hz: tuple[float, float] | None, path: Path) -> None:
+    """Fit the modes of every posture and write the report of a structure without joints."""
+    frfs = estimate_frfs(session, Superset(session.header.arm))
+    if not frfs:
+        raise EstimateError(
+            "the session has no accepted hits and no FRFs: there is nothing to report; measure "
+            "first"
+        )
+    models = []
+    for frf in frfs:
+        say(f"modes of {frf.posture}")
+        models.append(fit_modes(frf, band_hz=band_hz))
+    write_plain_report(session, frfs, models, path)

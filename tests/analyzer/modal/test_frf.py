@@ -6,7 +6,14 @@ from scipy import optimize
 from support import hammer
 from support.simulated_frfs import modal_frf, poles_of
 
-from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra, posture_frf
+from armodal.analyzer.modal import (
+    band_of_hits,
+    fit_modes,
+    hit_frfs,
+    hit_spectra,
+    posture_frf,
+    record_notes,
+)
 from armodal.analyzer.modal.spectra import active_channels
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
@@ -165,8 +172,60 @@ def test_a_point_without_directions_is_named():
 def test_hits_of_unequal_length_are_refused():
     session = hammer.session(POLES, residues(np.random.default_rng(9), 1))
     short = dataclasses.replace(session.hits[0], counts=session.hits[0].counts[:100])
-    with pytest.raises(EstimateError, match="hit 2"):
+    with pytest.raises(EstimateError, match="hit 1 has 100 samples"):
         posture_frf(dataclasses.replace(session, hits=(short, *session.hits[1:])), "p", axes)
+
+
+def test_records_one_sample_apart_are_cut_to_the_shortest_with_a_word():
+    session = hammer.session(POLES, residues(np.random.default_rng(9), 1))
+    whole = [dataclasses.replace(h, counts=h.counts[:-1]) for h in session.hits]
+    # One record ends a sample earlier, another begins a sample later.
+    later = dataclasses.replace(
+        whole[1], counts=session.hits[1].counts[1:-1], first_sample=whole[1].first_sample + 1
+    )
+    apart = dataclasses.replace(session, hits=(session.hits[0], later, *whole[2:]))
+    alike = dataclasses.replace(session, hits=tuple(whole))
+    got, wanted = (posture_frf(s, "p", axes).values for s in (apart, alike))
+    # The mean before the trigger is taken over a sample less: within the noise of 100 samples.
+    np.testing.assert_allclose(got, wanted, atol=1e-4 * np.abs(wanted).max())
+    assert any("samples from the trigger on" in note for note in record_notes(apart, "p"))
+    assert not any("samples from the trigger" in note for note in record_notes(alike, "p"))
+
+
+def test_a_reversed_hammer_gives_the_frf_of_a_push_along_the_hit():
+    session = hammer.session(POLES, residues(np.random.default_rng(10), 1), noise=1e-3)
+    turned = []
+    for hit in session.hits:
+        counts = hit.counts.copy()
+        counts[:, 0] *= -1
+        verdict = dataclasses.replace(hit.verdict, polarity=-1)
+        # The board triggered on what came after the pulse.
+        late = hit.trigger_sample + 20
+        turned.append(dataclasses.replace(hit, counts=counts, verdict=verdict, trigger_sample=late))
+    got = posture_frf(dataclasses.replace(session, hits=tuple(turned)), "p", axes)
+    wanted = posture_frf(session, "p", axes)
+    assert got.freq_hz.size == pytest.approx(wanted.freq_hz.size, rel=0.02)
+    reference = np.interp(got.freq_hz, wanted.freq_hz, wanted.values[0, 0].real)
+    share = np.sum(got.values[0, 0].real * reference) / np.sum(reference**2)
+    assert share == pytest.approx(1.0, abs=0.02)  # lines lie otherwise: interpolated between
+
+
+def test_the_band_hits_excite_is_said_and_another_one_is_taken_with_a_warning():
+    # A pulse of 4 ms has its spectrum's first zero near 375 Hz, and 2 % of its maximum there.
+    session = hammer.session(POLES, residues(np.random.default_rng(11), 1), widths_s=(4e-3, 4e-3))
+    usable = band_of_hits(session, "p")
+    frf = posture_frf(session, "p", axes)
+    assert usable.high_hz == pytest.approx(375.0, rel=0.05)
+    assert frf.freq_hz[-1] <= usable.high_hz
+    (said,) = record_notes(session, "p")
+    assert f"{usable.high_hz:.5g} Hz" in said
+    assert "--band" in said
+    wide = usable.widened((3.0, 450.0))
+    assert posture_frf(session, "p", axes, band_hz=wide).freq_hz[-1] > 449.0
+    (warned,) = record_notes(session, "p", band_hz=(3.0, 450.0))
+    assert "the force is below 2 %" in warned
+    assert record_notes(session, "p", band_hz=(5.0, 100.0)) == ()
+    assert usable.widened((5.0, 100.0)) is None
 
 
 def test_a_mask_without_force_channel_is_refused():

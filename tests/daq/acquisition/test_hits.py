@@ -142,3 +142,29 @@ def test_a_hit_under_way_is_kept_when_the_program_is_killed(lab, start, fakes):
     run.thread.join(8.0)
     assert [hit.verdict.accepted for hit in load_journal(lab.journal).hits] == [True]
     run.ours, _ = multiprocessing.Pipe()
+
+
+def test_a_reversed_hammer_is_found_said_and_held_to(lab, start, fakes):
+    run = start()
+    run.ready()
+    turned = fakes["record"]()
+    turned[:, 0] *= -1
+    strike(lab, turned)
+    hit = run.judged()
+    assert hit.verdict.accepted
+    assert hit.verdict.polarity == -1
+    run.read_to = 0
+    run.noted("polarity is reversed")
+    run.prompt(PromptKind.HIT)
+    # The same hammer cannot turn round from one hit to the next.
+    strike(lab, fakes["record"]())
+    assert "swing" in run.judged().verdict.reasons
+    run.end()
+    again = start(resume=True)
+    again.ready()
+    strike(lab, fakes["record"]())
+    assert "swing" in again.judged().verdict.reasons
+    again.end()
+    recovered = load_journal(lab.journal)
+    assert [hit.verdict.polarity for hit in recovered.hits] == [-1, -1, -1]
+    assert any("polarity is reversed" in text for text in recovered.warnings)

@@ -5,6 +5,9 @@ import pytest
 from support.foreign_samples import accelerance, frf_set, si_set, write_sets
 from support.manifests import hit_signals, manifest, posture, run
 
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.daq.judge_imported import judged
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.errors import ForeignFileError
@@ -52,11 +55,43 @@ def test_records_a_sample_apart_are_cut_with_a_word(tmp_path, n, kept):
     assert any(f"the first {kept} are used" in text for text in session.warnings)
 
 
-def test_hits_of_other_channels_are_refused(tmp_path):
+def test_hits_of_other_channels_at_one_point_are_refused(tmp_path):
     save_hit(tmp_path / "a.npy", channels=1)
     save_hit(tmp_path / "b.npy", channels=3)
-    with pytest.raises(ForeignFileError, match="wanted 2 channels"):
+    with pytest.raises(ForeignFileError, match="wanted 2 channels at point"):
         run(manifest(tmp_path, posture('["a.npy", "b.npy"]')))
+
+
+def test_a_triaxial_and_a_uniaxial_sensor_share_a_hit(tmp_path):
+    save_hit(tmp_path / "h.npy", channels=4)
+    names = '["1:x", "1:y", "1:z", "2:z"]'
+    body = posture(f'[{{ path = "h.npy", responses = {names}, reference = "3:-z" }}]')
+    session = run(manifest(tmp_path, body))
+    assert {hit.sensor_point for hit in session.hits} == {"1", "2"}
+    assert any("at 2 have fewer axes" in text for text in session.warnings)
+    superset = Superset(session.header.arm)
+    (frf,) = estimate_frfs(judged(session), superset)
+    assert [dof.point for dof in frf.responses] == ["1", "1", "1", "2"]
+    assert frf.responses[3].direction.tolist() == [0.0, 0.0, 1.0]
+    # Channel k of the file is k times the first; counts are rounded to 2^-30.
+    size = np.abs(frf.values[:, 0]) / np.abs(frf.values[0, 0])
+    assert np.allclose(size, np.array([[1.0], [2.0], [3.0], [4.0]]), rtol=1e-4)
+    assert (frf.variance > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("lengths", "kept", "word"),
+    [
+        ((2048, 1500, 2048), {1500}, "the first 1"),
+        ((2048, 2048, 300), {2048}, "less than half"),
+    ],
+)
+def test_records_of_other_lengths_are_cut_or_left_out_with_a_word(tmp_path, lengths, kept, word):
+    for i, n in enumerate(lengths):
+        save_hit(tmp_path / f"h{i}.npy", n=n)
+    session = run(manifest(tmp_path, posture('["h0.npy", "h1.npy", "h2.npy"]')))
+    assert {len(hit.counts) for hit in session.hits} == kept
+    assert any(word in text for text in session.warnings)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ def test_checks_are_plain_values_and_a_table(session):
         "driving point",
         "homogeneity",
         "reciprocity",
+        "drift",
         "sensor",
     }
     assert not [row for row in rows if row["outcome"] == "fault"]

@@ -28,6 +28,7 @@ from armodal.tui.screens.review.identify_pane import IdentifyPane
 from armodal.tui.screens.review.leaving import Leaving
 from armodal.tui.screens.review.mac_picture import MacPicture
 from armodal.tui.screens.review.measuring import Measuring
+from armodal.tui.screens.review.model_notes import ModelNotes
 from armodal.tui.screens.review.modes_table import ModesTable
 from armodal.tui.screens.review.next_test import NextRun
 from armodal.tui.screens.review.picked_file import picked_path, read_picked, write_picked
@@ -89,6 +90,7 @@ class ReviewApp(App[int]):
     App.-small #small { display: block; }
     .result { width: 1fr; height: auto; padding: 0 1; }
     ModesTable { height: 1fr; }
+    ModelNotes { height: auto; max-height: 40%; padding: 0 1; color: $warning; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         *(
@@ -194,7 +196,8 @@ class ReviewApp(App[int]):
         )
         tabs = TabbedContent(initial="frf")
         for number, (tab, title, pane) in enumerate(zip(TABS, _TITLES, panes, strict=True), 1):
-            tabs.compose_add_child(TabPane(f"{number} {title}", pane, id=tab))
+            beside = (ModelNotes(state, id="modes-notes"),) if tab == "modes" else ()
+            tabs.compose_add_child(TabPane(f"{number} {title}", pane, *beside, id=tab))
         await self.mount(tabs, before="#trouble")
         self.state = state
         self.action_tab("frf")
@@ -225,6 +228,7 @@ class ReviewApp(App[int]):
             redraw = getattr(main, "redraw", None)
             if callable(redraw):
                 redraw()
+        self.query_one(ModelNotes).redraw()
 
     def _say_status(self, text: str) -> None:
         self.query_one("#status", Static).update(text)

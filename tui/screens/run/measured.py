@@ -116,7 +116,7 @@ def last_pulse(state: RunState, hit: Hit) -> LastPulse | None:
     force_n = hit.counts[:, column] * np.float64(channels[column].scale)
     trigger = int(hit.trigger_sample - hit.first_sample)
     quiet = force_n[: max(trigger - 2, 1)]
-    force_n = force_n - float(np.median(quiet))
+    force_n = hit.verdict.polarity * (force_n - float(np.median(quiet)))
     width = hit.verdict.width_s
     half = int(PULSE_WIDTHS * (width if np.isfinite(width) else 0.0) * rate_hz)
     half = max(half, FEWEST_SAMPLES)

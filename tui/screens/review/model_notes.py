@@ -1,0 +1,36 @@
+"""What a fit has to say beside its table: modes that move, peaks that no mode explains."""
+
+from __future__ import annotations
+
+from textual.widgets import Static
+
+from armodal.analyzer.modal import drift_told
+from armodal.tui.screens.review.state import ReviewState
+
+__all__ = ["ModelNotes", "model_notes"]
+
+
+def model_notes(state: ReviewState) -> tuple[str, ...]:
+    """Sentences about the posture looked at; none where there is nothing to say."""
+    model = state.view.model
+    if model is None:
+        return ()
+    return (*(f"moves: {told.words}" for told in drift_told(model)), *model.notes)
+
+
+class ModelNotes(Static):
+    """Lines under the table of modes, out of sight where there are none."""
+
+    def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__("", id=id, markup=False)
+        self.state = state
+
+    def on_mount(self) -> None:
+        """Say what is known."""
+        self.redraw()
+
+    def redraw(self) -> None:
+        """Say it anew."""
+        notes = model_notes(self.state)
+        self.display = bool(notes)
+        self.update("\n".join(notes))
