@@ -201,10 +201,6 @@ class Ordinary:
                 ways.append(
                     (f"compliance of {joint.name}", assembly.unit(superset.joint_column(i)))
                 )
-            start = superset.interface_columns(i).start
-            ways += [
-                (f"seat {a} {joint.name}", assembly.unit(start + n)) for n, a in enumerate("xyz")
-            ]
             for parameter, column in ways:
                 assembly.add_compliance(column, values[parameter], values[loss], parameter, loss)
         for i, way in enumerate(BASE_WAYS):
@@ -324,20 +320,9 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
             )
             for side in "ab"
         ]
-        found += [
-            Parameter(
-                name=f"seat {a} {joint.name}",
-                unit="m/N",
-                mean=BEARING_MEAN * scale * LEVER_M**2,
-                std=BEARING_STD * scale * LEVER_M**2,
-                low=0.0,
-                high=BEARING_LIMIT * scale * LEVER_M**2,
-            )
-            for a in "xyz"
-        ]
         found.append(_interface_loss(f"bearing loss {joint.name}"))
         if joint.stiffness is None:
-            found.append(replace(found[-5], name=f"compliance of {joint.name}"))
+            found.append(replace(found[-2], name=f"compliance of {joint.name}"))
         link = joint.link.name
         std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
         found += [
