@@ -16,7 +16,7 @@ from armodal.analyzer.gap.scan import Candidate
 
 __all__ = ["believable"]
 
-_STEPS = 3
+_STEPS = 2
 _LESS, _TRIALS = 0.5, 4  # of the size, where one is too large
 _TOLD = 1.92  # of cost: 95 % of a single parameter's
 
@@ -28,6 +28,8 @@ def believable(
 
     Parameters
     ----------
+    stage, final
+        Lines, and the final model fitted to them.
     size
         By a linear look, at its 95 % limit.
     inflation
@@ -52,7 +54,9 @@ def believable(
             for name, value in final.values.items()
         }
         try:
-            fit = fit_hypothesis(stage, hypothesis, start=followed, max_iterations=_STEPS)
+            fit = fit_hypothesis(
+                stage, hypothesis, start=followed, max_iterations=_STEPS, closing=False
+            )
         except np.linalg.LinAlgError:  # so large that nothing holds the arm
             size *= _LESS
             continue

@@ -43,6 +43,7 @@ from armodal.protocols.plan_records import Plan
 __all__ = ["GapOutcome", "conclude", "notes_on_its_end"]
 
 _WIDEST = 0.7  # of ln k
+_FEW_STEPS = 3
 # Nats that a fit's own quadratic still promises: a deviation and a half of a single parameter.
 _UNFINISHED = 1.0
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
@@ -126,7 +127,7 @@ def conclude(
         rivals=_rivals(found, standing, _COMMON * spread),
         hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=_ranges(
-            sharp,
+            stages[-2],
             alive,
             hiding,
             spread,
@@ -241,6 +242,8 @@ def _ranges(
     """
     best = alive[0]
     rows = []
+    # Fewer lines than the sharp ones tell less, and at half the cost.
+    there = fit_hypothesis(stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS)
     held: dict[tuple[int, float], float] = {}
     for i in best.hypothesis.ordinary.elastic:
         joint = best.hypothesis.ordinary.arm.joints[i].name
@@ -256,7 +259,7 @@ def _ranges(
                 size = linear
                 if abs(c.follow.get(name, 0.0) * linear) > half:
                     if (number, linear) not in held:
-                        held[number, linear] = believable(stage, best, c, linear, phi)
+                        held[number, linear] = believable(stage, there, c, linear, phi)
                     size = held[number, linear]
                 # Beyond a factor of two the linear look says nothing but "very wide".
                 shift = float(np.clip(c.follow.get(name, 0.0) * size, -_WIDEST, _WIDEST))
