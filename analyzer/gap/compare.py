@@ -25,6 +25,7 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 _BANDS = 3
 _NEWTON_STEPS = 4
 _LEAST_MAC = 0.6
+_FASTEST = 2.0 * np.pi * 1e5  # rad/s: beyond, a pole is rounding
 _NEAR = 0.25  # of the frequency: modes further apart are not one
 
 
@@ -118,9 +119,12 @@ def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
     M = system.mass[np.ix_(free, free)]
     m = len(free)
     loss = system.loss[np.ix_(free, free)]
-    state = np.block([[np.zeros((m, m)), np.eye(m)], [-np.linalg.solve(M, np.hstack([K, C]))]])
-    values, vectors = scipy.linalg.eig(state)
-    keep = np.flatnonzero(values.imag > 0.0)
+    # Two coordinates may move the arm alike, such as a floor's and an upright joint's turn: of the
+    # pencil their difference has no mass and no finite pole.
+    none, one = np.zeros((m, m)), np.eye(m)
+    state = np.block([[none, one], [-K, -C]])
+    values, vectors = scipy.linalg.eig(state, np.block([[one, none], [none, M]]))
+    keep = np.flatnonzero(np.isfinite(values) & (values.imag > 0.0) & (np.abs(values) < _FASTEST))
     shapes = np.zeros((n, keep.size), dtype=np.complex128)
     shapes[free] = vectors[:m, keep]
     poles = values[keep]
