@@ -25,7 +25,7 @@ from armodal.protocols.errors import DeviceTimeoutError, FrameError, PlantError,
 TIME_SCALE = 8.0
 OPTIONS = BoardCheckOptions(duration_s=3.0, rate_hz=Fraction(51_200, 8))
 # The simulated board answers within 10 ms; a machine that holds it up for long is noticed.
-IMPATIENT = replace(OPTIONS, patience_wall_s=0.15)
+IMPATIENT = replace(OPTIONS, patience_wall_s=0.4)
 
 CAUGHT = {
     "any-session": ("session", "WRONG_SESSION wanted, got OK"),
