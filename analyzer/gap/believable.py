@@ -17,14 +17,17 @@ from armodal.analyzer.gap.scan import Candidate
 __all__ = ["believable"]
 
 _STEPS = 2
-_LESS, _TRIALS = 0.5, 4  # of the size, where one is too large
+_TRIALS = 4  # each of half the size
 _TOLD = 1.92  # of cost: 95 % of a single parameter's
 
 
 def believable(
     stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
 ) -> float:
-    """Return the size, or the part of it that the data leave room for.
+    """Return the size, or the least of its halves that the data still speak against.
+
+    What they leave room for lies below, by less than half: a range is rather too wide than too
+    narrow.
 
     Parameters
     ----------
@@ -35,32 +38,36 @@ def believable(
     inflation
         Of the data's variance.
     """
-    instance = candidate.instance
-    if not instance.parameters:
+    if not candidate.instance.parameters:
         return size  # an ordinary error with a wider prior: it is in the model already
-    for _ in range(_TRIALS):
-        firm = replace(
-            instance,
-            parameters=tuple(
-                replace(p, mean=size, std=1e-3 * abs(size), start=size)
-                if p.name == instance.size
-                else p
-                for p in instance.parameters
-            ),
+    for trial in range(_TRIALS):
+        if _has_room(stage, final, candidate, size / 2.0**trial, inflation):
+            return size / 2.0 ** max(trial - 1, 0)
+    return size / 2.0 ** (_TRIALS - 1)
+
+
+def _has_room(
+    stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
+) -> bool:
+    """Whether a model with the effect at that size costs hardly more."""
+    instance = candidate.instance
+    firm = replace(
+        instance,
+        parameters=tuple(
+            replace(p, mean=size, std=1e-3 * abs(size), start=size)
+            if p.name == instance.size
+            else p
+            for p in instance.parameters
+        ),
+    )
+    hypothesis = replace(final.hypothesis, instances=(*final.hypothesis.instances, firm))
+    followed = {
+        name: value + candidate.follow.get(name, 0.0) * size for name, value in final.values.items()
+    }
+    try:
+        fit = fit_hypothesis(
+            stage, hypothesis, start=followed, max_iterations=_STEPS, closing=False
         )
-        hypothesis = replace(final.hypothesis, instances=(*final.hypothesis.instances, firm))
-        followed = {
-            name: value + candidate.follow.get(name, 0.0) * size
-            for name, value in final.values.items()
-        }
-        try:
-            fit = fit_hypothesis(
-                stage, hypothesis, start=followed, max_iterations=_STEPS, closing=False
-            )
-        except np.linalg.LinAlgError:  # so large that nothing holds the arm
-            size *= _LESS
-            continue
-        if fit.cost - final.cost < _TOLD * inflation:
-            return size
-        size *= _LESS
-    return size
+    except np.linalg.LinAlgError:  # so large that nothing holds the arm
+        return False
+    return fit.cost - final.cost < _TOLD * inflation

@@ -23,26 +23,27 @@ __all__ = [
     "PLACE_STD_M",
 ]
 
-# Damping over stiffness of a seat, a bearing, a bolted flange. Loss factors of joined metal
-# structures are 0.002 to 0.1 (Beards, Structural Vibration (1996), section 3.3; Nashif, Jones and
-# Henderson, Vibration Damping (1985), chapter 2), which about 20 to 200 Hz are 2 to 400 us.
+# Damping over stiffness of a seat, a bearing, a bolted flange, s. Damping ratios are below 0.01 in
+# metals, 0.02 to 0.04 in continuous and 0.03 to 0.07 in jointed metal structures (Adams and
+# Askenazi, Building Better Products with Finite Element Analysis (1999)): loss factors of twice
+# that, 0.002 to 0.14, are 1.6 us at 200 Hz to 1 ms at 20 Hz.
 INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S = 4e-5, 8e-5
 
-# Loss factor of a joint's drive beside its dashpot: grease, seals, strain wave or cycloid gears
-# (Tuttle and Seering, IEEE Trans. Robot. Autom. 12 (1996) 368: up to some per cent unloaded).
+# Loss factor of a joint's drive beside its dashpot. The same range, its lower half: what grows with
+# frequency is the dashpot's.
 JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.06
 
-# Across a joint's axis, as parts of the arm's own compliance. Cross roller and main bearings of
-# robot gears tilt by 1e-7 to 1e-6 rad/(N m) in catalogues of drives whose torsion is 1e-5 to 1e-4;
-# a structure's own bending between two joints is of that size too. More is an effect.
+# Across a joint's axis, as parts of its drive's compliance; more is an effect. No source: assumed.
+# A sound bearing of another gear may well give way more, and would then be named.
 BEARING_MEAN, BEARING_STD, BEARING_LIMIT = 0.006, 0.006, 0.025
 
-# A base on its bolts, as part of the arm's own compliance; more is an effect. Shifting goes with
-# rocking by a lever squared.
+# A base on its bolts, as parts of the first drive's compliance; more is an effect. No source: a
+# foundation is meant to be stiffer than what stands on it by two orders of magnitude and more.
 FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01
-LEVER_M = 0.3
+LEVER_M = 0.3  # about half of a base plate's width: shifting over rocking is its square
 
-DELAY_STD_S = 20e-6  # between the channels of one board
+DELAY_STD_S = 20e-6  # between the channels of one board: half a sample at 25.6 kS/s
 
-# A sensor's place on its point, put there by hand and measured by rule.
+# A sensor's place on its point: what a rule and a pencil mark tell, 1 mm, and the sensor's own
+# centre in its housing, as much.
 PLACE_STD_M = 0.002

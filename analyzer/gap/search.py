@@ -25,7 +25,6 @@ __all__ = ["Rivals", "find_rivals"]
 _KEPT = (28, 12, 6, 4)
 _STEPS = (3, 3, 3, 4)
 _LEADING = 2  # of each stage, whose alternatives are fitted beside them
-_NULL_STEPS = (8, 5, 5, 8)
 _FIRST = 2  # steps of a fit that only tells whether to go on
 _NEAR = 8  # most promising about the present fit on the sharp lines
 _LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
@@ -33,6 +32,7 @@ _SOMETHING = 50.0  # of evidence: more than what ordinary errors leave by chance
 _ORDINARY = 0.45  # misfit a residual above which something is to be explained
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _BLOCK, _MOST_STEPS = 4, 28  # steps of a finalist at a time, and in all
+_NULL_STEPS = (8, 5, 5, _MOST_STEPS)  # of the present hypothesis; on sharp lines as a finalist has
 # A fit goes on while so many times what it still promises could bring it beside the best: within
 # what tells two apart.
 _PATIENCE, _BESIDE = 3.0, 25.0
@@ -140,10 +140,12 @@ def _far(
         looked = look_at_all(widest, about, begin, from_start=about is unfitted)
         pool += [(c.gain, about, c) for c in looked]
     tell(f"{len(pool)} looks on wide lines")
-    fits = [
-        _begun(widest, unfitted, c, begin, _STEPS[0], also=about)
-        for about, c in _chosen(pool, _KEPT[0])
-    ]
+    fits = _one_each(
+        [
+            _begun(widest, unfitted, c, begin, _STEPS[0], also=about)
+            for about, c in _chosen(pool, _KEPT[0])
+        ]
+    )
     for before, stage, steps, kept in zip(stages, stages[1:], _STEPS[1:], _KEPT[1:], strict=False):
         fits = _hopeful([*fits, *_alternatives(before, fits[:_LEADING], _FIRST)])[:kept]
         tell(fits[0].hypothesis.name if fits else "nothing")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from armodal.hil_sim.study.hide_structure import loss_s
 from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
 
 __all__ = ["dress_pack", "one_sided", "parallelogram_bar"]
 
 PACK = 0.045  # of the arm's mass
 CRACK = 0.8  # open, of the arm's joint compliance
-LOSS_S = 4e-5
 BAR = 0.6  # of the far joint's stiffness, where bar and tail are square
 
 Rng = np.random.Generator
@@ -44,7 +44,7 @@ def one_sided(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "direction": plain(unit(rng)),
         "stiffness_closed_n_m_per_rad": 8.0 * opened,
         "stiffness_open_n_m_per_rad": opened,
-        "damping_n_m_s_per_rad": LOSS_S * opened,
+        "damping_n_m_s_per_rad": loss_s(rng) * opened,
         "opening_rad": float(rng.uniform(0.0, 3e-6)),
     }
     return hidden("one_sided", link, table, stiffness_open_n_m_per_rad=opened)
@@ -63,7 +63,7 @@ def parallelogram_bar(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "joint_after": far,
         "tail_m": plain(tail),
         "stiffness_n_per_m": float(k),
-        "damping_n_s_per_m": float(LOSS_S * k),
+        "damping_n_s_per_m": float(loss_s(rng) * k),
         "mass_kg": float(rng.uniform(0.5, 1.5)),
     }
     place = [near, far]

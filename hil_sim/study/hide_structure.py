@@ -6,7 +6,15 @@ import numpy as np
 
 from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
 
-__all__ = ["base", "bearing", "link_axis", "link_bending", "link_torsion", "released_joint"]
+__all__ = [
+    "base",
+    "bearing",
+    "link_axis",
+    "link_bending",
+    "link_torsion",
+    "loss_s",
+    "released_joint",
+]
 
 # Compliances at magnitude 1, as parts of the arm's own joint compliance.
 RELEASED = 7.5
@@ -38,12 +46,12 @@ def bearing(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """A joint's bearing, alike both ways across."""
     joint = places.main_joint(rng)
     k = 1.0 / (BEARING * places.compliance * magnitude * about(rng))
-    loss_s = _loss_s(rng)
+    lost = loss_s(rng)
     table = {
         "kind": "bearing",
         "joint": joint,
         "stiffness_n_m_per_rad": (k, k),
-        "damping_n_m_s_per_rad": (loss_s * k, loss_s * k),
+        "damping_n_m_s_per_rad": (lost * k, lost * k),
     }
     return hidden("bearing", joint, table, compliance_rad_per_n_m=1.0 / k)
 
@@ -60,7 +68,7 @@ def link_axis(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "point_m": plain(point),
         "direction": plain(direction),
         "stiffness_n_m_per_rad": k,
-        "damping_n_m_s_per_rad": _loss_s(rng) * k,
+        "damping_n_m_s_per_rad": loss_s(rng) * k,
     }
     if rng.random() < 0.3 and len(places.points[link]) > 2:
         nearest = min(places.points[link], key=lambda p: float(np.linalg.norm(p["position_m"])))
@@ -86,7 +94,7 @@ def base(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     if rng.random() < 0.5:
         ways |= {f"shift_{axis}": 1.0 / c for axis, c in zip("xy", shift, strict=True)}
     mass = float(rng.uniform(8.0, 25.0))
-    loss_s = _loss_s(rng)
+    lost = loss_s(rng)
     table = {
         "kind": "base",
         "pivot_m": (0.0, 0.0, float(rng.uniform(-0.05, 0.02))),
@@ -94,7 +102,7 @@ def base(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
         "center_m": (0.0, 0.0, 0.08),
         "inertia_kg_m2": (0.015 * mass, 0.0, 0.0, 0.015 * mass, 0.0, 0.02 * mass),
         "springs": tuple(
-            {"way": way, "stiffness": float(k), "damping": float(loss_s * k)}
+            {"way": way, "stiffness": float(k), "damping": float(lost * k)}
             for way, k in ways.items()
         ),
     }
@@ -124,12 +132,13 @@ def _all_along(kind: str, key: str, part: float, places: ArmPlaces, rng: Rng) ->
         "from_m": (0.0, 0.0, 0.0),
         "to_m": plain(reach),
         key: stiffness,
-        "loss": _loss_s(rng),
+        "loss": loss_s(rng),
     }
     return hidden(f"link_{kind}", link, table, **{key: stiffness})
 
 
-def _loss_s(rng: Rng) -> float:
+def loss_s(rng: Rng) -> float:
+    """Damping over stiffness of something soft, drawn evenly by its logarithm."""
     return float(np.exp(rng.uniform(*np.log(LOSS_S))))
 
 

@@ -29,6 +29,7 @@ FLOOR_SHIFT_M2 = (0.002, 0.05)  # m / N of shifting per rad / N m of rocking
 BASE_MASS = (0.05, 0.6)  # of the arm's
 INTERFACE_LOSS_S = (5e-6, 1.5e-4)  # damping / stiffness: a loss of 0.3 to 9 % at 100 Hz
 HYSTERETIC_LOSS = (0.003, 0.03)  # of each joint
+HAND_M = (0.0008, 0.005)  # scatter of where a hit lands
 OVERSAMPLING = 8  # a force linear between grid points is 0.02 % short at 100 Hz
 STIFFNESS_STD, DAMPING_STD = 0.15, 0.25  # of the true springs' logarithm, against the arm file
 
@@ -37,9 +38,9 @@ def erring_plant_tables(study: StudyArm, seed: int) -> Tables:
     """All of a plant file as tables: the arm with every ordinary error and no named effect.
 
     Springs 15 % and dampers 25 % off the arm file, masses 5 %, centres 3 mm, inertias 5 %, sensors
-    tilted by 1.5 degrees in all and 1 % in gain, hits off aim by 1 degree and 2 mm, encoders 0.15
-    degrees, 10 us of skew; bearings, joints believed rigid and the floor give way a little, and a
-    part of the damping is hysteretic, each as much as its own stream says, named by what errs.
+    tilted by 1.5 degrees in all and 1 % in gain, hits off aim by 1 degree and some mm, encoders by
+    0.15 degrees, 10 us of skew; bearings, joints believed rigid and the floor give way a little,
+    and a part of the damping is hysteretic, each as much as a stream of its own says.
     """
     arm, streams = study.arm, partial(stream, seed, "model error")
     k, c = _true_springs(arm, streams)
@@ -54,7 +55,7 @@ def erring_plant_tables(study: StudyArm, seed: int) -> Tables:
     tables["hammer"] |= {"gain_error": 0.01 * _one(streams("hammer gain"))}
     tables["hand"] |= {
         "direction_std_deg": 1.0,
-        "position_std_m": 0.002,
+        "position_std_m": _between(HAND_M, streams("hand")),
         "double_probability": 0.0,
         "soft_probability": 0.0,
         "overload_probability": 0.0,

@@ -20,7 +20,6 @@ WORDS = EffectWords(
     told_by="a posture that moves a mode far in frequency",
     remedy="use a loss factor for grease and seals instead of a dashpot",
 )
-_MATERIAL = 0.0
 _ANY_LN_C = 2.0
 
 
@@ -40,7 +39,6 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             relaxes={**{name: replace(wide, name=name) for name in names}, **gone},
             size=names[0],
             sizes=tuple(names),
-            material=_MATERIAL,
             size_offset=JOINT_LOSS_LIMIT,
         ),
     )

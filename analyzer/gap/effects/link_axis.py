@@ -150,13 +150,17 @@ def at_ends(
 def _at_both_ends(
     ordinary: Ordinary, link: int, direction: Array, size: float, rest: Mapping[str, float]
 ) -> Begun:
-    """An axis may stand for the bearing of the joint before it, or of that beyond."""
+    """An axis may stand for the bearing of the joint before it or beyond, or for that joint."""
     found: Begun = []
+    joint = ordinary.arm.joints[link]
+    about = size * float(direction @ np.asarray(joint.axis)) ** 2
     ends = at_ends(ordinary, link, direction, size)
     for instance in all_instances(ordinary):
         if instance.effect.name == "bearing" and instance.place in ends:
             more = zip(instance.sizes, ends[instance.place], strict=True)
             found.append((instance, {**rest, **{n: rest[n] + v for n, v in more}}))
+        if instance.effect.name == "released_joint" and instance.place == joint.name:
+            found.append((instance, {**rest, instance.size: rest[instance.size] + about}))
     return found
 
 

@@ -394,9 +394,5 @@ class ReviewApp(App[int]):
             yield SystemCommand(
                 f"Posture {escape(view.name)}",
                 "Look at this posture",
-                lambda number=number: self._go_to_posture(number),
+                lambda step=number - self.state.posture: self.action_posture(step),
             )
-
-    def _go_to_posture(self, number: int) -> None:
-        if self.state is not None:
-            self.action_posture(number - self.state.posture)
