@@ -78,7 +78,10 @@ def main() -> None:
         np.loadtxt(folder / f"Hxysv0000{i}.txt", encoding="latin-1", skiprows=9)
         for i in range(1, 10)
     ]
-    beam = frf_of(rows[0][:, 0], np.array([r[:, 1] + 1j * r[:, 2] for r in rows]), FrfForm.MOBILITY)
+    # Their headers say (m/s²)/N; the folder's README calls them mobilities.
+    beam = frf_of(
+        rows[0][:, 0], np.array([r[:, 1] + 1j * r[:, 2] for r in rows]), FrfForm.ACCELERANCE
+    )
     for band in ((50.0, 200.0), (200.0, 400.0), (500.0, 700.0), (900.0, 999.0), None):
         told("beam, nine files", beam, band, BEAM_HZ)
     columns = [np.loadtxt(DATA / "accelerance_3pt" / f"p{i}.txt", dtype=complex) for i in (1, 2, 3)]

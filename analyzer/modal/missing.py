@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.modal.modes import ModalModel, synthesise
 from armodal.analyzer.modal.noise import independent_line_share
+from armodal.analyzer.modal.peaks import NEAR_LINES
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 
@@ -27,7 +28,8 @@ class MissingModeHint:
     f_hz: float
     ratio: float  # weighted misfit there over its median along the band
     share: float  # RMS misfit over RMS of the FRFs there
-    beside_hz: float | None  # a mode of the model within its bandwidth: that mode fits badly
+    # A mode of the model within its bandwidth, or within what lines tell: that mode fits badly.
+    beside_hz: float | None
 
 
 def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[MissingModeHint, ...]:
@@ -89,14 +91,14 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
         own = slice(int(low[k]), int(high[k]))
         peak = int(low[k]) + int(np.argmax(power[own]))
         at_edge = peak < high[0] or peak >= low[-1]
-        near = [m for m in model.modes if abs(m.f_hz - freq[peak]) < m.damping_ratio * m.f_hz]
+        beside = _beside(model, float(freq[peak]), float(np.median(np.diff(freq))))
         if not at_edge:  # what rises towards an edge is a mode outside the band, if any
             hints.append(
                 MissingModeHint(
                     f_hz=float(freq[peak]),
                     ratio=float(ratio[k]),
                     share=float(np.sqrt(power[own].sum() / max(size[own].sum(), 1e-300))),
-                    beside_hz=near[0].f_hz if near else None,
+                    beside_hz=beside,
                 )
             )
         # One hint covers the slopes on either side down to where the misfit is usual again.
@@ -107,3 +109,15 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
             last += 1
         stands_out[first : last + 1] = False
     return tuple(hints)
+
+
+def _beside(model: ModalModel, f_hz: float, spacing_hz: float) -> float | None:
+    """The mode nearest to a frequency, if that lies on its peak.
+
+    A resonance narrower than the lines' spacing leaves its misfit a line beside it.
+    """
+    near = min(model.modes, key=lambda mode: abs(mode.f_hz - f_hz), default=None)
+    if near is None:
+        return None
+    reach = max(near.damping_ratio * near.f_hz, NEAR_LINES * spacing_hz)
+    return near.f_hz if abs(near.f_hz - f_hz) <= reach else None

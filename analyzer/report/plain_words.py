@@ -7,7 +7,6 @@ from scipy.stats import norm
 
 from armodal.analyzer.modal import ModalModel, drift_told, mac_matrix, missing_mode_hints
 from armodal.analyzer.modal.modes import Mode
-from armodal.analyzer.modal.peaks import NEAR_LINES
 from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["answer", "long_side", "open_questions", "shape_of"]
@@ -106,18 +105,14 @@ def open_questions(frf: FrequencyResponse, model: ModalModel) -> list[str]:
 
 def _misfits(frf: FrequencyResponse, model: ModalModel) -> list[str]:
     """Where the FRFs are not explained: beside a mode, or where one may be missing."""
-    reach = NEAR_LINES * float(np.median(np.diff(frf.freq_hz)))
     beside: dict[float, float] = {}
     said = []
     for hint in missing_mode_hints(frf, model)[:_MOST_HINTS]:
-        near = min(model.modes, key=lambda mode: abs(mode.f_hz - hint.f_hz), default=None)
-        width = 0.0 if near is None else near.damping_ratio * near.f_hz
-        # A resonance narrower than the lines' spacing leaves its misfit a line beside it.
-        if near is not None and abs(near.f_hz - hint.f_hz) <= max(width, reach):
-            beside[near.f_hz] = max(hint.share, beside.get(near.f_hz, 0.0))
+        if hint.beside_hz is not None:
+            beside[hint.beside_hz] = max(hint.share, beside.get(hint.beside_hz, 0.0))
         else:
             said.append(
-                f"a mode may be missing near {hint.f_hz:.5g} Hz: {100.0 * hint.share:.2g} % of "
+                f"a mode may be missing near {hint.f_hz:.5g} Hz: {100.0 * hint.share:.0f} % of "
                 "the FRFs there are not explained"
             )
     if beside:

@@ -78,11 +78,17 @@ def _lines(value: dict[str, Any]) -> list[str]:
         ]
         lines += [f"  moves: {told['words']}" for told in made["drift"]]
         lines += [
-            f"  a mode may be missing near {hint['f_hz']:.4g} Hz: "
-            f"{100.0 * hint['misfit_share']:.2g} % of the FRFs there is not explained"
+            f"  {_hinted(hint)}: {100.0 * hint['misfit_share']:.0f} % of the FRFs there are not "
+            "explained"
             for hint in made["missing_mode_hints"]
         ]
     return lines
+
+
+def _hinted(hint: dict[str, Any]) -> str:
+    if hint["beside_hz"] is not None:
+        return f"the mode at {hint['beside_hz']:.5g} Hz fits badly"
+    return f"a mode may be missing near {hint['f_hz']:.5g} Hz"
 
 
 def _table(value: dict[str, Any]) -> Table:

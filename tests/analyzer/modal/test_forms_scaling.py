@@ -161,6 +161,29 @@ def test_the_misfit_says_where_a_mode_is_missing(seed):
         assert hint.beside_hz is None
 
 
+@pytest.mark.parametrize(("lines_off", "is_beside"), [(1.5, True), (30.0, False)])
+def test_a_misfit_within_two_lines_of_a_sharp_mode_is_that_mode_s(lines_off, is_beside):
+    """A resonance narrower than the lines' spacing leaves its misfit a line beside it."""
+    made = eight_modes(np.random.default_rng(0))
+    model = fit_modes(made.frf)
+    freq = made.frf.freq_hz
+    rms = np.sqrt(np.mean(np.abs(made.frf.values) ** 2, axis=-1, keepdims=True))
+    peak = rms / (1.0 + 1j * (freq - 200.0) / 4.0)
+    sharp_hz = 200.0 - lines_off * (freq[1] - freq[0])
+    sharp = dataclasses.replace(
+        model.modes[0],
+        f_hz=sharp_hz,
+        damping_ratio=1e-6,
+        pole_rad_s=2.0 * np.pi * sharp_hz * (-1e-6 + 1j),
+        participation=np.zeros_like(model.modes[0].participation),
+    )
+    found = missing_mode_hints(
+        dataclasses.replace(made.frf, values=made.frf.values + peak),
+        dataclasses.replace(model, modes=(*model.modes, sharp)),
+    )
+    assert [hint.beside_hz for hint in found] == [sharp_hz if is_beside else None]
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_misfit_that_rises_to_the_band_s_edge_is_no_missing_mode(seed):
     made = eight_modes(np.random.default_rng(seed))
