@@ -19,6 +19,8 @@ from armodal.protocols.foreign.uff_measured import uff_content
 from armodal.protocols.foreign.uff_read import uff_from_bytes
 from armodal.protocols.foreign.variables import Variables
 from armodal.protocols.foreign.wav import wav_variables
+from armodal.protocols.session.hdf5 import DEFINITION
+from armodal.protocols.session.journal_framing import MAGIC
 
 __all__ = ["format_of", "read_content"]
 
@@ -83,6 +85,7 @@ def read_content(path: Path, hints: Hints) -> Content:
     """
     data = read_foreign_bytes(path)
     name = format_of(data[:_HEAD], path.suffix)
+    _refuse_own(data, name, path)
     if name == "universal":
         return uff_content(uff_from_bytes(data, path.name), hints, path.name)
     if name == "HDF5":
@@ -93,3 +96,17 @@ def read_content(path: Path, hints: Hints) -> Content:
             "in binary, or split it"
         )
     return content_of(_READERS[name](data, path.name), hints, path.name)
+
+
+def _refuse_own(data: bytes, name: str, path: Path) -> None:
+    """Say of a file of ours which command is for it."""
+    if data.startswith(MAGIC[:-1]):
+        raise ForeignFileError(
+            f"{path.name}: wanted measurements of another program, got a journal of armodal; "
+            f"`armodal recover {path}` makes a session of it"
+        )
+    if name == "HDF5" and DEFINITION.encode() in data:
+        raise ForeignFileError(
+            f"{path.name}: wanted measurements of another program, got a session of armodal; it "
+            f"needs no import: `armodal review {path}`, `armodal fit {path}`"
+        )

@@ -14,6 +14,7 @@ from support.foreign_writers import signalcalc, table
 from support.manifests import hit_signals
 
 from armodal.protocols.session.hdf5 import read_session
+from armodal.protocols.session.journal_framing import MAGIC
 
 FREQ = 0.25 * np.arange(1, 401)
 _ROOT = Path(__file__).resolve().parents[3]
@@ -28,6 +29,20 @@ def write_points(folder, count=3):
     for i, name in enumerate(names):
         name.write_bytes(signalcalc(FREQ, accelerance(FREQ, i, 0)))
     return names
+
+
+def test_a_file_of_armodal_s_own_is_told_which_command_it_is_for(tmp_path):
+    own = tmp_path / "own.h5"
+    code, _, err = armodal("import", *write_points(tmp_path), "--out", own)
+    assert code == 0, err
+    journal = tmp_path / "own.journal"
+    journal.write_bytes(MAGIC + bytes(100))
+    for path, command in ((own, f"armodal fit {own}"), (journal, f"armodal recover {journal}")):
+        for asked in (("inspect", path), ("import", path, "--out", tmp_path / "again.h5")):
+            code, out, err = armodal(*asked)
+            assert code == 2
+            assert command in (out + err).replace("\n", "")
+        assert not (tmp_path / "again.h5").exists()
 
 
 def test_files_alone_become_a_session_and_the_manifest_that_made_it(tmp_path):
