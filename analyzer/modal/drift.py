@@ -114,13 +114,15 @@ def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> l
             continue
         n_frf = fit.n_measured
         free = n_frf * (2 * local.data.s.size - 2 * n - N_RESIDUAL) - 2 * n
-        theta = white_covariance(
-            fit.information.sum(axis=0), float(fit.cost.sum()) / max(free, 1), line_share
-        )
+        noise = float(fit.cost.sum()) / max(free, 1)
+        theta = white_covariance(fit.information.sum(axis=0), noise, line_share)
         J = frequency_damping_jacobian(fit.poles)
         variance = np.diag(J @ theta @ J.T).reshape(n, 2)[rank]
-        # A resonance known to no better than its own width was not seen.
-        known = variance[:, 1] < z[g] ** 2
+        # A resonance known to no better than its own width was not seen. Nor one that explains no
+        # more than the best place for a pole does where there is nothing but noise, as at a node.
+        explained = fit.gain.sum(axis=0) / max(noise, np.finfo(float).tiny) * line_share
+        by_noise = REACH * chi2.sf(explained, 2 * n_frf + 2)  # of so many bandwidths, one
+        known = (variance[:, 1] < z[g] ** 2) & (by_noise[rank] < SURE)
         std[g][known] = np.sqrt(np.maximum(variance[known], 0.0))
     return [
         ModeDrift(

@@ -67,6 +67,28 @@ def test_the_synthesis_follows_each_mounting():
     assert error < 0.02  # noise is 1 %
 
 
+def test_a_mounting_at_a_node_tells_nothing_of_that_mode_s_pole():
+    """Where a mode is not seen, the best pole is one of the noise: it counts for nothing."""
+    rng = np.random.default_rng(0)
+    freq = np.arange(1, 800) * 0.25
+    x, y = np.tile(np.linspace(0.0, 1.0, 5), 3), np.repeat(np.linspace(-1.0, 1.0, 3), 5)
+    shapes = np.stack(
+        [np.cos(np.pi * x), y * (2.0 * x - 1.0), np.cos(2.0 * np.pi * x)], axis=1
+    )  # (points, modes)
+    f_hz = np.array([40.0, 75.0, 130.0]) * (1.0 - 0.004 * shapes**2)  # as a sensor's mass does
+    s, w = 2j * np.pi * freq, 2.0 * np.pi * f_hz[..., None]
+    z = np.array([0.01, 0.006, 0.012])[:, None]
+    clean = np.sum(s**2 * (shapes * shapes[0])[..., None] / (s**2 + 2 * z * w * s + w**2), axis=1)
+    size = 0.01 * np.sqrt(np.mean(np.abs(clean) ** 2, axis=-1, keepdims=True) / 2.0)
+    noise = rng.standard_normal((2, *clean.shape))
+    model = fit_modes(record((clean + size * (noise[0] + 1j * noise[1]))[:, None, :], freq))
+    sees = np.abs(shapes) > 1e-9
+    wanted = [f_hz[sees[:, m], m].mean() for m in range(3)]
+    # One that noise told as seen moved the first by 0.33 Hz, sixteen stated deviations.
+    std = np.array([mode.f_std_hz for mode in model.modes])
+    assert np.all(np.abs(model.f_hz - wanted) < np.maximum(2.0 * std, 0.005))
+
+
 def test_nothing_moves_where_only_noise_does():
     for seed in range(3):
         model = fit_modes(drifting(np.random.default_rng([7, seed]), 0.0).frf)
