@@ -26,7 +26,7 @@ CONVERTER_HZ = 51_200  # the converter makes this rate and its whole fractions
 LARGEST_DIVISOR = 512
 BLOCK_RECORDS = 1024  # blocks held at the same time, however short
 PREVIEW_FRAMES = 32
-RECEIVE_BYTES = 2093  # any frame, so that an unknown command of any length is answered
+TRANSMIT_BYTES = 2095  # any frame with its delimiters
 
 Counts = npt.NDArray[np.int32]
 
@@ -93,8 +93,9 @@ class BoardFirmware:
         memory = [
             ffi.new("uint8_t[]", dictionary.block_capacity),
             ffi.new("ab_block[]", BLOCK_RECORDS),
-            ffi.new("uint8_t[]", RECEIVE_BYTES),
-            ffi.new("uint8_t[]", RECEIVE_BYTES + 2),
+            # The smallest that the protocol allows: what a board may pass over, this one does.
+            ffi.new("uint8_t[]", self._library.AB_RECEIVE_BYTES),
+            ffi.new("uint8_t[]", TRANSMIT_BYTES),
             ffi.new("uint8_t[]", PREVIEW_FRAMES * (18 + count_bytes)),
         ]
         config.block_buffer, config.blocks = memory[0], memory[1]

@@ -21,7 +21,7 @@ from armodal.protocols.board.records import (
 )
 from armodal.protocols.errors import DeviceTimeoutError, FrameError
 
-__all__ = ["BoardProbe", "BoardStepError"]
+__all__ = ["TRIES", "BoardProbe", "BoardStepError"]
 
 TRIES = 3
 REPLY_TIMEOUT_S = 0.5
