@@ -28,6 +28,8 @@ from armodal.hil_sim.broken_board.frames import (
 )
 from armodal.hil_sim.broken_board.manners import (
     AnySession,
+    CutsLongCommands,
+    DeafToMalformed,
     DeafToOtherVersions,
     DeafToUnknown,
     DiesOnGarbage,
@@ -45,6 +47,8 @@ __all__ = ["BROKEN_BOARDS", "BrokenBoard", "broken_board"]
 BROKEN_BOARDS: dict[str, Callable[[], BrokenBoard]] = {
     "none": BrokenBoard,
     "any-session": AnySession,
+    "cuts-long-commands": CutsLongCommands,
+    "deaf-to-malformed": DeafToMalformed,
     "deaf-to-other-versions": DeafToOtherVersions,
     "deaf-to-unknown": DeafToUnknown,
     "dies-on-garbage": DiesOnGarbage,

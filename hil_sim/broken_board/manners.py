@@ -23,6 +23,8 @@ from armodal.protocols.board.records import Frame, FrameType, Header, ReplyCode
 
 __all__ = [
     "AnySession",
+    "CutsLongCommands",
+    "DeafToMalformed",
     "DeafToOtherVersions",
     "DeafToUnknown",
     "DiesOnGarbage",
@@ -37,6 +39,7 @@ __all__ = [
 CRC_SIZE = 4
 LONGEST_COMMAND = 67  # `docs/board-protocol.md`, section 2, both delimiters included
 LONGEST_STRETCH = 2093
+CONFIGURE_BYTES = 28  # section 6
 
 
 class DiesOnGarbage(BrokenBoard):
@@ -130,6 +133,28 @@ class RefusesWithoutReason(BrokenBoard):
             yield altered(frame, encode_reply(decode_reply(frame.payload)[0]))
         else:
             yield frame
+
+
+class DeafToMalformed(BrokenBoard):
+    """A CONFIGURE that is too short is not answered."""
+
+    def command(self, piece: bytes) -> bytes:
+        """Alter a stretch of the host."""
+        frame = decoded(piece)
+        if frame is None or frame.header.type is not FrameType.CONFIGURE:
+            return piece
+        return piece if len(frame.payload) >= CONFIGURE_BYTES else b""
+
+
+class CutsLongCommands(BrokenBoard):
+    """A CONFIGURE that is too long is cut to its length and obeyed."""
+
+    def command(self, piece: bytes) -> bytes:
+        """Alter a stretch of the host."""
+        frame = decoded(piece)
+        if frame is None or frame.header.type is not FrameType.CONFIGURE:
+            return piece
+        return stretch(altered(frame, frame.payload[:CONFIGURE_BYTES]))
 
 
 class DeafToUnknown(BrokenBoard):

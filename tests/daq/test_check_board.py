@@ -29,6 +29,8 @@ IMPATIENT = replace(OPTIONS, patience_wall_s=0.4)
 
 CAUGHT = {
     "any-session": ("session", "WRONG_SESSION wanted, got OK"),
+    "cuts-long-commands": ("rates", "a byte too many: BAD_VALUE wanted, got OK"),
+    "deaf-to-malformed": ("rates", "a byte too few: BAD_VALUE wanted, no answer came"),
     "deaf-to-other-versions": ("version", "HELLO of version 2: HELLO_REPLY wanted, no answer"),
     "deaf-to-unknown": ("commands", "UNKNOWN_COMMAND wanted, no answer came"),
     "dies-on-garbage": ("garbage", "not answered STATUS since a stretch longer than any frame"),
