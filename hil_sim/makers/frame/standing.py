@@ -15,7 +15,7 @@ from armodal.hil_sim.makers.shell_points import along, shell_points
 
 __all__ = ["Standing", "stand"]
 
-PIECES = 2  # beams on each straight piece of a shell
+PIECES = 6  # beams on each straight piece of a shell: points and lumps go with the nearest node
 BEAM_PART = 0.7  # of a link's mass at most, that lies in its shell
 RIGID = 3e3  # times as stiff as the drive: what a hinge does not let give way
 
