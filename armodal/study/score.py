@@ -69,7 +69,7 @@ def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
     truth
         `verdict` and `effects`, a list of `{name, place, parameters}`.
     """
-    true = [effect["name"] for effect in truth["effects"]]
+    true = _true_names(truth)
     named = [effect.name for effect in result.effects]
     counted = named if result.verdict is Verdict.NAMED else []
     standing = tuple(r.name for r in result.rivals if r.standing)
@@ -102,6 +102,15 @@ def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
         standing=standing,
         place_right=place,
     )
+
+
+def _true_names(truth: Mapping[str, Any]) -> list[str]:
+    """Names of the true effects as the library tells them.
+
+    Gears that couple two joints with springs are a coupling: the same terms of K.
+    """
+    same = {"wrist_coupling": "coupling"} if truth.get("wrist") == "elastic" else {}
+    return [same.get(effect["name"], effect["name"]) for effect in truth["effects"]]
 
 
 def _same_place(true: Any, ours: str) -> bool:

@@ -26,6 +26,13 @@ def test_a_true_name_is_right_and_another_wrong():
     assert mark(truth(verdict="nothing_detectable"), named).outcome == "wrong name"
 
 
+def test_wrist_gears_between_two_springs_are_a_coupling():
+    """The same terms of K; where the driven joint is rigid they are not."""
+    coupled = made_result("named", ["coupling"])
+    assert mark(truth("wrist_coupling") | {"wrist": "elastic"}, coupled).outcome == "right"
+    assert mark(truth("wrist_coupling") | {"wrist": "rigid"}, coupled).outcome == "wrong name"
+
+
 def test_one_of_two_is_not_yet_right_and_no_wrong_name():
     found = mark(truth("link_axis", "payload"), made_result("named", ["link_axis"]))
     assert (found.outcome, found.n_true_named) == ("missed", 1)
