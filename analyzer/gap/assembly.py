@@ -22,7 +22,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.lines import PostureLines
 
-__all__ = ["BASE", "Assembly", "Pieces", "System", "spatial_inertia"]
+__all__ = ["BASE", "Assembly", "Inside", "Pieces", "System", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
 
@@ -71,6 +71,17 @@ class Pieces:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Inside:
+    """How a coordinate inside a link moves what is on that link; what is beyond moves whole."""
+
+    link: int
+    before: int  # pieces that stay
+    points: npt.NDArray[np.int64]  # (k,) that do not move whole
+    part: Array  # (k,) of it that each turns by
+    shift_m: Array  # (k, 3) to where each turns about, as the hinge is from there; sensor axes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class System:
     """What of a hypothesis in one posture does not depend on frequency; n coordinates.
 
@@ -91,7 +102,8 @@ class System:
     tilted: Array  # (m, 3, n) what gravity adds on them
     turned: Array  # (m, 3, n) the sensor's rotation along them
     mix: Array  # (m, 3, 3) from true axes to recorded channels
-    hit: Array  # (n_hits, 3, n) motion of the hit points in base
+    hit: Array  # (n_hits, 3, n) motion of the hit places in base
+    hit_turned: Array  # (n_hits, 3, n) rotation there
     force: Array  # (n_hits, 3)
     log_scale: Array  # () of all responses
     delay_s: Array  # () of the responses behind the force
@@ -138,10 +150,9 @@ class Assembly:
     stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
     # By parameter: of stretches kind and row, and what the value times the row changes a unit.
     turns_of: dict[str, list[tuple[str, Array, Array]]] = field(default_factory=dict)
-    # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates between pieces:
-    # the link, how many pieces do not move with it, and whether each point does not.
+    # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates inside links.
     pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
-    between: dict[int, tuple[int, int, npt.NDArray[np.bool_]]] = field(default_factory=dict)
+    inside: dict[int, Inside] = field(default_factory=dict)
     # What a joint's stiffness and damping are multiplied by beside their parameters, and what a
     # parameter adds to the logarithms of both.
     factors: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -163,6 +174,8 @@ class Assembly:
     # (m,) point where each mounting truly was; None: as recorded.
     sensor_point: npt.NDArray[np.int64] | None = None
     shifts_m: dict[int, Array] = field(default_factory=dict)  # of points, along sensor axes there
+    # By which all hits fall off their point, along the axes a sensor has there.
+    hit_place_m: Array = field(default_factory=lambda: np.zeros(3))
 
     def copied(self) -> Assembly:
         """Return equations that can be added to without changing these."""
@@ -297,9 +310,9 @@ class Assembly:
         """
         found = np.repeat(motion[..., None, :, :], n_pieces, axis=-3)
         for column, coordinate in enumerate(coordinates):
-            own, before, _ = self.between.get(coordinate, (None, 0, None))
-            if own == link:
-                found[..., :before, :, column] = 0.0
+            here = self.inside.get(coordinate)
+            if here is not None and here.link == link:
+                found[..., : here.before, :, column] = 0.0
         return found
 
     @property

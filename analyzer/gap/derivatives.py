@@ -15,10 +15,10 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.assembly import BASE, Assembly
 from armodal.analyzer.gap.change import Change, by_change
-from armodal.analyzer.gap.geometry import GeometrySlopes, skew
+from armodal.analyzer.gap.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.moved_otherwise import by_motion, by_slopes
-from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.response import Response, as_single, hysteresis, real_times, respond
 from armodal.analyzer.gap.space import Space
 from armodal.analyzer.gap.systems import angle_slopes, motion_slopes, systems
@@ -148,6 +148,21 @@ class Solved:
                 by_aim = found.by_force(0, sides[..., side])
                 for p, own in enumerate(self.assemblies):
                     yield p, f"aim {letter} {own.lines.name}", by_aim[p]
+
+    def by_hit_places(self) -> Iterator[tuple[int, str, ComplexArray]]:
+        """Place of the hits at the one point that is hit: derivatives (m, 3, L) of each posture."""
+        found = self.found
+        if found.system.hit.shape[1] == 1:
+            hit = [int(own.lines.hit_point[0]) for own in self.assemblies]
+            for axis in range(3):
+                along = [
+                    own.geometry.point_rotation[point, :, axis]
+                    for own, point in zip(self.assemblies, hit, strict=True)
+                ]
+                by_place = found.by_moment(0, np.cross(along, self.exact.system.force[:, 0]))
+                for p, point in enumerate(hit):
+                    name = self.ordinary.hit_place_names(self.ordinary.arm.points[point].id)[axis]
+                    yield p, name, by_place[p]
 
     def by_places(self) -> Iterator[tuple[int, npt.NDArray[np.bool_], str, ComplexArray]]:
         """Places of points: derivatives (k, 3, L) there, at the other mountings they do nothing."""

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.assembly import BASE
 from armodal.analyzer.gap.box import least_in_box
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
@@ -127,7 +128,13 @@ class Stage:
         self.models = tuple(models or models_of(superset, self.lines))
         self._superset, self._discrepancy = superset, discrepancy
         self.weighings = tuple(
-            Weighing(own, superset.arm.tolerances, discrepancy, places=of)
+            Weighing(
+                own,
+                superset.arm.tolerances,
+                discrepancy,
+                places=of,
+                on_base=np.array(superset.point_link)[own.sensor_point] == BASE,
+            )
             for own, of in zip_longest(self.lines, places or ())
         )
         self._first_of = _firsts(self.lines, self.models)

@@ -1,7 +1,7 @@
-"""What errors of one mounting's own change beside gains and tilts: its place, and its hits' aim.
+"""What errors of one mounting's own change beside gains and tilts: its place, its hits' and aim.
 
-A sensor is put to its point by hand, and every hit has an aim of its own. Both change all lines of
-a mounting together, as a column each, and are integrated out with its gains and tilts
+A sensor is put to its point by hand, and every hit has a place and an aim of its own. Each changes
+all lines of a mounting together, as a column, and is integrated out with its gains and tilts
 (`weigh.Weighing`).
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.ordinary import across
+from armodal.analyzer.gap.geometry import across
 from armodal.analyzer.gap.priors import PLACE_STD_M
 from armodal.analyzer.gap.response import Response
 from armodal.protocols.arm.records import Tolerances
@@ -28,10 +28,11 @@ def off_place(found: Response, tolerances: Tolerances) -> ComplexArray:
     columns = [*shifts]
     hits = found.system.force  # (P, n_hits, 3)
     for side in range(2):
-        aimed = np.zeros(shifts.shape[1:], dtype=shifts.dtype)
+        aimed, beside = (np.zeros(shifts.shape[1:], dtype=shifts.dtype) for _ in range(2))
         for hit in range(hits.shape[1]):
             lengths = np.linalg.norm(hits[:, hit], axis=1, keepdims=True)
             sides = np.array([across(own)[:, side] for own in hits[:, hit] / lengths])
             aimed = aimed + found.by_force(hit, tolerances.hit_direction_rad * sides)
-        columns.append(aimed)
+            beside = beside + found.by_moment(hit, PLACE_STD_M * np.cross(sides, hits[:, hit]))
+        columns += [aimed, beside]
     return np.stack(columns, axis=3)

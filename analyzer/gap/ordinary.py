@@ -2,8 +2,8 @@
 
 A model without these is refuted by any real arm, and then any effect that bends it a little looks
 like a discovery. So the null has them all, as wide as the arm file's tolerances say and no wider:
-masses, centres and inertias of links, encoder offsets, the aim of the hits, gains, a small delay,
-a little hysteresis, and a transverse compliance of every joint up to a hard limit.
+masses, centres and inertias of links, encoder offsets, the aim of the hits and their place, places
+and gains of sensors, a small delay, a little hysteresis, and whatever gives way beside the drives.
 """
 
 from __future__ import annotations
@@ -17,51 +17,29 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.assembly import Assembly, spatial_inertia
-from armodal.analyzer.gap.geometry import PostureGeometry, skew
+from armodal.analyzer.gap.geometry import PostureGeometry, across, skew
 from armodal.analyzer.gap.lines import PostureLines
 from armodal.analyzer.gap.priors import (
     BEARING_LIMIT,
-    BEARING_MEAN,
-    BEARING_STD,
     DELAY_STD_S,
     FLOOR_LIMIT,
-    FLOOR_MEAN,
-    FLOOR_STD,
-    INTERFACE_LOSS_MEAN_S,
-    INTERFACE_LOSS_STD_S,
     JOINT_LOSS_LIMIT,
     JOINT_LOSS_MEAN,
     JOINT_LOSS_STD,
-    LEVER_M,
     PLACE_STD_M,
 )
+from armodal.analyzer.gap.scales import compliance, scale
+from armodal.analyzer.gap.soft_parts import add_soft_parts, base_lever_m, soft_part_parameters
 from armodal.analyzer.gap.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
-from armodal.protocols.arrays import frozen_array
 
-__all__ = ["BASE_WAYS", "Ordinary", "across"]
+__all__ = ["Ordinary"]
 
 Array = npt.NDArray[np.float64]
 
 _FARTHEST = 5.0  # prior deviations
-BASE_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
-_LEAST_CARRIED = 0.1  # of what the most loaded joint carries
 _UPRIGHT = 0.99  # cosine between an axis and gravity
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
-
-
-def across(axis: Array) -> Array:
-    """Return (3, 2) two unit vectors that complete a unit axis to a frame."""
-    return _across(tuple(axis.tolist()))
-
-
-@lru_cache(maxsize=1024)
-def _across(of: tuple[float, ...]) -> Array:
-    axis = np.array(of)
-    helper = np.eye(3)[np.argmin(np.abs(axis))]
-    first = np.cross(axis, helper)
-    first = first / np.linalg.norm(first)
-    return frozen_array(np.stack([first, np.cross(axis, first)], axis=1), np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +48,7 @@ class Ordinary:
 
     superset: Superset
     postures: tuple[str, ...]
+    hit_points: tuple[str, ...] = ()  # those that are hit while the sensor goes round
     levels_hit: bool = False  # whether every point was hit softly and hard
     hits_between: bool = False  # likewise, and once between in some session
     # ln of hard over soft hits' force, halved, where they are told apart; else zero.
@@ -88,17 +67,12 @@ class Ordinary:
 
     @property
     def compliance(self) -> float:
-        """Return the arm's own compliance: the joints' geometric mean, the first three's."""
-        k = [self.arm.joints[i].stiffness for i in self.elastic[:3]]
-        return float(np.exp(-np.mean([np.log(e.value) for e in k if e is not None])))
+        """Return the arm's own compliance, rad/(N m) (`scales.compliance`)."""
+        return compliance(self.superset)
 
     def scale(self, joint: int) -> float:
-        """Return what a joint's drive gives way by, or would, rad/(N m).
-
-        Its own where it has a spring; else as the arm's joints go with the weight they carry:
-        drives, bearings and castings are all chosen for that.
-        """
-        return _scales(self.superset)[joint]
+        """Return what a joint's drive gives way by, or would, rad/(N m) (`scales.scale`)."""
+        return scale(self.superset, joint)
 
     def bearing_limit(self, joint: int) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""
@@ -108,6 +82,11 @@ class Ordinary:
     def floor_limit(self) -> float:
         """Return the largest rocking compliance of a base that stands firm, rad/(N m)."""
         return FLOOR_LIMIT * self.compliance
+
+    @property
+    def base_lever_m(self) -> float:
+        """Return the root of how much a base rocks over how much it shifts under unit loads."""
+        return base_lever_m(self.superset)
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter with its prior."""
@@ -156,6 +135,10 @@ class Ordinary:
         """Return the names by which a point's sensor stands off along its axes."""
         return tuple(f"place {axis} {point}" for axis in "xyz")
 
+    def hit_place_names(self, point: str) -> tuple[str, ...]:
+        """Return the names by which hits at the one point that is hit fall off it."""
+        return tuple(f"hit place {axis} {point}" for axis in "xyz")
+
     def _places(self, values: Mapping[str, float]) -> Array:
         names = [self.place_names(point.id) for point in self.arm.points]
         return np.array([[values[name] for name in of_point] for of_point in names])
@@ -190,24 +173,7 @@ class Ordinary:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
                 at = assembly.add_spring(joint.name, column, k, c)
                 assembly.add_term("loss", at, at, k * values[f"loss {joint.name}"])
-        for i, (joint, columns) in enumerate(
-            zip(arm.joints, _across_joints(superset), strict=True)
-        ):
-            loss = f"bearing loss {joint.name}"
-            ways = [
-                (f"bearing {side} {joint.name}", c) for side, c in zip("ab", columns, strict=True)
-            ]
-            if joint.stiffness is None:
-                ways.append(
-                    (f"compliance of {joint.name}", assembly.unit(superset.joint_column(i)))
-                )
-            for parameter, column in ways:
-                assembly.add_compliance(column, values[parameter], values[loss], parameter, loss)
-        for i, way in enumerate(BASE_WAYS):
-            parameter = f"base {way}"
-            assembly.add_compliance(
-                assembly.unit(i), values[parameter], values["base loss"], parameter, "base loss"
-            )
+        add_soft_parts(assembly, superset, values)
         assembly.log_scale = -values["ln hammer"]
         assembly.delay_s = values["delay"]
         return assembly
@@ -233,39 +199,9 @@ class Ordinary:
             aim = np.array([values[f"aim {side} {lines.name}"] for side in "ab"])
             direction = lines.hit_direction[0]
             assembly.force = (direction + across(direction) @ aim)[None]
+            place = self.hit_place_names(self.arm.points[lines.hit_point[0]].id)
+            assembly.hit_place_m = np.array([values.get(name, 0.0) for name in place])
         return assembly
-
-
-@lru_cache(maxsize=16)
-def _scales(superset: Superset) -> tuple[float, ...]:
-    joints = superset.arm.joints
-    steps = [float(np.linalg.norm(j.T_parent_joint[:3, 3])) for j in joints]
-    out = [float(np.linalg.norm(j.link.center_m)) for j in joints]
-    carried = [
-        sum(
-            joints[j].link.mass_kg * (sum(steps[i + 1 : j + 1]) + out[j])
-            for j in range(i, len(joints))
-        )
-        for i in range(len(joints))
-    ]
-    # A wrist without a tool carries next to nothing, and is built for the tool.
-    carried = [max(w, _LEAST_CARRIED * max(carried)) for w in carried]
-    own = [None if j.stiffness is None else 1.0 / j.stiffness.value for j in joints]
-    level = np.mean(
-        [np.log(c * w) for c, w in zip(own, carried, strict=True) if c is not None] or [0.0]
-    )
-    return tuple(
-        float(np.exp(level)) / w if c is None else c for c, w in zip(own, carried, strict=True)
-    )
-
-
-@lru_cache(maxsize=16)
-def _across_joints(superset: Superset) -> Array:
-    """(n_joints, 2, N) motion by each joint's two transverse compliances."""
-    found = np.zeros((len(superset.arm.joints), 2, superset.n))
-    for i, joint in enumerate(superset.arm.joints):
-        found[i][:, superset.interface_columns(i)][:, 3:] = across(np.asarray(joint.axis)).T
-    return frozen_array(found, np.float64)
 
 
 _FULL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # of xx, xy, xz, yy, yz, zz
@@ -276,7 +212,6 @@ _INERTIAL = ("ln mass", *_CENTER, "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 @lru_cache(maxsize=16)  # asked for with every fit
 def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
     arm, tolerances = ordinary.arm, ordinary.arm.tolerances
-    compliance = ordinary.compliance
     found: list[Parameter] = []
     for i in ordinary.elastic:
         joint = arm.joints[i]
@@ -293,36 +228,8 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         )
         for i in ordinary.elastic
     ]
-    for way in BASE_WAYS:
-        rocks = way.startswith("rock")
-        unit = compliance if rocks else compliance * LEVER_M**2
-        found.append(
-            Parameter(
-                name=f"base {way}",
-                unit="rad/(N m)" if rocks else "m/N",
-                mean=FLOOR_MEAN * unit,
-                std=FLOOR_STD * unit,
-                low=0.0,
-                high=FLOOR_LIMIT * unit,
-            )
-        )
-    found.append(_interface_loss("base loss"))
-    for number, joint in enumerate(arm.joints):
-        scale = ordinary.scale(number)
-        found += [
-            Parameter(
-                name=f"bearing {side} {joint.name}",
-                unit="rad/(N m)",
-                mean=BEARING_MEAN * scale,
-                std=BEARING_STD * scale,
-                low=0.0,
-                high=ordinary.bearing_limit(number),
-            )
-            for side in "ab"
-        ]
-        found.append(_interface_loss(f"bearing loss {joint.name}"))
-        if joint.stiffness is None:
-            found.append(replace(found[-2], name=f"compliance of {joint.name}"))
+    found += soft_part_parameters(ordinary.superset)
+    for joint in arm.joints:
         link = joint.link.name
         std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
         found += [
@@ -352,6 +259,11 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         for point in arm.points
         for name in ordinary.place_names(point.id)
     ]
+    found += [
+        Parameter(name=name, unit="m", mean=0.0, std=PLACE_STD_M)
+        for point in ordinary.hit_points
+        for name in ordinary.hit_place_names(point)
+    ]
     for name in ordinary.postures:
         found += [
             Parameter(
@@ -372,12 +284,6 @@ def _within_reason(parameter: Parameter) -> Parameter:
         parameter,
         low=max(parameter.low, parameter.mean - reach),
         high=min(parameter.high, parameter.mean + reach),
-    )
-
-
-def _interface_loss(name: str) -> Parameter:
-    return Parameter(
-        name=name, unit="s", mean=INTERFACE_LOSS_MEAN_S, std=INTERFACE_LOSS_STD_S, low=0.0
     )
 
 

@@ -241,6 +241,8 @@ def _ranges(
     model is right, its deviation is that of the range.
     """
     best = alive[0]
+    known = {instance.key for instance in best.hypothesis.instances}
+    hiding = [candidate for candidate in hiding if candidate.instance.key not in known]
     rows = []
     # Fewer lines than the sharp ones tell less, and at half the cost.
     there = fit_hypothesis(stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS)

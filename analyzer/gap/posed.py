@@ -136,7 +136,7 @@ class Postures:
             else:
                 dy[i] += derivative * std[i]
         dy[list(idle)] = 0.0
-        for p, name, own in posed.by_aims():
+        for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
             if name in space.index:
                 dy[space.index[name], p] += own * std[space.index[name]]
         for p, rows, name, own in posed.by_places():

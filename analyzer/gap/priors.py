@@ -7,9 +7,15 @@ leaves it; a session's own data say the rest.
 from __future__ import annotations
 
 __all__ = [
+    "BASE_GAIN_STD",
+    "BASE_LEVER",
+    "BEARING_LEVER",
     "BEARING_LIMIT",
     "BEARING_MEAN",
     "BEARING_STD",
+    "BEND_LIMIT",
+    "BEND_MEAN",
+    "BEND_STD",
     "DELAY_STD_S",
     "FLOOR_LIMIT",
     "FLOOR_MEAN",
@@ -19,7 +25,6 @@ __all__ = [
     "JOINT_LOSS_LIMIT",
     "JOINT_LOSS_MEAN",
     "JOINT_LOSS_STD",
-    "LEVER_M",
     "PLACE_STD_M",
 ]
 
@@ -40,7 +45,24 @@ BEARING_MEAN, BEARING_STD, BEARING_LIMIT = 0.006, 0.006, 0.025
 # A base on its bolts, as parts of the first drive's compliance; more is an effect. No source: a
 # foundation is meant to be stiffer than what stands on it by two orders of magnitude and more.
 FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01
-LEVER_M = 0.3  # about half of a base plate's width: shifting over rocking is its square
+
+# A casting over its whole length, about each direction, as parts of its own drive's compliance;
+# more is an effect. No source: a link is meant to be as much stiffer than its drive.
+BEND_MEAN, BEND_STD, BEND_LIMIT = 0.001, 0.003, 0.012
+
+# Roots of shift over tilt under unit loads, as parts of the arm's chain: radius over root 2, of a
+# ring of rollers and of a plate on its bolts. No source: a joint's bearing is taken to be an eighth
+# of the chain wide, a base plate half of it.
+BEARING_LEVER, BASE_LEVER = 0.05, 0.2
+SHIFT_STDS = 2.0  # a bearing's shifts over its tilts: the lever by half as much again
+
+# Where along its axis a bearing stands: near the joint's frame, or anywhere between the frames
+# beside it.
+NEAR_M = 0.05
+
+# How much more or less a point of the base moves than a rigid base does: a casting on its bolts
+# deforms between them by as much as it moves on them. No source: assumed.
+BASE_GAIN_STD = 0.5
 
 DELAY_STD_S = 20e-6  # between the channels of one board: half a sample at 25.6 kS/s
 

@@ -249,7 +249,15 @@ class Response:
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (P, 3) of one hit."""
-        b = (change[:, None] @ self.system.hit[:, hit])[:, None]  # (P, 1, 1, n)
+        return self._by_load(hit, change[:, None] @ self.system.hit[:, hit])
+
+    def by_moment(self, hit: int, change: Array) -> ComplexArray:
+        """Derivative by a moment (P, 3) beside the force of one hit."""
+        return self._by_load(hit, change[:, None] @ self.system.hit_turned[:, hit])
+
+    def _by_load(self, hit: int, load: Array) -> ComplexArray:
+        """`load` (P, 1, n)."""
+        b = load[:, None]
         P, m, n, L = self.x.shape
         b = b.astype(self.x.real.dtype, copy=False)
         y = real_times(b, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, L)

@@ -24,7 +24,8 @@ from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.geometry import across
+from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.space import Parameter, Space
 from armodal.analyzer.gap.weigh import summed
 from armodal.protocols.arrays import frozen_array

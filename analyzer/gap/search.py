@@ -92,9 +92,8 @@ def find_rivals(
     finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
     gained = max((base[-1].evidence - f.evidence for f in finals), default=0.0)
     if gained > _SOMETHING or misfit_per_line(sharp, base[-1]) > _ORDINARY:
-        finals += _far(stages, base, present, start, tell)
-    finals = _one_each(finals)
-    finals = _hopeful([*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])])
+        finals = _one_each([*finals, *_far(stages, base, present, start, tell)])
+        finals = _hopeful([*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])])
     ended: list[Fit] = []
     for fit in finals:
         tell(f"sharply: {fit.hypothesis.name}")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly, Pieces, System
+from armodal.analyzer.gap.assembly import Assembly, Inside, Pieces, System
 from armodal.analyzer.gap.geometry import GeometrySlopes, skew
 
 __all__ = [
@@ -107,7 +107,8 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
         turned=turned,
         mix=np.array([unmixed if own.mix is None else own.mix for own in assemblies]),
-        hit=_at(motion, hits)[..., :3, :],
+        hit=_moved_beside(_at(motion, hits), _beside(assemblies, hits)),
+        hit_turned=_at(motion, hits)[..., 3:, :],
         force=np.array(
             [
                 (own.lines.hit_direction if own.force is None else own.force) @ own.hit_turn.T
@@ -158,12 +159,20 @@ def angle_slopes(
     R = _turned_back(assemblies, where)[:, None]
     dR = _along(geometry.point_rotation, where).swapaxes(-1, -2)
     weights = _weights(assemblies)[:, None, None]
+    off = _beside(assemblies, hits)
+    turned_off = skew(
+        (_along(geometry.point_rotation, hits) @ _hit_places(assemblies)[:, None, None, :, None])[
+            ..., 0
+        ]
+    )
     return Slopes(
         mass=half + half.swapaxes(-1, -2),
         moved=dJ[..., :3, :],
         seen=dR @ J[..., :3, :] + R @ dJ[..., :3, :],
         tilted=dR @ (weights @ J[..., 3:, :]) + R @ (weights @ dJ[..., 3:, :]),
-        hit=_along(slopes, hits)[..., :3, :],
+        hit=_along(slopes, hits)[..., :3, :]
+        - turned_off @ _at(motion, hits)[:, None, :, 3:]
+        - off[:, None] @ _along(slopes, hits)[..., 3:, :],
     )
 
 
@@ -203,7 +212,7 @@ def motion_slopes(
         moved=J[..., :3, :],
         seen=R @ J[..., :3, :] - skew(_places(assemblies, where.shape[1])) @ (R @ J[..., 3:, :]),
         tilted=R @ (_weights(assemblies)[:, None] @ J[..., 3:, :]),
-        hit=_at(motion, hits)[..., :3, :],
+        hit=_moved_beside(_at(motion, hits), _beside(assemblies, hits)),
     )
 
 
@@ -273,6 +282,22 @@ def _places(assemblies: Sequence[Assembly], m: int) -> Array:
     return np.array([none if own.place_m is None else own.place_m for own in assemblies])
 
 
+def _hit_places(assemblies: Sequence[Assembly]) -> Array:
+    """(P, 3) by which hits fall off their point, along the axes a sensor there has."""
+    return np.array([own.hit_place_m for own in assemblies])
+
+
+def _beside(assemblies: Sequence[Assembly], hits: Indices) -> Array:
+    """(P, n_hits, 3, 3) cross products of that, base axes."""
+    R = _at(np.array([own.geometry.point_rotation for own in assemblies]), hits)
+    return skew((R @ _hit_places(assemblies)[:, None, :, None])[..., 0])
+
+
+def _moved_beside(motion: Array, off: Array) -> Array:
+    """(P, n_hits, 3, k) motion of places off the points that move by (P, n_hits, 6, k)."""
+    return np.asarray(motion[..., :3, :] - off @ motion[..., 3:, :])
+
+
 def _weights(assemblies: Sequence[Assembly]) -> Array:
     """(P, 3, 3): a - g seen in axes turned by theta changes by theta x g."""
     return -skew(np.array([own.geometry.gravity_m_s2 for own in assemblies]))
@@ -286,15 +311,23 @@ def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequenc
     P, N, k = T.shape
     points = np.array([own.geometry.point_jacobian for own in assemblies])
     motion = (points.reshape(P, -1, N) @ T).reshape(P, -1, 6, k)
-    between = assemblies[0].between
     for column, coordinate in enumerate(coordinates):
-        if coordinate in between:
-            motion[:, between[coordinate][2], :, column] = 0.0
+        if (inside := assemblies[0].inside.get(coordinate)) is not None:
+            by_it = motion[..., column]
+            turns = by_it[:, inside.points]
+            turns[..., :3] += np.cross(turns[..., 3:], _shifts(assemblies, inside))
+            by_it[:, inside.points] = inside.part[:, None] * turns
     for own, moved in zip(assemblies, motion, strict=True):
         for point, shift in own.shifts_m.items():
             arm = skew(own.geometry.point_rotation[point] @ shift)
             moved[point, :3] -= arm @ moved[point, 3:]
     return motion
+
+
+def _shifts(assemblies: Sequence[Assembly], inside: Inside) -> Array:
+    """(P, k, 3) by which a hinge is from where each point turns about, base axes."""
+    R = np.array([own.geometry.point_rotation[inside.points] for own in assemblies])
+    return np.asarray((R @ inside.shift_m[..., None])[..., 0])
 
 
 def _point_slopes(
@@ -304,8 +337,14 @@ def _point_slopes(
     P, N, n = T.shape
     k = geometry.point_jacobian.shape[1]
     found = (geometry.point_jacobian.reshape(P, -1, N) @ T).reshape(P, k, -1, 6, n)
-    for at, (_, _, still) in assemblies[0].between.items():
-        found[:, :, still, :, at] = 0.0
+    for at, inside in assemblies[0].inside.items():
+        by_it = found[..., at]
+        turns = by_it[:, :, inside.points]
+        turns[..., :3] += np.cross(turns[..., 3:], _shifts(assemblies, inside)[:, None])
+        turns *= inside.part[:, None]
+        shift = geometry.point_rotation[:, :, inside.points] @ inside.shift_m[..., None]
+        turns[..., :3] += np.cross(motion[..., 3:, at][:, None, inside.points], shift[..., 0])
+        by_it[:, :, inside.points] = turns
     for p, own in enumerate(assemblies):
         for point, shift in own.shifts_m.items():
             arm = skew(own.geometry.point_rotation[point] @ shift)

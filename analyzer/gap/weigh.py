@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.priors import BASE_GAIN_STD
 from armodal.protocols.arm.records import Tolerances
 
 __all__ = ["Discrepancy", "Quadratic", "Weighing", "costs_of", "summed"]
@@ -74,10 +75,16 @@ class Weighing:
         discrepancy: Discrepancy,
         *,
         places: ComplexArray | None = None,
+        on_base: npt.NDArray[np.bool_] | None = None,
     ) -> None:
         """Weigh lines.
 
-        `places` (m, 3, k, L): what k further errors of a mounting change, each by its deviation.
+        Parameters
+        ----------
+        places
+            (m, 3, k, L): what k further errors of a mounting change, each by its deviation.
+        on_base
+            (m,) Mountings on the base.
         """
         self.lines = lines
         # A complex residual of variance v has two real parts of v / 2 each.
@@ -85,9 +92,11 @@ class Weighing:
         tilt = tolerances.sensor_tilt_rad
         gain = max(0.4 * tolerances.sensor_gain, 1e-3)
         # Rows: recorded channel; columns: true axis.
-        self._prior = np.where(np.eye(3, dtype=bool), gain, tilt)
         m = len(lines.sensor_point)
-        self.prior = np.broadcast_to(self._prior, (m, 3, 3))
+        gains = np.full(m, gain)
+        if on_base is not None:
+            gains[on_base] = np.hypot(gain, BASE_GAIN_STD)
+        self.prior = np.where(np.eye(3, dtype=bool), gains[:, None, None], tilt)
         if places is None:
             places = np.zeros((m, 3, 0, lines.s_rad_s.size), dtype=np.complex128)
         self.places = _stacked(places * self.scale[:, :, None])  # (m, 3, k, 2L)
@@ -111,7 +120,7 @@ class Weighing:
         result = np.empty((m, 3, 3, 2))
         for axis in range(3):
             # The channel's own gain belongs to that axis now, its tilts to the others.
-            prior = np.broadcast_to(np.roll(self._prior[0], axis), (m, 3, 3))
+            prior = np.broadcast_to(np.roll(self.prior[:, 0], axis, axis=-1)[:, None], (m, 3, 3))
             N = _stacked(self.scale[:, :, None] * y[:, None] * prior[..., None]).swapaxes(-1, -2)
             for side, sign in enumerate((1.0, -1.0)):
                 r = _stacked((self.lines.values - sign * y[:, axis, None]) * self.scale)

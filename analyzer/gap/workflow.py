@@ -215,9 +215,16 @@ def _ordinary(
     return Ordinary(
         superset=superset,
         postures=tuple(own.name for own in lines),
+        hit_points=_hit_alone(superset, lines),
         levels_hit=levels_hit,
         hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
     )
+
+
+def _hit_alone(superset: Superset, lines: Sequence[PostureLines]) -> tuple[str, ...]:
+    """Points that are hit while the sensor goes round."""
+    hit = [int(own.hit_point[0]) for own in lines if len(own.hit_point) == 1]
+    return tuple(superset.arm.points[point].id for point in dict.fromkeys(hit))
 
 
 def _plan_to_go_on(session: Session, notes: list[str]) -> Plan | None:

@@ -1,6 +1,6 @@
 """Values of a gap model with nothing soft or lossy beside the joints' own springs and dampers."""
 
-SOFT = ("bearing ", "base ", "compliance of ")
+SOFT = ("bearing ", "bend ", "base ", "compliance of ")
 
 
 def without_soft_parts(values):

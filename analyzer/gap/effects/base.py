@@ -11,8 +11,8 @@ from armodal.analyzer.gap.assembly import BASE, Assembly, spatial_inertia
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.geometry import skew
-from armodal.analyzer.gap.ordinary import BASE_WAYS, Ordinary
-from armodal.analyzer.gap.priors import LEVER_M
+from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.soft_parts import BASE_WAYS
 from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "instances"]
@@ -58,7 +58,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             unit="rad/(N m)" if i >= 3 else "m/N",
             mean=0.0,
             low=0.0,
-            std=rock.std * (1.0 if i >= 3 else LEVER_M**2),
+            std=rock.std * (1.0 if i >= 3 else ordinary.base_lever_m**2),
             start=_START * ordinary.compliance if name in names[3:5] else None,
         )
         for i, name in enumerate(names)
@@ -88,7 +88,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             builder=build,
             size=names[3],
             sizes=tuple(names[3:6]),
-            side_sizes=tuple((name, ordinary.floor_limit * LEVER_M**2) for name in names[:3]),
+            side_sizes=tuple(
+                (name, ordinary.floor_limit * ordinary.base_lever_m**2) for name in names[:3]
+            ),
             material=ordinary.floor_limit,
         ),
     )

@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.assembly import Assembly, Inside
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.effects.long_link import long_links
-from armodal.analyzer.gap.geometry import skew
+from armodal.analyzer.gap.geometry import across, skew
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.long_links import long_links
+from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.space import Parameter
 
 __all__ = ["WORDS", "at_axis", "instances", "of_file", "splits"]
@@ -63,7 +63,14 @@ def at_axis(
     sides = across(direction)
     gamma, loss, part = (f"axis {what} {name}" for what in ("compliance", "loss", "mass before"))
     moves = [f"axis {what} {name}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
-    still = np.array([point.id in before for point in ordinary.arm.points])
+    still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
+    inside = Inside(
+        link=link,
+        before=1,
+        points=still,
+        part=np.zeros(len(still)),
+        shift_m=np.zeros((len(still), 3)),
+    )
     columns = ordinary.superset.interface_columns(link)
     nearest = point_m - direction * (direction @ point_m)
 
@@ -83,7 +90,7 @@ def at_axis(
         if before:
             shares = np.array([values[part], 1.0 - values[part]])
             assembly.pieces[link] = shares, np.zeros((2, 3))
-            assembly.between[at] = (link, 1, still)
+            assembly.inside[at] = inside
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
@@ -168,7 +175,7 @@ def _all_along(
     ordinary: Ordinary, link: int, direction: Array, size: float, rest: Mapping[str, float]
 ) -> Begun:
     """An axis in a long link may stand for one that twists or bends all along."""
-    line = next((own for own in long_links(ordinary) if own.link == link), None)
+    line = next((own for own in long_links(ordinary.superset) if own.link == link), None)
     if line is None:
         return []
     kind = "link_torsion" if abs(direction @ line.along) > _ALONG else "link_bending"

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.effects.long_link import LongLink, given_way, long_links
-from armodal.analyzer.gap.ordinary import Ordinary, across
+from armodal.analyzer.gap.effects.long_link import given_way
+from armodal.analyzer.gap.geometry import across
+from armodal.analyzer.gap.long_links import LongLink, long_links
+from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 
@@ -22,7 +24,7 @@ _MATERIAL = 0.012  # of the arm's compliance, root to tip
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each long link."""
-    return tuple(_of(ordinary, line) for line in long_links(ordinary))
+    return tuple(_of(ordinary, line) for line in long_links(ordinary.superset))
 
 
 def _of(ordinary: Ordinary, line: LongLink) -> Instance:

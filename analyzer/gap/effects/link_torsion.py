@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.effects.long_link import given_way, long_links
+from armodal.analyzer.gap.effects.long_link import given_way
+from armodal.analyzer.gap.long_links import long_links
 from armodal.analyzer.gap.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -24,5 +25,5 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each long link."""
     return tuple(
         given_way(ordinary, line, (line.along,), WORDS, word="torsion", material=_MATERIAL)
-        for line in long_links(ordinary)
+        for line in long_links(ordinary.superset)
     )

@@ -14,12 +14,12 @@ from armodal.analyzer.gap.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.effects import sensor_axes, wrong_point
 from armodal.analyzer.gap.effects.gravity_compensator import share
 from armodal.analyzer.gap.effects.load_damping import gravity_load
-from armodal.analyzer.gap.effects.long_link import LongLink, long_links
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
 from armodal.analyzer.gap.geometry import GeometryNear, skew
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.long_links import LongLink, long_links
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.posed import PosedModel
 from armodal.analyzer.gap.records import EffectFound, Interval
@@ -170,7 +170,34 @@ def test_slices_bend_as_a_cantilever_and_twist_as_a_tube():
 
 
 def test_long_links_are_those_that_bend(ordinary):
-    assert [line.name for line in long_links(ordinary)] == ["lower_arm", "knuckle", "fore_tube"]
+    assert [line.name for line in long_links(ordinary.superset)] == [
+        "lower_arm",
+        "knuckle",
+        "fore_tube",
+    ]
+
+
+def test_under_an_even_moment_points_follow_a_beam_s_parabola(ordinary, lines, posed):
+    """Three hinges that yield alike: at s the link turns by kappa s and moves by kappa s^2 / 2."""
+    instance = instance_of(ordinary, "link_bending", "lower_arm")
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+    values = start_of(hypothesis) | {instance.size: 1e-5}
+    system = posed.system(hypothesis, lines, values)
+    line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
+    one_way = system.moved[..., -6::2].sum(axis=-1)  # (m, 3): a unit at each of three hinges
+    turned = system.turned[..., -6::2].sum(axis=-1)
+    kappa, checked = 3.0 / line.length_m, 0
+    for m, point in enumerate(ordinary.arm.points):
+        off = point.position_m - (point.position_m @ line.along) * line.along
+        s = float(point.position_m @ line.along)
+        if point.link != "lower_arm" or not 0.0 < s < line.length_m:
+            continue
+        checked += 1
+        assert np.linalg.norm(turned[m]) == pytest.approx(kappa * s, rel=1e-9)
+        # On the line; beside it a point also moves by its lever, at most its distance.
+        reach = kappa * s * np.linalg.norm(off)
+        assert abs(np.linalg.norm(one_way[m]) - kappa * s**2 / 2.0) <= reach + 1e-12
+    assert checked >= 2
 
 
 def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
@@ -179,7 +206,7 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
     hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
     values = start_of(hypothesis) | {instance.size: 1e-5}
     system = posed.system(hypothesis, lines, values)
-    line = next(x for x in long_links(ordinary) if x.name == "lower_arm")
+    line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
     n = system.moved.shape[-1]
     hinges = range(n - 6, n)  # three places, two ways
     for m, point in enumerate(ordinary.arm.points):
@@ -188,7 +215,8 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
         at = float(point.position_m @ line.along)
         for k in hinges:
             moves = bool(np.any(system.moved[m, :, k] != 0.0))
-            assert moves == (at >= line.places_m[(k - hinges.start) // 2])
+            # A hinge stands for a stretch of a third, from whose start on points move.
+            assert moves == (at > (k - hinges.start) // 2 * line.length_m / 3.0)
     pieces = system.pieces[1]
     still = ~pieces.motion[..., n - 6 :].any(axis=1)  # (pieces, hinges)
     np.testing.assert_array_equal(still.sum(axis=0), [1, 1, 2, 2, 3, 3])

@@ -1,0 +1,57 @@
+"""How much an arm's joints give way, and how long the arm is: what its parts are built for."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from armodal.analyzer.arm.superset import Superset
+
+__all__ = ["compliance", "reach_m", "scale"]
+
+_LEAST_CARRIED = 0.1  # of what the most loaded joint carries
+
+
+def compliance(superset: Superset) -> float:
+    """Return the arm's own compliance, rad/(N m): the geometric mean of its first three drives'."""
+    k = [j.stiffness.value for j in superset.arm.joints if j.stiffness is not None][:3]
+    return float(np.exp(-np.mean(np.log(k))))
+
+
+def reach_m(superset: Superset) -> float:
+    """Return the length of an arm's chain, from its base to its last joint."""
+    steps = (joint.T_parent_joint[:3, 3] for joint in superset.arm.joints)
+    return float(sum(np.linalg.norm(step) for step in steps))
+
+
+def scale(superset: Superset, joint: int) -> float:
+    """Return what a joint's drive gives way by, or would, rad/(N m).
+
+    Its own where it has a spring; else as the arm's joints go with the weight they carry: drives,
+    bearings and castings are all chosen for that.
+    """
+    return _scales(superset)[joint]
+
+
+@lru_cache(maxsize=16)
+def _scales(superset: Superset) -> tuple[float, ...]:
+    joints = superset.arm.joints
+    steps = [float(np.linalg.norm(j.T_parent_joint[:3, 3])) for j in joints]
+    out = [float(np.linalg.norm(j.link.center_m)) for j in joints]
+    carried = [
+        sum(
+            joints[j].link.mass_kg * (sum(steps[i + 1 : j + 1]) + out[j])
+            for j in range(i, len(joints))
+        )
+        for i in range(len(joints))
+    ]
+    # A wrist without a tool carries next to nothing, and is built for the tool.
+    carried = [max(w, _LEAST_CARRIED * max(carried)) for w in carried]
+    own = [None if j.stiffness is None else 1.0 / j.stiffness.value for j in joints]
+    level = np.mean(
+        [np.log(c * w) for c, w in zip(own, carried, strict=True) if c is not None] or [0.0]
+    )
+    return tuple(
+        float(np.exp(level)) / w if c is None else c for c, w in zip(own, carried, strict=True)
+    )
