@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from armodal.daq.session_lock import SessionLock, lock_journal
+from armodal.daq.journal_watch import rescue, what_happened_to
+from armodal.daq.session_lock import SessionLock, lock_journal, lock_open_journal
 from armodal.protocols.errors import JournalError
 from armodal.protocols.file_layer import DISK, FileLayer, write_all
 from armodal.protocols.session.journal import (
@@ -45,6 +45,9 @@ class JournalWriter:
     def __init__(self, path: Path, fd: int, lock: SessionLock, files: FileLayer) -> None:
         self.path = path
         self.last_commit_s = 0.0
+        self._there = path.resolve()
+        self._kept: list[bytes] = []  # all the journal holds, should somebody take it away
+        self._end = 0
         self._fd = fd
         self._lock = lock
         self._files = files
@@ -64,7 +67,7 @@ class JournalWriter:
             If it exists or cannot be written.
         """
         try:
-            lock, fd = _locked(path, files.create)
+            lock, fd = _locked(path, files.create, files)
         except FileExistsError:
             raise JournalError(
                 f"{path} exists already: resume that session, or give another name"
@@ -96,7 +99,7 @@ class JournalWriter:
             If it cannot be read or written, is in use, or holds records behind damage.
         """
         try:
-            lock, fd = _locked(path, files.open)
+            lock, fd = _locked(path, files.open, files)
         except OSError as error:
             raise _cannot("resume", path, error) from error
         writer = cls(path, fd, lock, files)
@@ -110,6 +113,7 @@ class JournalWriter:
             # it be.
             records = scan(data).records
             writer._records = len(records)
+            writer._kept, writer._end = [data[: journal.good_end]], journal.good_end
             last = _last_begins(records)
             files.rewrite(path, data[last : journal.good_end], last)
             files.sync(fd)
@@ -126,20 +130,23 @@ class JournalWriter:
         """Append a record and return, once it is durable, the wall seconds that took.
 
         After a refusal nobody knows what reached the disk, so nothing is appended behind it any
-        more: what was written of the record is cut off again, and the session must end.
+        more: what was written of the record is cut off again, and the session must end. So it must
+        where the file was removed, replaced, cut or written to by somebody else: all records that
+        counted are then written to a file of their own.
 
         Raises
         ------
         JournalError
             If the disk refuses, or refused before, or the journal would be longer than a reader
-            takes; the record then does not count.
+            takes, or the file is no longer the one that is written; the record then does not count.
         """
         if self._broken:
             raise JournalError(
-                f"{self.path} takes no more records since the disk refused one: resume the session"
+                f"{self.path} takes no more records since one was refused: resume the session"
             )
         begun = time.monotonic()
-        good_end = os.fstat(self._fd).st_size
+        self._check_still_there()
+        good_end = self._end
         self._check_room(good_end + len(record))
         try:
             write_all(self._files, self._fd, record)
@@ -149,6 +156,9 @@ class JournalWriter:
             with suppress(OSError):
                 self._files.cut(self._fd, good_end)
             raise _cannot("write", self.path, error) from error
+        self._end = good_end + len(record)
+        self._check_still_there()
+        self._kept.append(record)
         self._records += 1
         self.last_commit_s = time.monotonic() - begun
         return self.last_commit_s
@@ -164,6 +174,22 @@ class JournalWriter:
                 self._files.close(self._fd)
             self._fd = -1
         self._lock.release()
+
+    def _check_still_there(self) -> None:
+        happened = what_happened_to(self._there, self._fd, self._end)
+        if not happened:
+            return
+        self._broken = True
+        saved = rescue(self._there, self._kept, self._files)
+        where = (
+            "and no folder takes a copy of what it held; end nothing, and copy it by hand"
+            if saved is None
+            else f"what it held, {self._records} records, is safe in {saved}: resume that"
+        )
+        raise JournalError(
+            f"THE JOURNAL {self.path} {happened} while it was written; the hit in hand is not "
+            f"accepted, {where}"
+        )
 
     def _check_room(self, size: int) -> None:
         most_records, most_bytes = MAX_RECORDS, MAX_JOURNAL
@@ -196,13 +222,20 @@ class JournalWriter:
         self._files.cut(self._fd, good_end)
 
 
-def _locked(path: Path, open_file: Callable[[Path], int]) -> tuple[SessionLock, int]:
-    lock = lock_journal(path)
+def _locked(
+    path: Path, open_file: Callable[[Path], int], files: FileLayer
+) -> tuple[SessionLock, int]:
+    lock = lock_journal(path.resolve())
+    fd = -1
     try:
-        return lock, open_file(path)
+        fd = open_file(path)
+        lock_open_journal(fd, path)
     except BaseException:
+        if fd >= 0:
+            files.close(fd)
         lock.release()
         raise
+    return lock, fd
 
 
 def _check_may_append(path: Path, journal: Journal) -> None:

@@ -22,7 +22,14 @@ from armodal.protocols.errors import JournalError, PortError
 if sys.platform != "win32":
     import fcntl
 
-__all__ = ["HeldError", "SessionLock", "lock_folder", "lock_journal", "lock_port"]
+__all__ = [
+    "HeldError",
+    "SessionLock",
+    "lock_folder",
+    "lock_journal",
+    "lock_open_journal",
+    "lock_port",
+]
 
 _MOST_BYTES = 4096
 _NO_LOCKS = frozenset({errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL})
@@ -108,6 +115,21 @@ def lock_journal(path: Path) -> SessionLock:
         return SessionLock(path.with_name(f".{path.name}.lock"), shared=True)
     except HeldError as error:
         raise JournalError(f"the journal {path} is in use by {error}") from None
+
+
+def lock_open_journal(fd: int, path: Path) -> None:
+    """Hold the journal itself, by whatever name it was opened; the hold goes with the descriptor.
+
+    Raises
+    ------
+    JournalError
+        If another session writes it, under this name or another.
+    """
+    if _locked(fd) is False:
+        raise JournalError(
+            f"the journal {path} is in use by another session, perhaps by another name of the same "
+            "file; wait for it to end, or end it"
+        )
 
 
 def lock_port(name: str) -> SessionLock:

@@ -12,8 +12,10 @@ from support.channels import channel
 from support.fake_devices import RATE_HZ, FakeBoard, FakeController, dictionary
 
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.plan_records import Plan
+from armodal.protocols.session.records import SessionHeader
 
 PLAN = """
 format = "armodal-plan-1"
@@ -130,3 +132,19 @@ def lab(
 def fakes() -> dict[str, Callable[..., object]]:
     """Hand out the makers of fakes to tests that need more than one of a kind."""
     return {"record": record, "dictionary": dictionary, "channel": channel}
+
+
+@pytest.fixture
+def header(arm, plan, fakes):
+    board = fakes["dictionary"]()
+    return SessionHeader(
+        session_id="ab12",
+        created="2026-01-31T12:00:00+00:00",
+        software="test",
+        arm=arm,
+        plan=plan,
+        dictionary=board,
+        dictionary_bytes=encode_dictionary(board),
+        channel_mask=15,
+        time_scale=1.0,
+    )

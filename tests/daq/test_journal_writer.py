@@ -5,7 +5,6 @@ import os
 import pytest
 
 from armodal.daq.journal_writer import LAST_BYTES, LAST_RECORDS, JournalWriter
-from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.errors import JournalError
 from armodal.protocols.session.journal import (
     End,
@@ -17,23 +16,6 @@ from armodal.protocols.session.journal import (
     read_journal,
     scan,
 )
-from armodal.protocols.session.records import SessionHeader
-
-
-@pytest.fixture
-def header(arm, plan, fakes):
-    board = fakes["dictionary"]()
-    return SessionHeader(
-        session_id="ab12",
-        created="2026-01-31T12:00:00+00:00",
-        software="test",
-        arm=arm,
-        plan=plan,
-        dictionary=board,
-        dictionary_bytes=encode_dictionary(board),
-        channel_mask=15,
-        time_scale=1.0,
-    )
 
 
 @pytest.fixture
