@@ -51,16 +51,21 @@ def loss_law(s: Complex) -> Complex:
 
 
 def modal(standing: Standing, highest_hz: float = HIGHEST_HZ) -> Modal:
-    """Solve the undamped eigenproblem under gravity, and keep the modes below a frequency."""
+    """Solve the undamped eigenproblem under gravity, and keep the modes below a frequency.
+
+    As M v = K v / omega^2: rounding spoils the smallest eigenvalues of a stiff shell's matrices, and
+    so they are those of the highest modes.
+    """
     structure = standing.structure
     K, lost = structure.stiffness()
     K += structure.under_weight(GRAVITY_M_S2)
     M = structure.mass()
-    squared, shapes = linalg.eigh(K, M)
-    kept = squared < (2.0 * np.pi * highest_hz) ** 2
-    shapes = shapes[:, kept]
+    inverse, shapes = linalg.eigh(M, K)
+    kept = inverse > (2.0 * np.pi * highest_hz) ** -2
+    inverse, shapes = inverse[kept][::-1], shapes[:, kept][:, ::-1]
+    shapes = shapes / np.sqrt(inverse)
     return Modal(
-        frequencies_hz=np.sqrt(np.maximum(squared[kept], 0.0)) / (2.0 * np.pi),
+        frequencies_hz=1.0 / (2.0 * np.pi * np.sqrt(inverse)),
         shapes=shapes,
         lost=shapes.T @ lost @ shapes,
         laws=tuple((shapes.T @ vector, law) for vector, law in structure.laws),
