@@ -53,8 +53,8 @@ def loss_law(s: Complex) -> Complex:
 def modal(standing: Standing, highest_hz: float = HIGHEST_HZ) -> Modal:
     """Solve the undamped eigenproblem under gravity, and keep the modes below a frequency.
 
-    As M v = K v / omega^2: rounding spoils the smallest eigenvalues of a stiff shell's matrices, and
-    so they are those of the highest modes.
+    As M v = K v / omega^2: rounding spoils the smallest eigenvalues of a stiff shell's matrices,
+    and so they are those of the highest modes.
     """
     structure = standing.structure
     K, lost = structure.stiffness()
