@@ -44,7 +44,7 @@ _PARSER_ERRORS = (
 
 _MESSAGE_LENGTH = re.compile(r"\bBO_\s+\d+\s+\w+\s*:\s*(\d+)")
 _LONGEST_MESSAGE = 64
-_SIGNAL_BITS = re.compile(r":\s*(\d+)\s*\|\s*(\d+)\s*@")
+_SIGNAL_BITS = re.compile(r":\s*[-+]?(\d+)\s*\|\s*[-+]?(\d+)\s*@")
 _LONGEST_SIGNAL = 64  # bits
 
 

@@ -8,6 +8,7 @@ Positions in arrays count from 0.
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +37,8 @@ ModelT = TypeVar("ModelT", bound="FileModel")
 
 _LONGEST_SHOWN = 60
 _DEEPEST = 32
+_BETWEEN_KEYS = re.compile(r"[=,:;#\[\]{}()]")
+_JOINED = re.compile(r"""[\w"'-]\s*\.\s*(?=[\w"'-])""")
 
 
 def not_wanted(wanted: str) -> PydanticCustomError:
@@ -92,6 +95,12 @@ def read_text(path: Path, *, what: str, limit_bytes: int, error: type[ArmodalErr
 
 def parse_toml(text: str, *, origin: str, error: type[ArmodalError]) -> dict[str, Any]:
     """Parse TOML text into plain dictionaries, or raise `error` with line and column."""
+    # A key of n parts is n tables, and the parser copies what leads to each: n^2 of memory.
+    for number, line in enumerate(text.splitlines(), start=1):
+        if any(len(_JOINED.findall(key)) >= _DEEPEST for key in _BETWEEN_KEYS.split(line)):
+            raise error(
+                f"{origin}: line {number}: wanted keys of at most {_DEEPEST} parts, got more"
+            )
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as problem:
