@@ -30,7 +30,9 @@ __all__ = [
     "validate",
 ]
 
-Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]+$")]
+# Names reach terminals and reports: no control characters, C0 or C1, and none that turns the line.
+_UNSEEN = r"\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"
+Name = Annotated[str, Field(min_length=1, max_length=64, pattern=rf"^[^{_UNSEEN}]+$")]
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 ModelT = TypeVar("ModelT", bound="FileModel")

@@ -87,8 +87,12 @@ def npz_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
     variables = []
     texts: dict[str, tuple[str, ...]] = {}
     others = []
-    for name, content in _members(data, origin).items():
-        array = npy_array(content, f"{origin}: {name}", texts_too=True)
+    contents = _members(data, origin)
+    left = MOST_NUMBERS  # of all arrays together: small types grow when they become float64
+    for name in list(contents):
+        content = contents.pop(name)
+        array = npy_array(content, f"{origin}: {name}", texts_too=True, most=left)
+        left -= array.size
         if array.dtype.kind in "US":
             texts[name] = tuple(str(word) for word in array.reshape(-1)[:1000])
         elif array.ndim > 3 or array.size == 0:
@@ -103,7 +107,9 @@ def _part(origin: str, kind: str, variables: list[Variable], **more: Any) -> Var
     return Variables(origin=origin, format=kind, variables=tuple(variables), **more)
 
 
-def npy_array(data: bytes, origin: str, *, texts_too: bool = False) -> npt.NDArray[Any]:
+def npy_array(
+    data: bytes, origin: str, *, texts_too: bool = False, most: int = MOST_NUMBERS
+) -> npt.NDArray[Any]:
     """Return the array of an NPY file's bytes, its size checked before it is made."""
     stream = io.BytesIO(data)
     try:
@@ -120,7 +126,11 @@ def npy_array(data: bytes, origin: str, *, texts_too: bool = False) -> npt.NDArr
         )
     count = math.prod(int(size) for size in shape)
     left = len(data) - stream.tell()
-    if count > MOST_NUMBERS or count * dtype.itemsize != left:
+    if count > most:
+        raise ForeignFileError(
+            f"{origin}: wanted at most {MOST_NUMBERS} numbers in a file, got more; split the file"
+        )
+    if count * dtype.itemsize != left:
         raise ForeignFileError(
             f"{origin}: wanted the {count} numbers of shape {shape} that its header announces, "
             f"got {left} bytes of {dtype.str}: truncated or damaged; save it again"

@@ -267,7 +267,7 @@ def test_a_message_that_would_fill_the_memory_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "bits", ["0|9999999", "99999999999|8", "7 | 65", "-1|99999999", "0|+99999999"]
+    "bits", ["0|9999999", "99999999999|8", "7 | 65", "-1|99999999", "0|+9999999"]
 )
 def test_a_signal_longer_than_a_frame_is_refused_before_its_bits_are_laid_out(bits):
     text = f'VERSION ""\n\nBU_: A\n\nBO_ 5 M: 8 A\n SG_ S : {bits}@1- (1,0) [0|0] "" A\n'

@@ -12,6 +12,7 @@ from pydantic import Field
 from armodal.protocols.errors import ArmError, PlanError
 from armodal.protocols.toml_reader import (
     FileModel,
+    Name,
     Vector3,
     parse_toml,
     read_text,
@@ -125,6 +126,17 @@ def test_a_key_of_many_parts_is_refused_before_it_is_parsed(text: str) -> None:
 def test_numbers_and_sentences_are_no_keys() -> None:
     text = "x = [" + "1.5, " * 100 + "2.5]\ny = 'One. Two. Three.'\n# ....... " + "." * 100
     assert len(parse_toml(text, origin="file", error=ArmError)["x"]) == 101
+
+
+class Named(FileModel):
+    name: Name
+
+
+@pytest.mark.parametrize("unseen", ["\x07", "\x1b", "\x7f", "\x9b", "\u202e", "\u2066", "\u2028"])
+def test_a_name_holds_nothing_that_a_terminal_would_obey(unseen: str) -> None:
+    with pytest.raises(ArmError, match="name"):
+        validate(Named, {"name": f"a{unseen}b"}, origin="file", error=ArmError)
+    assert validate(Named, {"name": "Gr\u00f6\u00dfe 1"}, origin="file", error=ArmError)
 
 
 def test_files_beyond_the_limit_are_refused(tmp_path: Path) -> None:
