@@ -11,6 +11,7 @@ from armodal.analyzer.report.gap_figures import (
     gap_map_figures,
     stiffness_range_figure,
 )
+from armodal.analyzer.report.policy import under_policy
 
 __all__ = ["gap_page", "gap_section"]
 
@@ -72,7 +73,7 @@ def _told(value: object) -> str:
 
 def gap_page(result: GapResult, summary: str) -> str:
     """Return one self-contained HTML page; `summary` says in plain text which session it is of."""
-    return (
+    return under_policy(
         '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>armodal: gap</title>'
         f'<style>{_STYLE}</style></head><body><p class="small">{escape(summary)}</p>'
         f"{gap_section(result, with_plotly=True)}</body></html>"

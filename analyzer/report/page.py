@@ -16,6 +16,7 @@ from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.modal import drift_told, hit_choices, missing_mode_hints
 from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
 from armodal.analyzer.report.gap_section import gap_section
+from armodal.analyzer.report.policy import under_policy
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
 
@@ -57,7 +58,7 @@ def write_report(
         **_content(session, identification, sections),
         gap="" if gap is None else gap_section(gap, with_plotly=False),
     )
-    replace_text(path, html)
+    replace_text(path, under_policy(html))
 
 
 def _content(

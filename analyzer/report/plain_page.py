@@ -29,6 +29,7 @@ from armodal.analyzer.report.plain_figures import (
     synthesis_figure,
 )
 from armodal.analyzer.report.plain_words import answer, open_questions, shape_of
+from armodal.analyzer.report.policy import under_policy
 from armodal.analyzer.report.shape_figures import (
     has_geometry,
     moving_shapes_figure,
@@ -90,7 +91,7 @@ def write_plain_report(
             )
         ),
     )
-    replace_text(path, html)
+    replace_text(path, under_policy(html))
 
 
 class _Figures:

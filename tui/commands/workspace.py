@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
+from html import escape
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +15,7 @@ from rich.table import Table
 
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.report import ReportSection
+from armodal.analyzer.report.policy import under_policy
 from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints
 from armodal.analyzer.workspace.study import WorkspaceStudy
 from armodal.analyzer.workspace.survey import (
@@ -138,9 +140,9 @@ def _page(arm: Arm, survey: WorkspaceSurvey) -> str:
         figure.to_html(full_html=False, include_plotlyjs=number == 0)
         for number, figure in enumerate(survey_figures(arm, survey))
     )
-    return (
+    return under_policy(
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f"<title>{arm.name}: workspace</title></head>\n"
+        f"<title>{escape(arm.name)}: workspace</title></head>\n"
         f'<body style="font-family:sans-serif;max-width:70rem;margin:auto">{body}</body></html>\n'
     )
 
