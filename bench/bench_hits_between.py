@@ -1,7 +1,8 @@
 """What hits between soft and hard tell of joints that soften, slip or stick: slope and bow of ln c.
 
-One line of JSON a sealed case: the constants of `analyzer.gap.middle_hits` were set on seeds 26 to
-28 and 31 to 34. The bow is measured at the joint that was named or stands, whichever it is.
+One line of JSON a sealed case: the constants of `analyzer.gap.effects.slips_or_softens` were set on
+seeds 26 to 28 and 31 to 34. The bow is measured at the joint that was named or stands, whichever it
+is.
 
     python bench/bench_hits_between.py --seeds 26 27 --kinds softening microslip
 """
@@ -15,7 +16,7 @@ import sys
 import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.middle_hits import bow_of, told_by_bow
+from armodal.analyzer.gap.effects.slips_or_softens import bow_of, told_by_bow
 from armodal.analyzer.gap.stages import at_three_levels
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import LIBRARY, CaseSpec, draw_study, sealed

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from armodal.analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
 from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.library import all_instances, described
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
@@ -20,16 +18,6 @@ __all__ = [
     "is_of_one_posture",
     "joint_estimates",
 ]
-
-
-# Effects that stand where a scan found them: the file describes the place.
-_DESCRIBED: dict[str, Callable[[Ordinary, Mapping[str, object]], Instance | None]] = {
-    channel_gain.WORDS.name: channel_gain.of_file,
-    link_axis.WORDS.name: link_axis.of_file,
-    sensor_axes.FLIPPED.name: sensor_axes.of_file,
-    sensor_axes.SWAPPED.name: sensor_axes.of_file,
-    wrong_point.WORDS.name: wrong_point.of_file,
-}
 
 
 def file_key(name: str, place: str) -> str:
@@ -128,18 +116,17 @@ def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[st
                     f"arm '{ordinary.arm.name}': wanted '{key}' of effect '{effect.name}' in "
                     f"'{unit}', got '{units[key]}'; correct the arm file's [[effects]]"
                 )
-            moves = key.startswith(("axis_tilt", "axis_shift"))  # an axis begins where it was found
-            if key in known and not moves:
+            # What the description tells is where the instance begins.
+            if key in known and name not in instance.begins_at:
                 values[name] = known[key]
         instances.append(instance)
     return tuple(instances), values
 
 
 def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
-    module = _DESCRIBED.get(effect.name)
-    described = None if module is None else module(ordinary, effect.description)
-    if described is not None:
-        return described
+    found = described(ordinary, effect.name, effect.description)
+    if found is not None:
+        return found
     # What depends on the level is in the file whether or not this session has levels.
     for instance in all_instances(replace(ordinary, level_span=1.0)):
         if instance.effect.name == effect.name and effect.place in (instance.place, "whole arm"):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.middle_hits import either_slips
+from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.next_test import hidden_rival, proposed
 from armodal.analyzer.gap.possible_tests import Test
 from armodal.analyzer.gap.records import NextTest
@@ -63,7 +63,9 @@ def advise(
     -------
     No test where none of the laboratory's would tell enough, or no plan can be written of it.
     """
-    if any(is_alike(fit) for fit in standing) or either_slips(standing):
+    if any(is_alike(fit) for fit in standing) or any(
+        asks(standing) for asks in hooks("asks_for_levels")
+    ):
         return _at_levels(stage, standing, plan)
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)

@@ -36,7 +36,6 @@ __all__ = [
 ]
 
 
-_PARALLEL, _THROUGH_M = 0.98, 0.03  # 11 degrees, 30 mm
 _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
 _MUCH_ELSE = 3.0  # times the ordinary misfit
 # What one joint's stiffness and damping at each level do not tell looks like another such joint.
@@ -163,7 +162,7 @@ def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -
     near = (
         r
         for r in material
-        if (_one_line(best, r) and is_as_good(r.evidence - best.evidence, gain, apart * phi))
+        if (_is_also(best, r) and is_as_good(r.evidence - best.evidence, gain, apart * phi))
         or (_at_an_end(best, r, phi) and r.evidence - best.evidence < _SLIGHT_PART * gain)
     )
     return next(near, best)
@@ -244,7 +243,7 @@ def _clear(fit: Fit, thresholds: Thresholds) -> float:
 
 def _same(one: Fit, other: Fit) -> bool:
     a, b = one.last, other.last
-    if a.key == b.key or _one_line(one, other) or _one_line(other, one):
+    if a.key == b.key or _is_also(one, other) or _is_also(other, one):
         return True
     return ends_alike(a, b)
 
@@ -264,26 +263,12 @@ def _is_no_more_than(rival: Fit, best: Fit, apart: float) -> bool:
     return inside and not told and not a.is_material(rival.values)
 
 
-def _at_an_end(axis: Fit, bearing: Fit, phi: float) -> bool:
-    """Whether a bearing is at one of both ends of a link with an axis, and much else is missing."""
-    a, b = axis.last, bearing.last
-    if phi <= _MUCH_ELSE or a.effect.name != "link_axis" or b.effect.name != "bearing":
-        return False
-    joints = axis.hypothesis.ordinary.arm.joints
-    link = next(i for i, joint in enumerate(joints) if joint.link.name == a.place)
-    return b.place in [joint.name for joint in joints[link : link + 2]]
+def _at_an_end(inside: Fit, end: Fit, phi: float) -> bool:
+    """Whether one is at an end of the other, where it patches it, and much else is missing."""
+    return phi > _MUCH_ELSE and end.last.key in inside.last.at_its_ends
 
 
-def _one_line(axis: Fit, joint: Fit) -> bool:
-    """Whether a link's axis lies where a released joint's does: then it is the joint."""
-    a, b = axis.last, joint.last
-    if a.effect.name != "link_axis" or b.effect.name != "released_joint" or a.describe is None:
-        return False
-    found = a.describe(axis.values)
-    here = next(j for j in axis.hypothesis.ordinary.arm.joints if j.name == b.place)
-    if here.link.name != found["link"]:
-        return False
-    direction, point = (np.asarray(found[key]) for key in ("direction", "point_m"))
-    own = np.asarray(here.axis)
-    off = np.linalg.norm(point - own * (own @ point))
-    return bool(abs(direction @ own) > _PARALLEL and off < _THROUGH_M)
+def _is_also(one: Fit, other: Fit) -> bool:
+    """Whether by the values of one the other is the same thing, told better."""
+    is_also = one.last.is_also
+    return is_also is not None and is_also(one.values, other.last)

@@ -1,26 +1,63 @@
-"""Every effect the workflow knows: a module of `analyzer.gap.effects` with `instances` is one."""
+"""Every effect the workflow knows: the modules of `analyzer.gap.effects` and what they offer.
+
+A module may offer, each found by its name,
+
+    instances(ordinary)                       the effect at every place of an arm
+    look(stage, fit, instances)               candidates by a linear look of its own
+    look_at_channels(stage, hypothesis, values)   likewise, of what was measured
+    of_file(ordinary, description)            the instance an arm file describes
+    together(ordinary, one, other)            the one instance that two are
+    told_by_hits_between(judged, sharp, between, apart)   rivals that levels tell apart
+    asks_for_levels(standing)                 whether hits at other levels would tell
+"""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Mapping
 from functools import lru_cache
+from types import ModuleType
+from typing import Any
 
 from armodal.analyzer.gap import effects
-from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.ordinary import Ordinary
 
-__all__ = ["all_instances"]
+__all__ = ["all_instances", "described", "hooks", "together"]
 
 
 @lru_cache(maxsize=8)  # of an arm and its postures; asked for in every round
 def all_instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """Return every effect at every place of an arm where it may be."""
-    found: list[Instance] = []
-    for module in pkgutil.iter_modules(effects.__path__):
-        code = importlib.import_module(f"{effects.__name__}.{module.name}")
-        make: Callable[[Ordinary], tuple[Instance, ...]] | None = getattr(code, "instances", None)
-        if make is not None:
-            found += make(ordinary)
-    return tuple(found)
+    return tuple(instance for make in hooks("instances") for instance in make(ordinary))
+
+
+def hooks(name: str) -> tuple[Any, ...]:
+    """Return the functions of that name which effects offer."""
+    return tuple(getattr(module, name) for module in _modules() if hasattr(module, name))
+
+
+def described(ordinary: Ordinary, name: str, description: Mapping[str, object]) -> Instance | None:
+    """Return the instance of an effect that stands where an arm file's description tells."""
+    for module in _modules():
+        if name in _names(module) and hasattr(module, "of_file"):
+            found: Instance | None = module.of_file(ordinary, description)
+            return found
+    return None
+
+
+def together(ordinary: Ordinary, one: Instance, other: Instance) -> Instance | None:
+    """Return the one instance that two are; None where they are two."""
+    every = (of(ordinary, one, other) for of in hooks("together"))
+    return next((both for both in every if both is not None), None)
+
+
+@lru_cache(maxsize=1)
+def _modules() -> tuple[ModuleType, ...]:
+    listed = pkgutil.iter_modules(effects.__path__)
+    return tuple(importlib.import_module(f"{effects.__name__}.{m.name}") for m in listed)
+
+
+def _names(module: ModuleType) -> set[str]:
+    return {words.name for words in vars(module).values() if isinstance(words, EffectWords)}

@@ -7,16 +7,10 @@ from collections.abc import Mapping, Sequence
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.fit import Fit, Stage
 from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.scan import Candidate, scan_axes, scan_instances
-from armodal.analyzer.gap.scan_dampers import scan_dampers
-from armodal.analyzer.gap.scan_postures import scan_compensators
-from armodal.analyzer.gap.sensors import scan_sensors
+from armodal.analyzer.gap.library import all_instances, hooks
+from armodal.analyzer.gap.scan import Candidate, scan_instances
 
 __all__ = ["goes_with", "look_at_all", "look_at_others"]
-
-_SOUGHT = ("gravity_compensator", "nonproportional")  # by a look of their own
-_SEVERAL_STARTS = ("link_axis", "gravity_compensator")
 
 
 def look_at_others(stage: Stage, base: Fit) -> list[Candidate]:
@@ -45,24 +39,23 @@ def look_at_all(
         for i in all_instances(hypothesis.ordinary)
         if i.key not in taken and goes_with(i, hypothesis)
     ]
-    plain = [i for i in instances if i.effect.name not in _SOUGHT]
+    plain = [i for i in instances if not i.effect.own_look]
     if others is None:
         found = scan_instances(stage, base, plain)
     else:
         keys = {i.key for i in plain}
         found = [c for c in others if c.instance.key in keys]
-    found += scan_compensators(stage, base, instances)
-    found += scan_dampers(stage, base, instances)
-    axes_taken = [place for name, place in taken if name == "link_axis"]
-    found += scan_axes(stage, base, exclude=axes_taken)
-    found += scan_sensors(stage, hypothesis, base.values)
+    found += [c for look in hooks("look") for c in look(stage, base, instances)]
+    guesses: list[Mapping[str, float]] = [base.values]
     if from_start:
         first = hypothesis.space()
-        found += scan_sensors(stage, hypothesis, first.values(first.start(start)))
+        guesses.append(first.values(first.start(start)))
+    for look in hooks("look_at_channels"):
+        found += [c for guess in guesses for c in look(stage, hypothesis, guess)]
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])
-        if not same or candidate.instance.effect.name in _SEVERAL_STARTS:
+        if not same or candidate.instance.effect.several_starts:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)

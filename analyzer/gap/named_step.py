@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from armodal.analyzer.gap.effects import sensor_axes
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.held_out import HeldOut
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.judge import Judged, Thresholds
+from armodal.analyzer.gap.library import together
 
 __all__ = ["Step", "with_step"]
 
@@ -55,7 +55,7 @@ def with_step(
     sharp = stages[-1]
     own = [old.fit.last.key for old in (*named, step)]
     better, swapped = _rather_than(sharp, step.fit, own)
-    better, turned = _turned_once(better)
+    better, turned = _as_one(better)
     # The turn of an earlier step stands for both; one of the arm file has no step.
     is_in_a_step = bool(turned.keys() & {old.fit.last.key for old in named})
     if turned and not is_in_a_step:
@@ -124,11 +124,11 @@ def _taken_out(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:
     return values, replace(fit.hypothesis, instances=rest)
 
 
-def _turned_once(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
-    """Two turns of one sensor at one point are one: the fit with it, and for which it stands."""
+def _as_one(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """Where the last effect and another are one: the fit with it, and for which it stands."""
     *others, last = fit.hypothesis.instances
     for other in others:
-        both = sensor_axes.together(fit.hypothesis.ordinary, other, last)
+        both = together(fit.hypothesis.ordinary, other, last)
         if both is not None:
             instances = tuple(both if i is other else i for i in others)
             hypothesis = replace(fit.hypothesis, instances=instances)

@@ -10,7 +10,7 @@ import numpy as np
 from armodal.analyzer.gap.fit import Fit, Stage
 from armodal.analyzer.gap.held_out import held_out
 from armodal.analyzer.gap.judge import Judged, Thresholds, judge, misfit_per_line, outside_misfit
-from armodal.analyzer.gap.middle_hits import told_by_hits_between
+from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.named_step import Step
 from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.without_levels import LEVELS_NEEDED, is_alike
@@ -47,9 +47,10 @@ def judge_round(
     notes
         Gets a line for what was told or left out.
     """
-    by_ends = judge(stage, found.present, found.rivals, limits)
-    judged, words = told_by_hits_between(by_ends, stage, between, limits.apart)
-    notes += words
+    judged = judge(stage, found.present, found.rivals, limits)
+    for told_by_hits_between in hooks("told_by_hits_between"):
+        judged, words = told_by_hits_between(judged, stage, between, limits.apart)
+        notes += words
     if judged.named is not None and is_alike(judged.named):
         notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
         return replace(judged, named=None, standing=(judged.named, found.present))

@@ -15,6 +15,7 @@ from armodal.analyzer.gap.compare import disagreement_map, posture_gap
 from armodal.analyzer.gap.dispersion import dispersion
 from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.held_out import HeldOut, held_out
+from armodal.analyzer.gap.interfaces import lines_of_interfaces
 from armodal.analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
 from armodal.analyzer.gap.judge import Judged, Thresholds, misfit_per_line
 from armodal.analyzer.gap.looks import look_at_others
@@ -30,7 +31,7 @@ from armodal.analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from armodal.analyzer.gap.scan import Candidate, scan_axes
+from armodal.analyzer.gap.scan import Candidate
 from armodal.analyzer.gap.search import Rivals
 from armodal.analyzer.gap.verdict import verdict_of
 from armodal.analyzer.gap.without_levels import titles
@@ -319,14 +320,15 @@ def _gaps(
 
 def _interface(stage: Stage, before: Fit) -> str:
     near = fit_hypothesis(stage, before.hypothesis, resumed=before, max_iterations=3)
-    lines = scan_axes(stage, near)
+    lines = lines_of_interfaces(stage, near)
     if not lines or lines[0].gain < Thresholds().clear:
         return "no interface of a link departs from the model beyond what is allowed"
-    best = lines[0].instance.place
-    second = next((c for c in lines if c.instance.place != best), None)
+    names = [joint.link.name for joint in before.hypothesis.ordinary.arm.joints]
+    best = names[lines[0].link]
+    second = next((line for line in lines if names[line.link] != best), None)
     words = f"the motion departs from the model most at the root of link '{best}'"
     if second is not None and second.gain > 0.5 * lines[0].gain:
-        words += f", nearly as much at '{second.instance.place}'"
+        words += f", nearly as much at '{names[second.link]}'"
     return words
 
 

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.arm.same_parts import check_same_parts
-from armodal.analyzer.gap.effects.level import COVERED
 from armodal.analyzer.gap.enough import check_enough
 from armodal.analyzer.gap.fit import Fit, Stage
 from armodal.analyzer.gap.hit_levels import has_levels
+from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.records import NextTest
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Plan
@@ -36,7 +36,13 @@ def is_alike(fit: Fit) -> bool:
     hypothesis = fit.hypothesis
     if hypothesis.ordinary.levels_hit or not hypothesis.instances:
         return False
-    return hypothesis.instances[-1].effect.name in COVERED
+    told_of = {
+        name
+        for instance in all_instances(replace(hypothesis.ordinary, level_span=1.0))
+        if instance.by_level
+        for name in instance.effect.covers
+    }
+    return hypothesis.instances[-1].effect.name in told_of
 
 
 def titles(standing: Sequence[Fit]) -> str:

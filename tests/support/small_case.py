@@ -23,16 +23,24 @@ def small_plan(plan, arm, *, postures=3, points=6):
 
 
 class SmallCase(SealedCase):
-    """A case of three postures, six points each."""
+    """A case of a few postures, six points each."""
+
+    n_postures = 3
 
     @cached_property
     def plan(self):
-        return small_plan(super().plan, self.arm)
+        return small_plan(super().plan, self.arm, postures=self.n_postures)
 
 
-def small_case(seed, arm, effect=None, magnitude="clear", *, ladder=False):
+class FourPostures(SmallCase):
+    """Three to learn from and one to foretell."""
+
+    n_postures = 4
+
+
+def small_case(seed, arm, effect=None, magnitude="clear", *, ladder=False, of=SmallCase):
     """Close a small case; arguments as those of `make_case`."""
     kinds = () if effect is None else (effect,) if isinstance(effect, str) else effect
-    return SmallCase(
+    return of(
         CaseSpec(number=1, arm=arm, seed=seed, kinds=kinds, magnitude=magnitude, ladder=ladder)
     )

@@ -11,7 +11,7 @@ from armodal.analyzer.gap.space import Parameter, Space
 if TYPE_CHECKING:
     from armodal.analyzer.gap.assembly import Assembly
 
-__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "Starts"]
+__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +31,8 @@ class EffectWords:
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
     wanted: float | None = None  # nats to be named, where fewer than of other terms do
     least_shared: float = 0.0  # mountings that must bring it: fewer are hits gone astray
+    own_look: bool = False  # a look of its own seeks it: the common one finds it too late
+    several_starts: bool = False  # each candidate of a place is a place to begin of its own
     ends_alike: bool = False  # of the two places it reaches between the tests tell the second
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
@@ -58,6 +60,14 @@ class Starts(Protocol):
         ...
 
 
+class IsAlso(Protocol):
+    """Tells whether another instance is the same thing, by the values of a fit."""
+
+    def __call__(self, values: Mapping[str, float], other: Instance) -> bool:
+        """Return whether it is."""
+        ...
+
+
 class Alternatives(Protocol):
     """What a fit with an instance may stand for: other instances, and where those begin."""
 
@@ -80,6 +90,9 @@ class Instance:
     describe: Describer | None = None
     starts: Starts | None = None
     alternatives: Alternatives | None = None
+    is_also: IsAlso | None = None
+    at_its_ends: tuple[tuple[str, str], ...] = ()  # keys of instances that patch it there
+    begins_at: tuple[str, ...] = ()  # parameters that count from where a description puts it
     size: str = ""  # the parameter that says how large
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several

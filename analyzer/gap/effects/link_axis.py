@@ -30,6 +30,7 @@ WORDS = EffectWords(
     told_by="triplets of points on both sides of the line; postures that move the masses beyond",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
     one_with=("friction", "microslip", "softening", "backlash"),
+    several_starts=True,
     one_such_as="a crack or a bolt in the link that opens under one sign of load",
 )
 _MATERIAL = 0.012  # of the arm's compliance
@@ -37,6 +38,7 @@ _MATERIAL = 0.012  # of the arm's compliance
 # stood at 9 of its deviations, the faintest true one at 27.
 _LEAST_CERTAIN = 15.0
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
+_PARALLEL, _THROUGH_M = 0.98, 0.03  # to a joint's axis: 11 degrees, 30 mm
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
 _BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.25, 0.2, 0.8  # of the link's mass
 
@@ -112,6 +114,16 @@ def at_axis(
             ]
         return found
 
+    def is_also(values: Mapping[str, float], other: Instance) -> bool:
+        """Where the line is the joint's own, the joint gives way."""
+        joint = ordinary.arm.joints[link]
+        if other.key != ("released_joint", joint.name):
+            return False
+        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
+        own_axis = np.asarray(joint.axis)
+        off = np.linalg.norm(p - own_axis * (own_axis @ p))
+        return bool(abs(u @ own_axis) > _PARALLEL and off < _THROUGH_M)
+
     freedoms = [("", _TILT_STD)] * 2 + [("m", _SHIFT_STD_M)] * 2
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
     own = {gamma, loss, part, *moves}
@@ -130,6 +142,11 @@ def at_axis(
         builder=build,
         describe=describe,
         alternatives=alternatives,
+        is_also=is_also,
+        at_its_ends=tuple(
+            ("bearing", joint.name) for joint in ordinary.arm.joints[link : link + 2]
+        ),
+        begins_at=tuple(moves),
         size=gamma,
         shapes=(*moves, part) if before else tuple(moves),
         material=_MATERIAL * ordinary.scale(link),
@@ -238,6 +255,6 @@ def _twist(
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """None by itself: a scan of every interface proposes lines (`analyzer.gap.scan`)."""
+    """None by itself: a scan of every interface proposes lines (`link_axis_look`)."""
     del ordinary
     return ()

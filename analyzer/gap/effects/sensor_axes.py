@@ -34,7 +34,7 @@ SWAPPED = EffectWords(
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """None by itself: a scan in closed form proposes permutations (`analyzer.gap.sensors`)."""
+    """None by itself: a scan in closed form proposes permutations (`sensor_look`)."""
     del ordinary
     return ()
 

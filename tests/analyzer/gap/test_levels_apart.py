@@ -7,6 +7,7 @@ import pytest
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import friction
+from armodal.analyzer.gap.effects.sensor_look import look_at_channels
 from armodal.analyzer.gap.fit import Stage, fit_hypothesis
 from armodal.analyzer.gap.hit_levels import middle_level
 from armodal.analyzer.gap.hypothesis import Hypothesis
@@ -17,7 +18,6 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.possible_tests import Doable, possible_tests
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.search import Rivals
-from armodal.analyzer.gap.sensors import scan_sensors
 from armodal.analyzer.gap.stages import stages_of, with_test
 from armodal.analyzer.gap.verdict import verdict_of
 from armodal.analyzer.gap.weigh import Discrepancy
@@ -169,7 +169,7 @@ def test_much_that_is_told_beside_a_name_and_has_none_is_outside(apart, nats, na
 def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):
     hypothesis = of_session(apart)
     space = hypothesis.space()
-    found = scan_sensors(apart[0], hypothesis, space.values(space.start()))
+    found = look_at_channels(apart[0], hypothesis, space.values(space.start()))
     places = [c.instance.place for c in found if c.instance.effect.name == "wrong_point"]
     known = hypothesis.ordinary.postures
     assert places

@@ -65,7 +65,7 @@ def test_an_effect_says_how_many_must_share(least, enough):
 
 @pytest.mark.long
 def test_a_servo_that_many_mountings_tell_is_named():
-    session = make_case(1, "bench57", "servo", "medium", ladder=True).session()
+    session = make_case(1, "bench57", "servo", "clear", ladder=True).session()
     result = find_gap(session, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NAMED
     assert [found.name for found in result.effects] == ["servo"]

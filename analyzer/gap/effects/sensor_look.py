@@ -23,7 +23,7 @@ from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.posed import Postures
 from armodal.analyzer.gap.scan import Candidate
 
-__all__ = ["scan_sensors"]
+__all__ = ["look_at_channels"]
 
 Array = npt.NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _KEEP_PLACES = 2
 _SHIFT_STD_M, _LEAST_SHIFT_M = 0.1, 0.01
 
 
-def scan_sensors(
+def look_at_channels(
     stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
 ) -> list[Candidate]:
     """Faults of axes, single gains and places that would lower the cost, best first."""

@@ -32,7 +32,7 @@ from armodal.analyzer.gap.judge import Judged
 from armodal.analyzer.gap.levels import weighed_anew
 from armodal.analyzer.gap.weigh import Discrepancy
 
-__all__ = ["Bow", "bow_of", "either_slips", "told_by_bow", "told_by_hits_between"]
+__all__ = ["Bow", "asks_for_levels", "bow_of", "told_by_bow", "told_by_hits_between"]
 
 Array = npt.NDArray[np.float64]
 
@@ -164,7 +164,7 @@ def bow_of(stage: Stage, fit: Fit, joint: str, phi: float) -> Bow:
     return Bow(slope=values[by_c] * span / fall, bow=values[bow_c] / fall, covariance=covariance)
 
 
-def either_slips(standing: Sequence[Fit]) -> bool:
+def asks_for_levels(standing: Sequence[Fit]) -> bool:
     """Whether one joint softens or slips by what stands, and no hits between were there to tell."""
     last = [fit.last for fit in standing if fit.hypothesis.instances]
     softens, slips = ({i.place for i in last if i.effect.name == name} for name in _NAMES)

@@ -16,7 +16,7 @@ from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.fit import Fit, Stage
 from armodal.analyzer.gap.scan import Candidate
 
-__all__ = ["scan_compensators"]
+__all__ = ["look"]
 
 
 _ANGLES = np.linspace(-np.pi, np.pi, 36, endpoint=False)
@@ -24,7 +24,7 @@ _RATIOS = (1.2, 1.5, 2.2)
 _KEPT = 2  # angles at each joint
 
 
-def scan_compensators(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
+def look(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """The most promising angles of a compensator at every joint that lifts, best first."""
     here = [i for i in instances if i.effect is gravity_compensator.WORDS]
     if not here:
