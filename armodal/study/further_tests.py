@@ -17,9 +17,9 @@ from armodal.analyzer.gap.records import GapResult, Verdict
 from armodal.analyzer.gap.stages import with_test
 from armodal.analyzer.gap.weigh import Discrepancy
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
-from armodal.hil_sim.study import SealedCase
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.records import Session
+from armodal.study.cases import AnyCase
 from armodal.study.kept_lines import Line
 from armodal.study.laboratory import SimulatedLaboratory
 from armodal.study.score import instance_of_truth, mark
@@ -31,7 +31,7 @@ _SEED = 31
 
 
 def further(
-    case: SealedCase,
+    case: AnyCase,
     session: Session,
     outcome: GapOutcome,
     truth: Line,

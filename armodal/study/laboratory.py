@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from armodal.hil_sim.study import SealedCase
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan_records import Plan
 from armodal.protocols.session.records import Session
+from armodal.study.cases import AnyCase
 
 __all__ = ["SimulatedLaboratory"]
 
@@ -16,7 +16,7 @@ __all__ = ["SimulatedLaboratory"]
 class SimulatedLaboratory:
     """A sealed case: its plant is measured as often as is asked."""
 
-    case: SealedCase
+    case: AnyCase
 
     @property
     def arm(self) -> Arm:

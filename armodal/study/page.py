@@ -9,15 +9,19 @@ from armodal.study.tables import StudyTable
 __all__ = ["study_page"]
 
 
-def study_page(tables: Sequence[StudyTable], command: str) -> str:
+def study_page(tables: Sequence[StudyTable], command: str, commit: str = "") -> str:
     """Return the page.
 
     Parameters
     ----------
     command
         That made it, seeds and all.
+    commit
+        That was judged, of an official study.
     """
     parts = ["# Tables of the gap study", f"Made by\n\n    {command}"]
+    if commit:
+        parts.append(f"at commit {commit}, which gave the seed.")
     for table in tables:
         parts += [f"## {table.title}", *([table.note] if table.note else []), _markdown(table)]
     return "\n\n".join(parts) + "\n"

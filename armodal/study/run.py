@@ -22,8 +22,8 @@ from armodal.analyzer.gap.held_out import held_out
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
-from armodal.hil_sim.study import CaseSpec, sealed
 from armodal.protocols.errors import ArmodalError
+from armodal.study.cases import AnySpec, case_of
 from armodal.study.further_tests import further
 from armodal.study.kept_lines import Line, kept_lines, run_and_keep
 from armodal.study.pace import pace
@@ -41,17 +41,17 @@ _ALSO = 5  # of the cases that hide nothing each fifth asks for further tests to
 _STEPS = 20  # at each stage: from the true sizes a fit converges within these
 
 
-def seal_hashes(specs: Sequence[CaseSpec], executor: Executor) -> dict[int, str]:
+def seal_hashes(specs: Sequence[AnySpec], executor: Executor) -> dict[int, str]:
     """Return the hash of every case's truth, by number."""
     hashes = executor.map(_hash_of, specs)
     return {spec.number: digest for spec, digest in zip(specs, hashes, strict=True)}
 
 
-def _hash_of(spec: CaseSpec) -> str:
-    return sealed(spec).truth_sha256
+def _hash_of(spec: AnySpec) -> str:
+    return case_of(spec).truth_sha256
 
 
-def run_case(spec: CaseSpec, tests: int = 0) -> Line:
+def run_case(spec: AnySpec, tests: int = 0) -> Line:
     """Make a case, judge it, open its truth, mark it.
 
     Parameters
@@ -59,7 +59,7 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
     tests
         Further ones, at most, that the workflow may ask for while nothing is named.
     """
-    case = sealed(spec)
+    case = case_of(spec)
     session = case.session()
     paces = [pace()]
     begin = process_time()
@@ -123,20 +123,21 @@ def run_case(spec: CaseSpec, tests: int = 0) -> Line:
             for before, after in zip(result.gap_before, result.gap_after, strict=True)
         ],
         "rivals": [[r.name, r.place, r.gain] for r in result.rivals],
-        **_beside_true_model(outcome, hypothesis, whole),
+        **_beside_true_model(outcome, hypothesis, whole, _seen(truth)),
         **after,
     }
 
 
 def _beside_true_model(
-    outcome: GapOutcome, hypothesis: Hypothesis | None, whole: Fit | None
+    outcome: GapOutcome, hypothesis: Hypothesis | None, whole: Fit | None, seen: float | None
 ) -> dict[str, float | None]:
     """Held-out FRF error of our model, and of that without any effect, over the true model's.
 
-    None where the library has no true model; a true model that was not fitted is ours.
+    None where the library has no true model; a true model that was not fitted is ours. `seen` is
+    how far the effect stands out by its maker, where it tells.
     """
     if hypothesis is None:
-        return {"over_true_model": None, "stands_out": None}
+        return {"over_true_model": None, "stands_out": seen}
     after = outcome.result.gap_after
     test = [p for p, gap in enumerate(after) if gap.held_out]
     ours = np.linalg.norm([after[p].frf_error for p in test])
@@ -149,8 +150,19 @@ def _beside_true_model(
     return {"over_true_model": float(ours / reached), "stands_out": float(without / reached)}
 
 
+def _seen(truth: Line) -> float | None:
+    """How far what is hidden stands out of the ordinary; None where its maker does not say."""
+    told = [e[key] for e in truth["effects"] for key in ("visible", "stands_out") if key in e]
+    return float(min(told)) if told else None
+
+
 def _true_hypothesis(truth: Line, ordinary: Ordinary) -> Hypothesis | None:
-    """The true effects at their true places; None where the library has no such model."""
+    """The true effects at their true places; None where the library has no such model.
+
+    Other makers have none: their bodies are not the library's.
+    """
+    if "plant" not in truth:
+        return None
     instances = [instance_of_truth(ordinary, effect) for effect in truth["effects"]]
     known = [i for i in instances if i is not None]
     if len(known) < len(instances):
@@ -181,13 +193,13 @@ def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> l
         if value is None or ours is None:
             continue
         found, low, high = size_found(ours)
-        value += ordinary_beside(true, truth["plant"])
+        value += ordinary_beside(true, truth)
         rows.append({"name": true["name"], "true": value, "found": found, "low": low, "high": high})
     return rows
 
 
 def run_study(
-    specs: Sequence[CaseSpec],
+    specs: Sequence[AnySpec],
     hashes: Mapping[int, str],
     path: Path,
     executor: Executor,

@@ -184,17 +184,25 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
     if "by_m" in p:
         sizes["wrong_point"] = lambda: p["by_m"][0]
     found = sizes.get(effect["name"])
-    return None if found is None else float(found())
+    try:
+        return None if found is None else float(found())
+    except KeyError:  # of another maker, which tells another quantity
+        return None
 
 
-def ordinary_beside(effect: Mapping[str, Any], plant: Mapping[str, Any]) -> float:
-    """What the plant has of the same kind anyway: nobody can tell it from what was hidden.
+def ordinary_beside(effect: Mapping[str, Any], truth: Mapping[str, Any]) -> float:
+    """What a true arm has of the same kind anyway: nobody can tell it from what was hidden.
 
     Parameters
     ----------
-    plant
-        Its tables, with what was hidden in their effects.
+    truth
+        Of the case: of the simulator at home with the plant's tables, what was hidden in their
+        effects.
     """
+    if "plant" not in truth:
+        offsets = truth["encoder_offsets_rad"]
+        return -float(offsets[effect["place"]]) if effect["name"] == "encoder_offset" else 0.0
+    plant = truth["plant"]
     p, place, name = effect["parameters"], effect["place"], effect["name"]
     same = [e for e in plant["effects"] if e["kind"] == name]
     if name == "encoder_offset":

@@ -6,7 +6,8 @@ session in common.
 
 from armodal.hil_sim.makers.arms import ARMS, WRISTS
 from armodal.hil_sim.makers.case import SIZES, Case, CaseFiles, CaseSpec, write_case
-from armodal.hil_sim.makers.making import MAKERS, effects_of, make_case
+from armodal.hil_sim.makers.draw import draw_cases
+from armodal.hil_sim.makers.making import MAKERS, case_of, effects_of, make_case
 
 __all__ = [
     "ARMS",
@@ -16,6 +17,8 @@ __all__ = [
     "Case",
     "CaseFiles",
     "CaseSpec",
+    "case_of",
+    "draw_cases",
     "effects_of",
     "make_case",
     "write_case",

@@ -31,6 +31,11 @@ class CaseSpec:
     size_class: str
     number: int = 1
 
+    @property
+    def magnitude(self) -> str:
+        """Of the effect, "none" of a null."""
+        return self.size_class if self.kinds else "none"
+
 
 class Measures(Protocol):
     """A maker's laboratory with its arm."""
@@ -116,7 +121,7 @@ class Case:
             "arm": spec.arm,
             "wrist": spec.wrist,
             "seed": spec.seed,
-            "magnitude": spec.size_class if spec.kinds else "none",
+            "magnitude": spec.magnitude,
             "verdict": "outside_library" if outside else verdict,
         }
         return json.dumps(told | self._made.truth, sort_keys=True)

@@ -11,7 +11,7 @@ from armodal.hil_sim.makers.arms import ARMS, WRISTS, arm_table
 from armodal.hil_sim.makers.case import SIZES, Case, CaseSpec
 from armodal.protocols.errors import PlantError
 
-__all__ = ["MAKERS", "effects_of", "make_case"]
+__all__ = ["MAKERS", "case_of", "effects_of", "make_case", "wrists_of"]
 
 _HERE = Path(__file__).parent
 MAKERS = tuple(sorted(m.name for m in iter_modules([str(_HERE)]) if m.ispkg and m.name != "arms"))
@@ -69,7 +69,12 @@ def make_case(
         size_class=size_class,
         number=number,
     )
-    return Case(spec, _part(maker, "maker").made(arm_table(arm), spec))
+    return case_of(spec)
+
+
+def case_of(spec: CaseSpec) -> Case:
+    """Close the case of a specification whose names are right (`make_case` checks them)."""
+    return Case(spec, _part(spec.maker, "maker").made(arm_table(spec.arm), spec))
 
 
 def effects_of(maker: str) -> tuple[str, ...]:
@@ -81,6 +86,12 @@ def effects_of(maker: str) -> tuple[str, ...]:
         If there is no such maker, or a package it needs is not installed.
     """
     return tuple(_part(maker, "maker").EFFECTS)
+
+
+def wrists_of(maker: str, effect: str) -> tuple[str, ...]:
+    """Return the wrists an arm may have for a maker's effect to have a place in it."""
+    only = getattr(_part(maker, "maker").EFFECTS[effect], "WRIST", None)
+    return WRISTS if only is None else (only,)
 
 
 def _part(maker: str, name: str) -> Any:

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import pytest
 from support.small_case import SmallCase
 
+import armodal.study.cases
 import armodal.study.curves
-import armodal.study.run
 from armodal.analyzer.gap.advice import NARROWS
 from armodal.hil_sim.study import CaseSpec, make_case, sealed
 from armodal.study.curves import VARIED, curve_rows, levels_of, reduced, run_curves
@@ -121,7 +121,7 @@ def line():
     """A payload far too small to be seen, and one further test."""
     spec = CaseSpec(number=1, arm="ur5", seed=21, kinds=("payload",), magnitude=0.05, ladder=False)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(armodal.study.run, "sealed", SmallCase)
+        patch.setattr(armodal.study.cases, "sealed", SmallCase)
         return run_case(spec, tests=1)
 
 

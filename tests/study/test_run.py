@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from support.small_case import SmallCase
 
-import armodal.study.run
+import armodal.study.cases
 from armodal.hil_sim.study import draw_study
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
@@ -15,7 +15,7 @@ from armodal.study.tables import study_tables
 
 @pytest.mark.long
 def test_a_small_study_is_sealed_judged_marked_and_goes_on_where_it_stopped(tmp_path, monkeypatch):
-    monkeypatch.setattr(armodal.study.run, "sealed", SmallCase)
+    monkeypatch.setattr(armodal.study.cases, "sealed", SmallCase)
     specs = draw_study(
         77, nulls=1, effects=1, pairs=0, outside=0, arms=("ur5",), library=("channel_gain",)
     )

@@ -9,10 +9,15 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+import armodal.study
+from armodal.hil_sim.makers import draw_cases
 from armodal.hil_sim.study import LIBRARY, OUTSIDE, CaseSpec, draw_study
 from armodal.hil_sim.study.catalogue import FIRST
+from armodal.protocols.errors import PlantError
 from armodal.protocols.text_file import replace_text
+from armodal.study.cases import HOME, AnySpec, every_maker
 from armodal.study.curves import curve_rows, run_curves
+from armodal.study.official import official_seed
 from armodal.study.page import study_page
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
@@ -29,6 +34,12 @@ app = typer.Typer(add_completion=False)
 def gap_study_command(
     directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
     seed: Annotated[int, typer.Option(min=0, help="Of the cases.")] = 1,
+    official: Annotated[
+        bool, typer.Option("--official", help="Take the seed from the hash of the commit.")
+    ] = False,
+    maker: Annotated[
+        str, typer.Option(help=f"Who makes the cases: {', '.join(every_maker())}.")
+    ] = HOME,
     nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
     effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
@@ -53,24 +64,35 @@ def gap_study_command(
 
     Example: armodal gap-study --out study --seed 1
     """
-    specs = draw_study(
-        seed,
-        nulls=nulls,
-        effects=effects,
-        pairs=pairs,
-        outside=outside,
-        library=tuple(LIBRARY) if whole else FIRST,
-        ladder=whole,
-    )
+    commit = ""
+    if official:
+        seed, commit = official_seed(Path(armodal.study.__file__).parent)
+        say(f"official: seed {seed} of commit {commit}")
+    specs: tuple[AnySpec, ...]
+    if maker == HOME:
+        specs = draw_study(
+            seed,
+            nulls=nulls,
+            effects=effects,
+            pairs=pairs,
+            outside=outside,
+            library=tuple(LIBRARY) if whole else FIRST,
+            ladder=whole,
+        )
+    elif maker not in every_maker():
+        raise PlantError(f"no maker is called {maker!r}; wanted one of {', '.join(every_maker())}")
+    else:
+        specs = draw_cases(maker, seed, nulls=nulls, effects=effects)
     directory.mkdir(parents=True, exist_ok=True)
-    path = directory / f"study-{seed}.jsonl"
+    path = directory / f"study-{maker}-{seed}.jsonl"
 
     with worker_processes(workers) as executor:
         hashes = seal_hashes(specs, executor)
         for number, digest in hashes.items():
             say(f"case {number}: truth sealed as {digest}")
         lines = run_study(specs, hashes, path, executor, say, tests=tests)
-        clear = [s for s in specs if len(s.kinds) == 1 and s.magnitude == "clear"]
+        own = [s for s in specs if isinstance(s, CaseSpec)]
+        clear = [s for s in own if len(s.kinds) == 1 and s.magnitude == "clear"]
         again = [s for s in clear if s.kinds[0] in LIBRARY][:curves]
         learned = (
             run_curves(again, hashes, directory / f"curves-{seed}.jsonl", executor, say)
@@ -80,10 +102,15 @@ def gap_study_command(
     summary = study_summary(lines)
     rows = curve_rows(learned) if learned else []
     tables = study_tables(summary, rows)
+    command = _command(specs, maker, "--official" if official else f"--seed {seed}", tests, curves)
+    command += f"{' --whole' if whole else ''} --page PAGE"
     if page is not None:
-        replace_text(page, study_page(tables, _command(specs, seed, tests, curves, whole)))
+        replace_text(page, study_page(tables, command, commit))
     if as_json:
-        print_json(summary | {"curves": rows, "file": str(path)})
+        print_json(
+            summary
+            | {"curves": rows, "file": str(path), "maker": maker, "seed": seed, "commit": commit}
+        )
         return
     for table in tables:
         drawn = Table(*table.head, title=table.title, caption=table.note or None)
@@ -93,9 +120,11 @@ def gap_study_command(
     out.print(f"cases {path}")
 
 
-def _command(specs: Sequence[CaseSpec], seed: int, tests: int, curves: int, whole: bool) -> str:
+def _command(specs: Sequence[AnySpec], maker: str, of_seed: str, tests: int, curves: int) -> str:
     """The command that makes a study's page again."""
-    outside = [s for s in specs if any(kind in OUTSIDE for kind in s.kinds)]
+    outside = (
+        [s for s in specs if any(kind in OUTSIDE for kind in s.kinds)] if maker == HOME else []
+    )
     counts = {
         "nulls": sum(not s.kinds for s in specs),
         "effects": sum(len(s.kinds) == 1 for s in specs) - len(outside),
@@ -104,6 +133,8 @@ def _command(specs: Sequence[CaseSpec], seed: int, tests: int, curves: int, whol
         "tests": tests,
         "curves": curves,
     }
-    words = [f"--{name} {n}" for name, n in counts.items() if n or name not in ("tests", "curves")]
-    words += ["--whole"] if whole else []
-    return f"armodal gap-study --out study --seed {seed} {' '.join(words)} --page PAGE"
+    needed = ("nulls", "effects", *(("pairs", "outside") if maker == HOME else ()))
+    words = [f"--{name} {n}" for name, n in counts.items() if n or name in needed]
+    if maker != HOME:
+        words.insert(0, f"--maker {maker}")
+    return f"armodal gap-study --out study {of_seed} {' '.join(words)}"

@@ -3,6 +3,7 @@
 from armodal.hil_sim.makers.frame.everyday import Everyday, power_law
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 
+WRIST = "rigid"  # the only one with such a joint
 RANGE = (0.02, 80.0)  # compliance over the softest drive's
 LOSS = (0.02, 0.12)
 

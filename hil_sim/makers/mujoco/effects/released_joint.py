@@ -6,6 +6,7 @@ from armodal.hil_sim.makers.mujoco.machine import Axis
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 
+WRIST = "rigid"  # the only one with such a joint
 SPAN = (0.02, 60.0)  # its compliance over the arm's
 LOSS_TIME_S = (5e-5, 1e-3)
 
