@@ -31,6 +31,7 @@ MODULES = {
     "export": "exchange",
     "merge": "merge",
     "review": "review",
+    "arm": "arm",
     "plan": "plan",
     "mozzi": "mozzi",
     "workspace": "workspace",

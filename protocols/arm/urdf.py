@@ -21,7 +21,7 @@ from armodal.protocols.arm.records import InertialLink
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ArmError
 
-__all__ = ["Chain", "UrdfJoint", "read_urdf", "rotation_rpy"]
+__all__ = ["Chain", "UrdfJoint", "parse_xml", "read_urdf", "rotation_rpy"]
 
 _MOST_LINKS = 64
 _DEEPEST = 32
@@ -71,7 +71,7 @@ def read_urdf(text: str, *, replaced: Collection[str] = ()) -> Chain:
         With the joint's or link's name, if the text is not XML, declares a document type, is not
         one serial chain of revolute and fixed joints, or holds an inertia no body can have.
     """
-    root = _parse_xml(text)
+    root = parse_xml(text)
     if root.tag != "robot":
         raise ArmError(f"wanted the root element robot, got {root.tag[:40]!r}")
     links = _named(root, "link")
@@ -124,7 +124,8 @@ def rotation_rpy(roll: float, pitch: float, yaw: float) -> npt.NDArray[np.float6
     )
 
 
-def _parse_xml(text: str) -> ET.Element:
+def parse_xml(text: str) -> ET.Element:
+    """Read a text as XML without a document type, or raise ArmError."""
     depth = 0
 
     def start(_name: str, _attributes: dict[str, str]) -> None:

@@ -1,0 +1,56 @@
+"""What is to be checked before a new arm is measured, as a page beside its file."""
+
+from __future__ import annotations
+
+from armodal.analyzer.own_arm.draft import Draft
+from armodal.protocols.robot.remarks import Remarks
+
+__all__ = ["readme_text"]
+
+_KINDS = (
+    ("doubt", "Doubted", "The description says this, and no body of that shape is like it."),
+    ("guess", "Guessed", "The description does not say this. Put in what you know."),
+    ("note", "Done", "What is not part of the arm was held or left out."),
+)
+
+
+def readme_text(draft: Draft, said: Remarks) -> str:
+    """A page in Markdown."""
+    arm, believed = draft.arm, draft.believed
+    moving = sum(joint.link.mass_kg for joint in arm.joints)
+    rows = [
+        f"# {arm.name}: check this before you measure",
+        "",
+        f"{len(arm.joints)} joints, {moving:.4g} kg that move, {len(arm.points)} points.",
+        f"Masses are believed to {100 * believed.mass:.0f} %, moments of inertia to",
+        f"{100 * believed.inertia:.0f} %, centres to {1e3 * believed.center_m:.0f} mm.",
+        "No stiffness can be known better than the inertias.",
+        "",
+        "| joint | range, degrees | link | mass kg | inertial | stiffness N m/rad |",
+        "|---|---|---|---|---|---|",
+    ]
+    for joint in arm.joints:
+        low, high = (f"{57.29577951308232 * angle:.1f}" for angle in joint.range_rad)
+        how = "guessed" if joint.link.name in believed.guessed else "described"
+        k = "rigid" if joint.stiffness is None else f"{joint.stiffness.value:.3g} (guess)"
+        rows.append(
+            f"| {joint.name} | {low} to {high} | {joint.link.name} | {joint.link.mass_kg:.3g} "
+            f"| {how} | {k} |"
+        )
+    for kind, title, reason in _KINDS:
+        remarks = said.of(kind)
+        if remarks:
+            rows += ["", f"## {title}", "", reason, "", *(f"- {remark}" for remark in remarks)]
+    rows += [
+        "",
+        "## On the arm",
+        "",
+        "- Do the joints turn the way the file says, and by its zero?",
+        "- Is the mass the data sheet's? If you know it, make the arm again with `--mass`.",
+        "- Is every point on a bare, stiff face, not on a cover? Move it in the arm file if not.",
+        "- A `[can]` table tells where the joint angles are found (docs/arm-file.md).",
+        "",
+        f"Then: `armodal arm check {arm.name}.toml`, `armodal plan {arm.name}.toml`.",
+        "",
+    ]
+    return "\n".join(rows)

@@ -1,0 +1,1 @@
+"""Descriptions of robots as their makers publish them: URDF, xacro, MJCF."""

@@ -1,0 +1,55 @@
+"""What is to be said of a description, collected, so that one run says all of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+__all__ = ["Remark", "Remarks"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Remark:
+    """One thing said.
+
+    `kind` is "fault" where the description cannot be used, "doubt" where it can and should not be
+    believed, "guess" where a value was put in, "note" for the rest.
+    """
+
+    kind: str
+    where: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.text}"
+
+
+@dataclass(slots=True)
+class Remarks:
+    """A list of remarks in the order they were made, each once."""
+
+    made: list[Remark] = field(default_factory=list)
+
+    def fault(self, where: str, text: str) -> None:
+        """Say why the description cannot be used."""
+        self._add("fault", where, text)
+
+    def doubt(self, where: str, text: str) -> None:
+        """Say what should not be believed."""
+        self._add("doubt", where, text)
+
+    def guess(self, where: str, text: str) -> None:
+        """Say what was put in, and where it comes from."""
+        self._add("guess", where, text)
+
+    def note(self, where: str, text: str) -> None:
+        """Say what was done with something."""
+        self._add("note", where, text)
+
+    def of(self, *kinds: str) -> tuple[Remark, ...]:
+        """Remarks of some kinds."""
+        return tuple(remark for remark in self.made if remark.kind in kinds)
+
+    def _add(self, kind: str, where: str, text: str) -> None:
+        remark = Remark(kind=kind, where=where, text=text)
+        if remark not in self.made:
+            self.made.append(remark)

@@ -1,0 +1,90 @@
+"""Xacro to URDF, by xacrodoc, where it is installed."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from collections.abc import Sequence
+from contextlib import redirect_stderr
+from importlib import import_module
+from pathlib import Path
+
+from armodal.protocols.errors import ArmError, MissingPackageError
+
+__all__ = ["expand_xacro"]
+
+_LONGEST = 300
+_HIGHEST = 6  # folders above the file whose packages are taken
+
+
+def expand_xacro(
+    path: Path, *, folders: Sequence[Path] = (), arguments: dict[str, str] | None = None
+) -> str:
+    """Return the URDF text of a xacro file.
+
+    Parameters
+    ----------
+    folders
+        Folders in which packages of `$(find ...)` are looked for, first.
+    arguments
+        Values of the file's `xacro:arg`.
+
+    Raises
+    ------
+    MissingPackageError
+        If xacrodoc is not installed.
+    ArmError
+        If the file cannot be expanded.
+    """
+    try:
+        xacrodoc = import_module("xacrodoc")
+        packages = import_module("xacrodoc.packages")
+    except ImportError as problem:
+        raise MissingPackageError(
+            f"wanted the package xacrodoc for {path.name}, it is not installed; install it with "
+            "`pip install 'armodal[robots]'`, or expand the file to a URDF"
+        ) from problem
+    packages.reset()
+    if folders:
+        packages.look_in([str(folder) for folder in folders])
+    beside: dict[str, str] = {}
+    for folder in list(path.resolve().parents)[:_HIGHEST]:
+        for one in _packages_in(folder):
+            beside.setdefault(one.name, str(one))
+    said = io.StringIO()
+    try:
+        with warnings.catch_warnings(), redirect_stderr(said):
+            warnings.simplefilter("ignore")
+            packages.walk_up_from(str(path.resolve().parent))
+            packages.update_package_cache(beside)
+            # Included by its path, so that its own includes are looked for beside it.
+            document = xacrodoc.XacroDoc.from_includes(
+                [str(path.resolve())],
+                name=_robot_name(path),
+                subargs=arguments or {},
+                resolve_packages=False,
+            )
+            return str(document.to_urdf_string())
+    except Exception as problem:
+        text = " ".join(str(problem).split())[:_LONGEST] or type(problem).__name__
+        raise ArmError(
+            f"{path.name}: wanted a xacro file that can be expanded, got: {text}; packages it "
+            "includes are looked for beside its folders, and in those given with --packages"
+        ) from problem
+    finally:
+        packages.reset()
+
+
+def _robot_name(path: Path) -> str:
+    found = re.search(
+        r"<robot\b[^>]*?\bname\s*=\s*[\"']([^\"'$]+)", path.read_text("utf-8", "replace")
+    )
+    return found.group(1) if found else path.name.split(".")[0]
+
+
+def _packages_in(folder: Path) -> list[Path]:
+    try:
+        return [one for one in folder.iterdir() if (one / "package.xml").is_file()]
+    except OSError:
+        return []

@@ -1,0 +1,171 @@
+"""`armodal arm`: from a robot description to an arm file, faults told in one message."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+
+import numpy as np
+import pytest
+from support.command import armodal
+from support.robot_files import box_stl, five_joints, scara, seven_joints, six_joints
+
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.kinematics import link_pose
+
+
+def refused(said, *parts):
+    assert said.returncode == 2, said.stderr
+    assert said.stderr.count("armodal:") == 1
+    assert "Traceback" not in said.stderr
+    for part in parts:
+        assert part in said.stderr, part
+    return said.stderr
+
+
+@pytest.mark.parametrize(
+    ("robot", "joints"), [(six_joints, 6), (five_joints, 5), (seven_joints, 7), (scara, 3)]
+)
+def test_an_arm_is_made_that_loads_and_stands_as_described(robot, joints, tmp_path):
+    text = robot()
+    path = text.write(tmp_path / "robot.urdf")
+    said = armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine", "--json")
+    assert said.returncode == 0, said.stderr
+    told = json.loads(said.stdout)
+    arm = load_arm(tmp_path / "mine" / "robot.toml")
+    assert len(arm.joints) == joints == len(told["joints"])
+    for joint, link in zip(told["joints"], arm.joints, strict=True):
+        assert joint == link.name
+    described = {link.name: link.mass() for link in text.links}
+    held = described.pop("quill", 0.0)  # held by the second arm
+    for joint in arm.joints:
+        extra = held if joint.link.name == "arm_2" else 0.0
+        expected = described[joint.link.name] + extra
+        assert joint.link.mass_kg == pytest.approx(expected, rel=1e-5)
+    counts = [len(ids) for ids in told["points"].values()]
+    assert counts[0] == 2
+    assert min(counts[1:]) >= 3
+    readme = (tmp_path / "mine" / "README.md").read_text()
+    assert all(guess in readme for guess in told["guesses"])
+    assert all(guess in arm.text for guess in told["guesses"])
+    # A check of what was made has nothing to say.
+    assert armodal("arm", "check", tmp_path / "mine" / "robot.toml").returncode == 0
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A new arm's folder."""
+    folder = tmp_path_factory.mktemp("made")
+    path = six_joints().write(folder / "robot.urdf")
+    said = armodal("arm", "new", path, "--yes", "--out", folder / "mine")
+    assert said.returncode == 0, said.stderr
+    return folder / "mine"
+
+
+def test_the_new_arm_s_flange_is_where_the_description_has_it(made):
+    arm = load_arm(made / "robot.toml")
+    # Upper arm forward by a quarter turn: elbow 0.4 m along x, at the second joint's height.
+    T = link_pose(arm, "elbow", [0.0, math.pi / 2, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(T[:3, 3], [0.4, 0.0, 0.3], atol=1e-9)
+
+
+def test_mounting_mass_and_missing_inertials_are_taken_and_said(tmp_path):
+    robot = six_joints()
+    robot.with_inertials = False
+    path = robot.write(tmp_path / "robot.urdf")
+    said = armodal(
+        "arm", "new", path, "--yes", "--mass", 28, "--mount", "ceiling", "--name", "up there",
+        "--out", tmp_path / "mine",
+    )  # fmt: skip
+    assert said.returncode == 0, said.stderr
+    arm = load_arm(tmp_path / "mine" / "up-there.toml")
+    assert arm.gravity_m_s2.tolist() == [0.0, 0.0, 9.80665]
+    assert sum(joint.link.mass_kg for joint in arm.joints) < 28.0
+    assert (arm.tolerances.mass, arm.tolerances.inertia) == (0.3, 0.35)
+    assert said.stderr.count("guess: link") == 6
+    assert "next: read" in said.stderr.splitlines()[-1]
+
+
+def test_every_fault_is_in_one_message_and_nothing_is_written(tmp_path):
+    robot = six_joints()
+    robot.links[0].mesh = "nowhere.stl"
+    robot.links[1].mesh = box_stl(tmp_path / "mm.stl", (120.0, 100.0, 450.0)).name
+    (tmp_path / "broken.stl").write_bytes(b"solid")
+    robot.links[3].mesh = "broken.stl"
+    path = robot.write(tmp_path / "robot.urdf")
+    before = sorted(tmp_path.iterdir())
+    for command in (("new", path, "--yes", "--out", tmp_path / "mine"), ("check", path)):
+        refused(
+            armodal("arm", *command),
+            "link shoulder: wanted the mesh 'nowhere.stl', found no such file",
+            'a mesh in mm needs scale="0.001 0.001 0.001"',
+            "link forearm: visual: mesh broken.stl: wanted a mesh that can be read",
+        )
+    assert sorted(tmp_path.iterdir()) == before
+    assert armodal("arm", "check", path, "--no-meshes").returncode == 0
+
+
+def test_an_open_mesh_serves_by_its_hull(tmp_path):
+    robot = six_joints()
+    link = robot.links[2]
+    link.mesh = box_stl(tmp_path / "open.stl", link.box_m, without=1).name
+    path = robot.write(tmp_path / "robot.urdf")
+    assert armodal("arm", "check", path).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--mount", "table"), "--mount: wanted floor, ceiling, wall"),
+        (("--mount", "0,0,1"), "wanted gravity of some 9.81"),
+        (("--arg", "dof=6"), "--arg: wanted NAME:=VALUE"),
+        (("--arg", "dof:=6"), "xacro arguments with a .xacro file only"),
+        (("--tip", "nose"), "wanted a link of the file, got 'nose'"),
+    ],
+)
+def test_options_that_cannot_be_meant_are_refused(options, words, tmp_path):
+    path = six_joints().write(tmp_path / "robot.urdf")
+    refused(armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine", *options), words)
+    assert not (tmp_path / "mine").exists()
+
+
+def test_a_folder_that_is_there_is_never_replaced(tmp_path):
+    path = six_joints().write(tmp_path / "robot.urdf")
+    (tmp_path / "mine").mkdir()
+    refused(armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine"), "exists already")
+
+
+def test_doubts_end_a_check_and_the_new_arm_replaces_them(tmp_path):
+    robot = six_joints()
+    for link in robot.links:
+        link.inertial = (
+            '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
+            'iyz="0"/></inertial>'
+        )
+    path = robot.write(tmp_path / "robot.urdf")
+    refused(armodal("arm", "check", path), "looks like a placeholder", "correct the description")
+    said = armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine")
+    assert said.returncode == 0
+    arm = load_arm(tmp_path / "mine" / "robot.toml")
+    assert max(np.linalg.eigvalsh(j.link.inertia_kg_m2)[2] for j in arm.joints) < 0.5
+    assert "placeholder" in arm.text
+    kept = armodal("arm", "new", path, "--yes", "--keep-inertials", "--out", tmp_path / "kept")
+    assert kept.returncode == 0
+    assert load_arm(tmp_path / "kept" / "robot.toml").joints[0].link.mass_kg == 1.0
+
+
+def test_a_point_far_off_its_link_is_refused(made, tmp_path):
+    file = shutil.copytree(made, tmp_path / "mine") / "robot.toml"
+    lines = file.read_text().split("\n")
+    first = next(i for i, line in enumerate(lines) if line.startswith("position_m"))
+    lines[first] = "position_m = [0.3, 0.0, 0.0]"
+    file.write_text("\n".join(lines))
+    refused(armodal("arm", "check", file), "point 1: wanted it on link flange", "mm off")
+
+
+def test_shipped_arms_are_checked_by_capsules():
+    said = armodal("arm", "check", "ur5", "--json")
+    assert said.returncode == 0, said.stderr
+    rows = json.loads(said.stdout)["links"]
+    assert {row["shape"] for row in rows} == {"capsule"}
