@@ -15,6 +15,7 @@ __all__ = [
     "ArmFile",
     "CanSection",
     "JointTable",
+    "KeepOutTable",
     "LinkTable",
     "MassesTable",
     "PointTable",
@@ -171,6 +172,20 @@ class PointTable(FileModel):
         return self
 
 
+class KeepOutTable(FileModel):
+    """A box along the base's axes that the arm has to stay out of."""
+
+    name: Name
+    low_m: Position
+    high_m: Position
+
+    @model_validator(mode="after")
+    def _check_size(self) -> KeepOutTable:
+        if not all(low < high for low, high in zip(self.low_m, self.high_m, strict=True)):
+            raise not_wanted("low_m below high_m in x, y and z")
+        return self
+
+
 class TolerancesTable(FileModel):
     """One standard deviation of what is only roughly known."""
 
@@ -263,3 +278,4 @@ class ArmFile(FileModel):
     tolerances: TolerancesTable
     can: CanSection | None = None
     effects: Annotated[list[EffectTable], Field(max_length=32)] = Field(default=[])
+    keep_outs: Annotated[list[KeepOutTable], Field(max_length=32)] = Field(default=[])

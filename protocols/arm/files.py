@@ -18,7 +18,15 @@ from armodal.protocols.arm.dh import dh_transform
 from armodal.protocols.arm.effect_section import added_effect
 from armodal.protocols.arm.file_model import ArmFile, JointTable, MassesTable, PointTable
 from armodal.protocols.arm.masses import filled_masses, replaced_links, table_link
-from armodal.protocols.arm.records import Arm, Estimate, InertialLink, Joint, Point, Tolerances
+from armodal.protocols.arm.records import (
+    Arm,
+    Estimate,
+    InertialLink,
+    Joint,
+    KeepOut,
+    Point,
+    Tolerances,
+)
 from armodal.protocols.arm.urdf import Chain, UrdfJoint, read_urdf
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.can_database import DBC_DIRECTORY
@@ -134,6 +142,14 @@ def arm_from_texts(
         effects=tuple(
             added_effect(table, path=f"effects[{i}]", links=link_names, origin=origin)
             for i, table in enumerate(file.effects)
+        ),
+        keep_outs=tuple(
+            KeepOut(
+                name=table.name,
+                low_m=frozen_array(table.low_m, np.float64),
+                high_m=frozen_array(table.high_m, np.float64),
+            )
+            for table in file.keep_outs
         ),
     )
 

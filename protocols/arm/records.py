@@ -23,6 +23,7 @@ __all__ = [
     "InertialLink",
     "Joint",
     "JointSignal",
+    "KeepOut",
     "Point",
     "Tolerances",
 ]
@@ -75,6 +76,15 @@ class Point:
     link: str  # link name, or "base"
     position_m: npt.NDArray[np.float64]  # (3,) link frame
     R_link_sensor: npt.NDArray[np.float64]  # (3, 3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeepOut:
+    """A box that the arm has to stay out of, along the base's axes."""
+
+    name: str
+    low_m: npt.NDArray[np.float64]  # (3,) base frame
+    high_m: npt.NDArray[np.float64]  # (3,)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,6 +186,7 @@ class Arm:
     urdf_text: str | None  # the URDF it names, as read
     sha256: str  # over both texts and the database
     effects: tuple[AddedEffect, ...] = ()
+    keep_outs: tuple[KeepOut, ...] = ()
 
     def effects_left_out(self) -> tuple[str, ...]:
         """Return what a calculation with the plain model of links and joints must say."""
