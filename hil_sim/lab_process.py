@@ -51,12 +51,18 @@ CLOCK_OFFSET_TICKS = 12_345_678
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LabOptions:
-    """What a laboratory is started with."""
+    """What a laboratory is started with.
+
+    `effects` are what its truth hides beside the plant's springs; a sealed ledger is read by
+    `hil_sim.ledger` alone.
+    """
 
     seed: int
     directory: Path
     time_scale: float = 1.0
     faults: tuple[str, ...] = ()
+    sealed: bool = False
+    effects: tuple[Mapping[str, object], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +106,12 @@ class LabProcess(Generic[BlowT]):
         check_free(options.directory / SOCKET_NAME)
         self.ledger_path = options.directory / LEDGER_NAME
         self._ledger = LedgerWriter(
-            self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale
+            self.ledger_path,
+            plant,
+            seed=options.seed,
+            time_scale=options.time_scale,
+            effects=options.effects,
+            sealed=options.sealed,
         )
         keep.callback(self._ledger.close)
         cell = Cell(
@@ -162,6 +173,7 @@ class LabProcess(Generic[BlowT]):
             "ledger": str(self.ledger_path),
             "time_scale": self._clock.scale,
             "input_range_v": self._input_range_v,
+            "truth_sha256": self._ledger.truth_sha256,
             "pid": os.getpid(),
         }
 
@@ -220,4 +232,5 @@ class LabProcess(Generic[BlowT]):
 def _at_first(plant: Plant) -> npt.NDArray[np.float64]:
     """(n_joints,) zero, or the end of the joint's range that is nearest to it."""
     low, high = np.radians([link.range_deg for link in plant.truth.links]).T
-    return np.clip(0.0, low, high)
+    nearest: npt.NDArray[np.float64] = np.clip(np.zeros(len(low)), low, high)
+    return nearest

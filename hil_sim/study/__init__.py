@@ -3,6 +3,7 @@
 `docs/simulated-plant.md` says what can hide and what every case has wrong besides.
 """
 
+from armodal.hil_sim.study.any_arm import rehearsal_plan, study_of
 from armodal.hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
 from armodal.hil_sim.study.cases import (
     CaseFiles,
@@ -26,7 +27,9 @@ __all__ = [
     "StudyArm",
     "draw_study",
     "make_case",
+    "rehearsal_plan",
     "sealed",
     "study_arm",
+    "study_of",
     "write_case",
 ]
