@@ -20,7 +20,7 @@ from armodal.protocols.errors import PlantError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.plan_records import Mode, Plan
 
-__all__ = ["rehearsal_plan", "study_of"]
+__all__ = ["can_size", "rehearsal_plan", "study_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def study_of(arm: Arm, plan: Plan | None = None) -> StudyArm:
     PlantError
         If the arm has no joint with a stiffness, or no test point on a moving link.
     """
-    sizing = plan if plan is not None and _can_size(plan) else rehearsal_plan(arm)
+    sizing = plan if plan is not None and can_size(plan) else rehearsal_plan(arm)
     level_n = (plan or sizing).trigger.level_n
     return StudyArm(
         arm=arm,
@@ -60,6 +60,13 @@ def study_of(arm: Arm, plan: Plan | None = None) -> StudyArm:
         peak_n=(HAND[0] * level_n, HAND[1] * level_n),
         ladder_n=tuple(factor * level_n for factor in LADDER),
     )
+
+
+def can_size(plan: Plan) -> bool:
+    """Whether a plan has a fixed hammer with directions, and postures of both kinds."""
+    directed = all(posture.hit_direction is not None for posture in plan.postures)
+    kinds = {posture.validation for posture in plan.postures}
+    return plan.mode is Mode.ROVING_RESPONSE and directed and len(kinds) == 2
 
 
 def rehearsal_plan(arm: Arm) -> Plan:
@@ -91,12 +98,6 @@ def rehearsal_plan(arm: Arm) -> Plan:
     directions = [_direction(plant, hit, q, streams) for q in postures]
     level_n = _level_n(plant, hit, postures, directions)
     return plan_from_text(_text(arm, hit.id, postures, directions, level_n), arm)
-
-
-def _can_size(plan: Plan) -> bool:
-    directed = all(posture.hit_direction is not None for posture in plan.postures)
-    kinds = {posture.validation for posture in plan.postures}
-    return plan.mode is Mode.ROVING_RESPONSE and directed and len(kinds) == 2
 
 
 def _driving_point(truth: PlantFile) -> PointTruth:
