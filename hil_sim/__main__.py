@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from armodal.hil_sim.arm_in_cell import arm_in_cell
@@ -13,6 +14,8 @@ from armodal.hil_sim.cell import BlowT
 from armodal.hil_sim.faults import Fault
 from armodal.hil_sim.lab_process import LabOptions, LabProcess
 from armodal.hil_sim.plant import load_plant
+from armodal.hil_sim.rehearsal import read_rehearsal
+from armodal.hil_sim.rehearsed_plant import draw_plant
 from armodal.protocols.errors import ArmodalError
 
 __all__ = ["main", "parse", "run"]
@@ -26,6 +29,9 @@ def parse(arguments: Sequence[str] | None = None) -> argparse.Namespace:
         epilog="example: python -m armodal.hil_sim --plant rv4frl --time-scale 16 --directory lab",
     )
     parser.add_argument("--plant", default="rv4frl", help="plant file or shipped name")
+    parser.add_argument(
+        "--rehearsal", type=Path, help="arm and plan as armodal sim hands them over, not a plant"
+    )
     parser.add_argument("--seed", type=int, default=1, help="for everything random")
     parser.add_argument("--time-scale", type=float, default=1.0, help="lab seconds a second")
     parser.add_argument("--directory", type=Path, required=True, help="of socket and ledger")
@@ -59,9 +65,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the laboratory; exit code 2 for what the caller got wrong."""
     given = parse(arguments)
     try:
-        plant = load_plant(given.plant)
         options = options_of(given)
-        laboratory = LabProcess(arm_in_cell(plant, seed=given.seed), options)
+        if given.rehearsal is None:
+            arm = arm_in_cell(load_plant(given.plant), seed=given.seed)
+        else:
+            wanted = read_rehearsal(given.rehearsal)
+            plant, effects = draw_plant(wanted, given.seed)
+            arm = arm_in_cell(plant, seed=given.seed, can=wanted.arm.can)
+            options = replace(options, sealed=True, effects=tuple(effects))
+        laboratory = LabProcess(arm, options)
     except (ArmodalError, ValueError, OSError) as error:
         sys.stderr.write(f"hil_sim: {error}\n")
         return 2

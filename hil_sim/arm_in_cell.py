@@ -18,6 +18,7 @@ from armodal.hil_sim.plant_file import HandTruth
 from armodal.hil_sim.small_motion import Mounting
 from armodal.hil_sim.source import SensorSource, draw_mounting
 from armodal.hil_sim.streams import Streams, stream
+from armodal.protocols.arm.records import CanMapping
 
 __all__ = ["arm_in_cell"]
 
@@ -73,8 +74,8 @@ class _Hands:
         return {"R_link_sensor": self._mounting.R_link_sensor.tolist()}
 
 
-def arm_in_cell(plant: Plant, *, seed: int) -> ArmInCell[Blow]:
-    """Put the arm with its sensors into the cell, and a person beside it."""
+def arm_in_cell(plant: Plant, *, seed: int, can: CanMapping | None = None) -> ArmInCell[Blow]:
+    """Put the arm with its sensors into the cell, its controller, and a person beside it."""
     hands = _Hands(plant, partial(stream, seed, "arm"))
     return ArmInCell(
         plant=plant,
@@ -82,4 +83,5 @@ def arm_in_cell(plant: Plant, *, seed: int) -> ArmInCell[Blow]:
         swing=hands.swing,
         swing_at_mass=hands.swing_at_mass,
         mounted=hands.mounted,
+        can=can,
     )

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from importlib import resources
 from typing import Generic
 
-import cantools.database.can
 import numpy as np
 import numpy.typing as npt
 
 from armodal.hil_sim.cell import BlowT, Cell
 from armodal.hil_sim.clock import LabClock
 from armodal.hil_sim.faults import Fault, FaultSet
+from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.motion import Motion
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.hil_sim.slcan_adapter import SlcanAdapter
 from armodal.hil_sim.streams import Streams
-from armodal.protocols.slcan import encode_slcan
 
 __all__ = ["Controller"]
 
@@ -29,49 +26,10 @@ MOST_CYCLES = 64
 TWITCH_RAD, MOVE_RAD = np.radians(2.0), np.radians(3.0)
 CORRUPT_SHARE = 0.01  # of the characters on the line: every third line or so
 
-HELD, MOVING = 2, 3  # DRIVE_STATE
-RATE_HZ = 125.0
-BITRATE = 500_000
 MAX_SPEED_RAD_S = 1.0
 SETTLE_S = 0.5  # from the end of a motion until the arm is said to be there
 ENCODER_NOISE_RAD = 2e-6
 ENCODER_STEP_RAD = 2.0 * np.pi / 2**20
-DATABASE = "armodal_controller.dbc"
-
-
-class JointMessages:
-    """Lines of one cycle, encoded by the DBC shipped with the protocols."""
-
-    def __init__(self) -> None:
-        text = (resources.files("armodal.protocols") / "dbc" / DATABASE).read_text(encoding="utf-8")
-        can_database = cantools.database.can.Database()
-        can_database.add_dbc_string(text)
-        self._messages = [
-            (
-                message,
-                [
-                    (signal.name, int(signal.name.removeprefix("POSITION_")) - 1, signal.scale)
-                    for signal in message.signals
-                    if signal.name.startswith("POSITION_")
-                ],
-            )
-            for message in can_database.messages
-        ]
-
-    @property
-    def per_cycle(self) -> int:
-        """Frames a cycle."""
-        return len(self._messages)
-
-    def lines(self, joints_deg: Sequence[float], state: int, counter: int) -> bytes:
-        """Return the slcan lines of one cycle."""
-        lines = []
-        for message, positions in self._messages:
-            raw = {name: round(joints_deg[i] / scale) for name, i, scale in positions}
-            raw |= {"DRIVE_STATE": state, "COUNTER": counter}
-            data = message.encode(raw, scaling=False, strict=False)
-            lines.append(encode_slcan(message.frame_id, data, extended=message.is_extended_frame))
-        return b"".join(lines)
 
 
 class Controller(Generic[BlowT]):
@@ -90,18 +48,19 @@ class Controller(Generic[BlowT]):
         cell: Cell[BlowT],
         port: PtyPort,
         *,
+        messages: JointMessages,
         clock: LabClock,
         faults: FaultSet,
         streams: Streams,
     ) -> None:
         self.port = port
-        self.adapter = SlcanAdapter(bitrate=BITRATE)
+        self.adapter = SlcanAdapter(bitrate=messages.bitrate)
         self.frames_lost = 0
         self._cell = cell
         self._clock = clock
         self._faults = faults
         self._encoders, self._noise = streams("encoders"), streams(Fault.CAN_CORRUPT)
-        self._messages = JointMessages()
+        self._messages = messages
         self._begin_s = clock.now_s()
         self._cycle = 0
         self._motion = Motion.plan(
@@ -169,26 +128,26 @@ class Controller(Generic[BlowT]):
         return bytes(noisy)
 
     def _tell(self, now_s: float) -> None:
-        due = int((now_s - self._begin_s) * RATE_HZ)
+        due = int((now_s - self._begin_s) * self._messages.rate_hz)
         first = max(self._cycle, due - MOST_CYCLES)
         if self.adapter.forwards and Fault.CAN_SILENCE not in self._faults:
             self.frames_lost += self._messages.per_cycle * (first - self._cycle)
-            told_deg = self._told_deg(first, due)
-            for cycle, joints_deg in zip(range(first, due), told_deg, strict=True):
+            told_rad = self._told_rad(first, due)
+            for cycle, joints_rad in zip(range(first, due), told_rad, strict=True):
                 if self.port.pending > ADAPTER_BUFFER:
                     self.adapter.overrun()
                     self.frames_lost += self._messages.per_cycle
                 else:
-                    state = MOVING if self._motion.moving(self._cycle_s(cycle)) else HELD
-                    lines = self._messages.lines(joints_deg, state, cycle & 0xFF)
+                    moving = self._motion.moving(self._cycle_s(cycle))
+                    lines = self._messages.lines(joints_rad, moving=moving, counter=cycle)
                     self.port.queue(self._on_line(lines))
         self._cycle = due
 
     def _cycle_s(self, cycle: int) -> float:
         """Lab time of a cycle."""
-        return self._begin_s + cycle / RATE_HZ
+        return self._begin_s + cycle / self._messages.rate_hz
 
-    def _told_deg(self, first: int, due: int) -> list[list[float]]:
+    def _told_rad(self, first: int, due: int) -> list[list[float]]:
         """Angles of the cycles `first` to `due` - 1 as the encoders read them."""
         if first == due:
             return []
@@ -197,5 +156,5 @@ class Controller(Generic[BlowT]):
         )
         noise_rad = ENCODER_NOISE_RAD * self._encoders.standard_normal(true_rad.shape)
         read_rad = ENCODER_STEP_RAD * np.round((true_rad + noise_rad) / ENCODER_STEP_RAD)
-        told_deg: list[list[float]] = np.degrees(read_rad).tolist()
-        return told_deg
+        told_rad: list[list[float]] = read_rad.tolist()
+        return told_rad

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import select
 import shutil
 import subprocess
@@ -14,12 +15,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from armodal.protocols.errors import DeviceLostError, DeviceTimeoutError, PlantError
+from armodal.hil_sim.rehearsal import Rehearsal, write_rehearsal
+from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError, PlantError
 
 __all__ = ["Laboratory", "launch", "start_laboratory"]
 
-READY_TIMEOUT_S = 30.0
+READY_TIMEOUT_S = 60.0  # the size of what a drawn arm hides is searched for
+REHEARSAL = "rehearsal.json"
 STOP_TIMEOUT_S = 5.0
+_FRAME = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
 
 
 class Laboratory:
@@ -37,6 +41,8 @@ class Laboratory:
         Lab seconds a second.
     input_range_v : float
         Largest voltage of the board's inputs.
+    truth_sha256 : str
+        Of the truth in the ledger.
     pid : int
         Process that runs it.
     """
@@ -49,6 +55,7 @@ class Laboratory:
         temporary: Path | None = None,
     ) -> None:
         self._process = process
+        self._failure: str | None = None
         self._temporary = temporary
         self.board = str(ready["board"])
         self.can = str(ready["can"])
@@ -56,6 +63,7 @@ class Laboratory:
         self.ledger = Path(str(ready["ledger"]))
         self.time_scale = float(str(ready["time_scale"]))
         self.input_range_v = float(str(ready["input_range_v"]))
+        self.truth_sha256 = str(ready["truth_sha256"])
         self.pid = process.pid
 
     def __enter__(self) -> Self:
@@ -67,29 +75,49 @@ class Laboratory:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        failure = self.failure() if isinstance(error, ArmodalError) else None
         self.close()
+        if failure is not None:
+            # Whatever was noticed of it outside is only what followed.
+            raise DeviceLostError(failure) from error
 
     @property
     def alive(self) -> bool:
         """Whether the process runs."""
         return self._process.poll() is None
 
-    def wait(self) -> int:
-        """Wait until the laboratory ends by itself; return its exit code."""
-        return self._process.wait()
+    def wait(self) -> None:
+        """Wait until the laboratory ends.
+
+        Raises
+        ------
+        DeviceLostError
+            If it failed; the message says why.
+        """
+        self._process.wait()
+        failure = self.failure()
+        if failure is not None:
+            raise DeviceLostError(failure)
+
+    def failure(self) -> str | None:
+        """Return why the laboratory has ended by itself; None while it runs, or was stopped."""
+        if self._failure is None and self._process.poll() not in (None, 0):
+            self._failure = _why(self._process)
+        return self._failure
 
     def close(self) -> None:
         """Stop the laboratory; a second call does nothing.
 
         The ledger stays where the caller named a directory; a temporary directory is removed.
         """
+        self.failure()  # while its last words can be read
         _end(self._process)
         if self._temporary is not None:
             shutil.rmtree(self._temporary, ignore_errors=True)
 
 
 def start_laboratory(
-    plant: str | Path = "rv4frl",
+    plant: str | Path | Rehearsal = "rv4frl",
     *,
     seed: int = 1,
     time_scale: float = 1.0,
@@ -101,7 +129,7 @@ def start_laboratory(
     Parameters
     ----------
     plant
-        A plant file, or the name of a shipped one.
+        A plant file, the name of a shipped one, or any arm, whose truth is then drawn and sealed.
     seed
         For everything random in it.
     time_scale
@@ -120,9 +148,15 @@ def start_laboratory(
         If it does not become ready.
     """
     temporary = Path(tempfile.mkdtemp(prefix="armodal-")) if directory is None else None
-    home = directory if directory is not None else temporary
-    command = [sys.executable, "-m", "armodal.hil_sim", "--plant", str(plant), "--seed", str(seed)]
+    home = directory or temporary or Path()
+    command = [sys.executable, "-m", "armodal.hil_sim", "--seed", str(seed)]
     command += ["--time-scale", str(time_scale), "--directory", str(home), "--watch-stdin"]
+    if isinstance(plant, Rehearsal):
+        home.mkdir(mode=0o700, parents=True, exist_ok=True)
+        write_rehearsal(plant, home / REHEARSAL)
+        command += ["--rehearsal", str(home / REHEARSAL)]
+    else:
+        command += ["--plant", str(plant)]
     for fault in faults:
         command += ["--fault", fault]
     return launch(command, temporary=temporary)
@@ -154,12 +188,27 @@ def _ready_line(process: subprocess.Popen[bytes]) -> dict[str, object]:
         )
     line = process.stdout.readline()
     if not line:
-        text = process.stderr.read().decode(errors="replace").strip()
         if process.wait() == 2:
+            text = process.stderr.read().decode(errors="replace").strip()
             raise PlantError(text.removeprefix("hil_sim: "))
-        raise DeviceLostError(f"the laboratory ended before it was ready: {text}")
+        raise DeviceLostError(_why(process))
     ready: dict[str, object] = json.loads(line)
     return ready
+
+
+def _why(process: subprocess.Popen[bytes]) -> str:
+    """Why a laboratory has ended by itself: its last words, and where it was."""
+    told = b"" if process.stderr is None or process.stderr.closed else process.stderr.read()
+    lines = [line.strip() for line in told.decode(errors="replace").splitlines() if line.strip()]
+    where = [found for line in lines if (found := _FRAME.match(line))]
+    words = lines[-1] if lines else "it left no word"
+    if where:
+        words += f" ({Path(where[-1]['file']).name}, line {where[-1]['line']})"
+    return (
+        f"the simulated laboratory ended by itself with exit code {process.returncode}: {words}; "
+        "this is a fault of the simulation, not of a device or of your files: report it with the "
+        "arm file, the plan and the seed"
+    )
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -16,6 +16,7 @@ from types import FrameType
 from typing import Generic
 
 import numpy as np
+import numpy.typing as npt
 
 from armodal.hil_sim.board import Board
 from armodal.hil_sim.board_dictionary import board_dictionary
@@ -24,12 +25,15 @@ from armodal.hil_sim.cell import BlowT, Cell, Source
 from armodal.hil_sim.clock import DeviceClock, LabClock
 from armodal.hil_sim.controller import Controller
 from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.ledger import LedgerWriter
 from armodal.hil_sim.operator import Operator, Swing, Workplace
 from armodal.hil_sim.operator_socket import OperatorSocket, check_free
 from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.hil_sim.streams import stream
+from armodal.protocols.arm.generic_can import generic_mapping
+from armodal.protocols.arm.records import CanMapping
 
 __all__ = ["ArmInCell", "LabOptions", "LabProcess"]
 
@@ -47,23 +51,33 @@ CLOCK_OFFSET_TICKS = 12_345_678
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LabOptions:
-    """What a laboratory is started with."""
+    """What a laboratory is started with.
+
+    `effects` are what its truth hides beside the plant's springs; a sealed ledger is read by
+    `hil_sim.ledger` alone.
+    """
 
     seed: int
     directory: Path
     time_scale: float = 1.0
     faults: tuple[str, ...] = ()
+    sealed: bool = False
+    effects: tuple[Mapping[str, object], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmInCell(Generic[BlowT]):
-    """The arm with its sensors and the hand that hits it."""
+    """The arm with its sensors, the hand that hits it, and what its controller says.
+
+    Without `can` the controller speaks armodal's own description.
+    """
 
     plant: Plant
     make_source: Callable[[Fraction], Source[BlowT]]
     swing: Swing[BlowT]
     mounted: Callable[[], Mapping[str, object]]
     swing_at_mass: Callable[[float], tuple[BlowT, Mapping[str, object]]] | None = None
+    can: CanMapping | None = None
 
 
 class LabProcess(Generic[BlowT]):
@@ -92,12 +106,17 @@ class LabProcess(Generic[BlowT]):
         check_free(options.directory / SOCKET_NAME)
         self.ledger_path = options.directory / LEDGER_NAME
         self._ledger = LedgerWriter(
-            self.ledger_path, plant, seed=options.seed, time_scale=options.time_scale
+            self.ledger_path,
+            plant,
+            seed=options.seed,
+            time_scale=options.time_scale,
+            effects=options.effects,
+            sealed=options.sealed,
         )
         keep.callback(self._ledger.close)
         cell = Cell(
             arm.make_source,
-            joints_rad=np.zeros(len(plant.joints)),
+            joints_rad=_at_first(plant),
             point=next(iter(plant.points)),
         )
         self._cell = cell
@@ -116,8 +135,14 @@ class LabProcess(Generic[BlowT]):
             converter=Converter(start=self._start, stop=cell.stop_sampling, read=cell.read),
         )
         self.board = Board(firmware, board_port, faults=faults, streams=partial(streams, "board"))
+        joints = [link.joint for link in plant.truth.links]
         self.controller = Controller(
-            cell, can_port, clock=clock, faults=faults, streams=partial(streams, "controller")
+            cell,
+            can_port,
+            messages=JointMessages(arm.can or generic_mapping(joints), joints),
+            clock=clock,
+            faults=faults,
+            streams=partial(streams, "controller"),
         )
         workplace = Workplace(
             cell=cell,
@@ -148,6 +173,7 @@ class LabProcess(Generic[BlowT]):
             "ledger": str(self.ledger_path),
             "time_scale": self._clock.scale,
             "input_range_v": self._input_range_v,
+            "truth_sha256": self._ledger.truth_sha256,
             "pid": os.getpid(),
         }
 
@@ -201,3 +227,10 @@ class LabProcess(Generic[BlowT]):
             can_transmissions=self.controller.adapter.transmissions,
             can_frames_lost=self.controller.frames_lost,
         )
+
+
+def _at_first(plant: Plant) -> npt.NDArray[np.float64]:
+    """(n_joints,) zero, or the end of the joint's range that is nearest to it."""
+    low, high = np.radians([link.range_deg for link in plant.truth.links]).T
+    nearest: npt.NDArray[np.float64] = np.clip(np.zeros(len(low)), low, high)
+    return nearest

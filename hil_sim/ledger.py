@@ -1,12 +1,18 @@
 """The ledger: what truly happened in the simulated laboratory, one JSON object a line.
 
-Only the laboratory writes it. Only tests and the last table of the demo read it.
+Only the laboratory writes it. Only tests, the last table of the demo and `armodal sim --open` read
+it. The lines of a sealed ledger are packed, so that nobody reads them by accident.
 """
 
 from __future__ import annotations
 
+import base64
+import binascii
+import hashlib
 import json
 import os
+import zlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -55,6 +61,7 @@ class LedgerTruth:
     time_scale: float
     joints: tuple[JointTruth, ...]  # those that give way, base outwards
     axis: AxisTruth | None
+    effects: tuple[Mapping[str, Any], ...] = ()  # name, place and parameters of what is hidden
 
     def joint(self, name: str) -> JointTruth:
         """Return the truth of a joint, or raise KeyError."""
@@ -77,12 +84,30 @@ class LedgerRecord:
 
 
 class LedgerWriter:
-    """Appends to a ledger; the first line is the truth."""
+    """Appends to a ledger; the first line is the truth.
 
-    def __init__(self, path: Path, plant: Plant, *, seed: int, time_scale: float) -> None:
+    Attributes
+    ----------
+    truth_sha256
+        Of the truth's line before it is packed, to be told before anybody measures.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        plant: Plant,
+        *,
+        seed: int,
+        time_scale: float,
+        effects: Sequence[Mapping[str, object]] = (),
+        sealed: bool = False,
+    ) -> None:
         fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         self._file = os.fdopen(fd, "a", encoding="utf-8")
-        self._write({"truth": _truth_of(plant) | {"seed": seed, "time_scale": time_scale}})
+        self._sealed = sealed
+        truth = _truth_of(plant) | {"seed": seed, "time_scale": time_scale}
+        told = self._write({"truth": truth | {"effects": list(effects)}})
+        self.truth_sha256 = hashlib.sha256(told.encode()).hexdigest()
 
     def note(self, event: str, lab_s: float, **facts: object) -> None:
         """Append what happened at lab time `lab_s`; arrays become lists."""
@@ -92,9 +117,12 @@ class LedgerWriter:
         """Close the file."""
         self._file.close()
 
-    def _write(self, entry: dict[str, Any]) -> None:
-        self._file.write(json.dumps(entry, default=_plain) + "\n")
+    def _write(self, entry: dict[str, Any]) -> str:
+        told = json.dumps(entry, default=_plain)
+        line = base64.b64encode(zlib.compress(told.encode())).decode() if self._sealed else told
+        self._file.write(line + "\n")
         self._file.flush()
+        return told
 
 
 def _plain(value: object) -> object:
@@ -144,14 +172,27 @@ def read_ledger(path: str | Path) -> LedgerRecord:
     """
     try:
         lines = Path(path).read_text(encoding="utf-8").split("\n")[:-1]
-        entries = [json.loads(line) for line in lines]
-        truth = _read_truth(entries[0]["truth"])
-    except (OSError, ValueError, LookupError, TypeError) as error:
+        entries = [_opened(line) for line in lines]
+        # A laboratory started again in the same folder goes on below.
+        last = max(i for i, entry in enumerate(entries) if "truth" in entry)
+        truth = _read_truth(entries[last]["truth"])
+    except (OSError, ValueError, LookupError, TypeError, zlib.error) as error:
         raise PlantError(
             f"ledger {path}: wanted the ledger of a simulated laboratory, got {error!r}; "
             "give the path that the laboratory printed"
         ) from error
-    return LedgerRecord(truth=truth, events=tuple(entries[1:]))
+    return LedgerRecord(truth=truth, events=tuple(entries[last + 1 :]))
+
+
+def _opened(line: str) -> dict[str, Any]:
+    """Read a line of a ledger, sealed or not."""
+    if not line.startswith("{"):
+        try:
+            line = zlib.decompress(base64.b64decode(line, validate=True)).decode()
+        except binascii.Error as error:
+            raise ValueError(line[:40]) from error
+    entry: dict[str, Any] = json.loads(line)
+    return entry
 
 
 def _read_truth(entry: dict[str, Any]) -> LedgerTruth:
@@ -165,4 +206,5 @@ def _read_truth(entry: dict[str, Any]) -> LedgerTruth:
         time_scale=entry["time_scale"],
         joints=tuple(JointTruth(**joint) for joint in entry["joints"]),
         axis=AxisTruth(**axis) if axis is not None else None,
+        effects=tuple(entry.get("effects", ())),
     )

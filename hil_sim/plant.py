@@ -15,7 +15,7 @@ from armodal.hil_sim.sensing import Sensing
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import PlantError
 
-__all__ = ["BASE", "Plant", "PlantPoint", "load_plant"]
+__all__ = ["BASE", "Plant", "PlantPoint", "build_plant", "load_plant", "shipped_plants"]
 
 Array = npt.NDArray[np.float64]
 
@@ -80,6 +80,14 @@ class Plant:
             ) from None
 
 
+PLANTS_DIRECTORY = Path(__file__).parent / "plants"
+
+
+def shipped_plants() -> tuple[str, ...]:
+    """Return the names of the plants that come with armodal."""
+    return tuple(sorted(path.stem for path in PLANTS_DIRECTORY.glob("*.toml")))
+
+
 def load_plant(name_or_path: str | Path) -> Plant:
     """Build the plant from a file, or from a shipped one by name such as "rv4frl".
 
@@ -88,9 +96,15 @@ def load_plant(name_or_path: str | Path) -> Plant:
     PlantError
         If the file cannot be used; the message names the key.
     """
-    shipped = Path(__file__).parent / "plants" / f"{name_or_path}.toml"
-    is_name = isinstance(name_or_path, str) and "/" not in name_or_path
-    path = shipped if is_name and shipped.is_file() else Path(name_or_path)
+    path = Path(name_or_path)
+    if isinstance(name_or_path, str) and "/" not in name_or_path and path.suffix != ".toml":
+        if name_or_path not in shipped_plants():
+            raise PlantError(
+                f"plant {name_or_path!r}: wanted a path to a plant file or one of the shipped "
+                f"plants {', '.join(shipped_plants())}; an arm file is simulated with "
+                "armodal sim --arm"
+            )
+        path = PLANTS_DIRECTORY / f"{name_or_path}.toml"
     return build_plant(load_plant_file(path))
 
 

@@ -3,6 +3,7 @@
 `docs/simulated-plant.md` says what can hide and what every case has wrong besides.
 """
 
+from armodal.hil_sim.study.any_arm import can_size, rehearsal_plan, study_of
 from armodal.hil_sim.study.arms import STUDY_ARMS, StudyArm, study_arm
 from armodal.hil_sim.study.cases import (
     CaseFiles,
@@ -24,9 +25,12 @@ __all__ = [
     "CaseSpec",
     "SealedCase",
     "StudyArm",
+    "can_size",
     "draw_study",
     "make_case",
+    "rehearsal_plan",
     "sealed",
     "study_arm",
+    "study_of",
     "write_case",
 ]

@@ -12,7 +12,7 @@ from typing import Any
 from armodal.hil_sim.plant_file import PlantFile, plant_text
 from armodal.hil_sim.study.arms import StudyArm, study_arm
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
-from armodal.hil_sim.study.hiding import CaseSpec, hide
+from armodal.hil_sim.study.hiding import CaseSpec, hide, hide_in
 from armodal.hil_sim.study.measure import measured
 from armodal.hil_sim.study.model_error import Tables, plant_of_tables
 from armodal.hil_sim.study.plant_of_arm import rotations
@@ -36,9 +36,9 @@ __all__ = [
 class SealedCase:
     """A case as the analysis gets it: `number`, `arm`, `plan`, `truth_sha256`, `session()`."""
 
-    def __init__(self, spec: CaseSpec) -> None:
-        self._spec = spec
-        self._study: StudyArm = study_arm(spec.arm)
+    def __init__(self, spec: CaseSpec, study: StudyArm | None = None) -> None:
+        self._spec, self._own = spec, study
+        self._study: StudyArm = study or study_arm(spec.arm)
 
     @property
     def number(self) -> int:
@@ -109,7 +109,7 @@ class SealedCase:
 
     @cached_property
     def _hidden(self) -> tuple[Tables, dict[str, Any]]:
-        return hide(self._spec)
+        return hide(self._spec) if self._own is None else hide_in(self._own, self._spec)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,8 +157,8 @@ def make_case(
     )
 
 
-def sealed(spec: CaseSpec) -> SealedCase:
-    """Close a case of a study.
+def sealed(spec: CaseSpec, study: StudyArm | None = None) -> SealedCase:
+    """Close a case of a study, or of an arm that is none of the study's.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def sealed(spec: CaseSpec) -> SealedCase:
             f"no magnitude is called {spec.magnitude!r}; wanted one of "
             f"{', '.join(MAGNITUDES)}, or a factor"
         )
-    return SealedCase(spec)
+    return SealedCase(spec, study)
 
 
 def _loaded(tables: Tables, arm: Arm, body: KnownMass) -> Tables:

@@ -72,7 +72,7 @@ def nonproportional(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 
 def load_damping(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """Losses that grow with the weight a joint carries."""
-    loads = {joint: places.loads(joint) for joint in places.elastic[1:3]}
+    loads = {joint: places.loads(joint) for joint in places.elastic[1:3] or places.elastic}
     joint = str(rng.choice(list(loads)))
     largest = max(abs(load) for load in loads[joint])
     load = largest / (LOAD_DAMPING * magnitude * about(rng))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
+from armodal.protocols.errors import PlantError
 
 __all__ = [
     "coupling",
@@ -30,7 +31,10 @@ Rng = np.random.Generator
 
 def coupling(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """Two neighbouring joints, the wrist's where they give way."""
-    pairs = list(zip(places.elastic[1:-1], places.elastic[2:], strict=True))
+    pairs = list(zip(places.elastic, places.elastic[1:], strict=False))
+    pairs = pairs[1:] or pairs  # the first joint turns all the others alike
+    if not pairs:
+        raise PlantError("coupling: wanted two joints with a stiffness, got fewer")
     pair = pairs[int(rng.integers(len(pairs)))]
     ends = [places.joints[name] for name in pair]
     part = float(rng.choice([-1.0, 1.0]) * COUPLING * magnitude * about(rng))
@@ -48,7 +52,7 @@ def coupling(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 def payload(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """On the last link or on the one that carries the wrist."""
     names = list(places.links)
-    link = names[-1] if rng.random() < 0.6 else names[3]
+    link = names[-1] if rng.random() < 0.6 else names[min(3, len(names) - 1)]
     arm_kg = sum(link["mass_kg"] for link in places.links.values())
     mass = float(PAYLOAD * arm_kg * magnitude * about(rng))
     center = np.array(places.links[link]["center_m"]) + 0.06 * unit(rng)
@@ -94,6 +98,8 @@ def wrist_coupling(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 
     Its own spring is stiff, since the arm file calls it rigid.
     """
+    if not places.rigid:
+        raise PlantError("wrist_coupling: wanted a joint believed rigid, got none")
     driver, driven = places.elastic[-1], places.rigid[0]
     stiff = places.carried(driven) * (2.0 * np.pi * STIFF_WRIST_HZ) ** 2
     ratio = float(rng.choice([-1.0, 1.0]) * WRIST_RATIO * magnitude * about(rng))
@@ -114,7 +120,7 @@ def wrist_coupling(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 
 def gravity_compensator(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """A gas cylinder beside the joint that lifts, as stiff as when its valve is shut."""
-    joint = places.elastic[1]
+    joint = places.elastic[min(1, len(places.elastic) - 1)]
     link = places.joints[joint]
     k = link["stiffness_n_m_per_rad"]
     axis = np.array(link["axis"])

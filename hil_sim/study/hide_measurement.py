@@ -74,7 +74,7 @@ def delay(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 
 def encoder_offset(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """One of the joints whose angle matters."""
-    joint = str(rng.choice(list(places.joints)[1:5]))
+    joint = str(rng.choice(list(places.joints)[1:5] or list(places.joints)))
     offset = float(rng.choice([-1.0, 1.0]) * ENCODER_DEG * magnitude * about(rng))
     table = {"kind": "encoder_offset", "joint": joint, "offset_deg": offset}
     return hidden("encoder_offset", joint, table, offset_deg=offset)

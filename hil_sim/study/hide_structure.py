@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
+from armodal.protocols.errors import PlantError
 
 __all__ = [
     "base",
@@ -31,6 +32,8 @@ Rng = np.random.Generator
 
 def released_joint(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
     """A joint the arm file calls rigid."""
+    if not places.rigid:
+        raise PlantError("released_joint: wanted a joint believed rigid, got none")
     joint = places.rigid[0] if len(places.rigid) > 1 else places.rigid[-1]
     k = 1.0 / (RELEASED * places.compliance * magnitude * about(rng))
     table = {

@@ -7,14 +7,15 @@ from functools import lru_cache
 from typing import Any
 
 from armodal.hil_sim.streams import stream
-from armodal.hil_sim.study.arms import study_arm
+from armodal.hil_sim.study.arms import StudyArm, study_arm
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
 from armodal.hil_sim.study.model_error import Tables, erring_plant_tables
 from armodal.hil_sim.study.places import ArmPlaces, Hidden
 from armodal.hil_sim.study.prominence import Bystander
 from armodal.hil_sim.study.sizing import AS_MADE, clear_place, clear_size
+from armodal.protocols.errors import PlantError
 
-__all__ = ["CaseSpec", "hide"]
+__all__ = ["CaseSpec", "hide", "hide_in"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +36,17 @@ class CaseSpec:
 @lru_cache(maxsize=1024)  # a study seals all its cases first, and measures each later
 def hide(spec: CaseSpec) -> tuple[Tables, dict[str, Any]]:
     """Tables of the plant with its effects, and the truth about them; to be read only."""
-    study = study_arm(spec.arm)
+    return hide_in(study_arm(spec.arm), spec)
+
+
+def hide_in(study: StudyArm, spec: CaseSpec) -> tuple[Tables, dict[str, Any]]:
+    """Hide effects in an arm that need not be the study's own.
+
+    Raises
+    ------
+    PlantError
+        If an effect has no place on the arm.
+    """
     plain = erring_plant_tables(study, spec.seed)
     places, bystander = ArmPlaces(study, plain), Bystander(study, plain)
     tables, truths = plain, []
@@ -93,7 +104,15 @@ class _Effect:
     def _made(self, place: int, size: float) -> Hidden:
         make = LIBRARY.get(self.name) or OUTSIDE[self.name]
         rng = stream(self.spec.seed, "effect", self.name, self.copy, place)
-        return make(self.places, rng, size)
+        try:
+            return make(self.places, rng, size)
+        except PlantError:
+            raise
+        except (IndexError, ValueError) as error:  # nothing to choose from
+            raise PlantError(
+                f"{self.name} has no place on {self.places.study.arm.name}, which has too few "
+                "joints, links or points for it; hide another effect"
+            ) from error
 
     def _stands_out(self, place: int, size: float) -> float:
         """Alone on the arm, so that what else is hidden changes nothing."""

@@ -13,6 +13,7 @@ from armodal.hil_sim.small_motion import force_torque, linearise
 from armodal.hil_sim.study.arms import StudyArm
 from armodal.hil_sim.study.model_error import Tables, plant_of_tables
 from armodal.hil_sim.study.plant_of_arm import rotations
+from armodal.protocols.errors import PlantError
 
 __all__ = ["ArmPlaces", "Hidden", "about", "hidden", "plain", "unit"]
 
@@ -76,8 +77,17 @@ class ArmPlaces:
         return [name for name in self.joints if name not in self.elastic]
 
     def structural(self) -> list[str]:
-        """Links with two points at least: what bends in them can be seen."""
-        return [name for name in self.links if len(self.points.get(name, ())) > 1]
+        """Links with two points at least: what bends in them can be seen.
+
+        Raises
+        ------
+        PlantError
+            If no link has two points.
+        """
+        links = [name for name in self.links if len(self.points.get(name, ())) > 1]
+        if not links:
+            raise PlantError("wanted a link with two test points, got none")
+        return links
 
     def before(self, link: str) -> str:
         """The link that carries a link's joint."""

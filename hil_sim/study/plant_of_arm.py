@@ -84,6 +84,7 @@ def plant_file_of_arm(
     return pattern.model_copy(
         update={
             "name": arm.name,
+            "gravity_m_s2": tuple(arm.gravity_m_s2.tolist()),
             "links": tuple(links),
             "points": tuple(points),
             "hidden_axis": None,

@@ -15,9 +15,11 @@ from armodal.hil_sim.cell import Cell
 from armodal.hil_sim.clock import DeviceClock, LabClock
 from armodal.hil_sim.controller import Controller
 from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.lab import launch
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.hil_sim.streams import stream
+from armodal.protocols.arm.generic_can import generic_mapping
 
 
 class Time:
@@ -54,8 +56,14 @@ class Bench:
         self.board_port, self.can_port = PtyPort(), PtyPort()
         streams = partial(stream, 1)
         self.board = Board(self.firmware, self.board_port, faults=self.faults, streams=streams)
+        joints = [link.joint for link in truth().links]
         self.controller = Controller(
-            self.cell, self.can_port, clock=self.clock, faults=self.faults, streams=streams
+            self.cell,
+            self.can_port,
+            messages=JointMessages(generic_mapping(joints), joints),
+            clock=self.clock,
+            faults=self.faults,
+            streams=streams,
         )
         self.host = BoardLine(self.board_port.name, self.board.step)
         self.listener = Line(self.can_port.name, self.controller.step)

@@ -6,13 +6,8 @@ from cantools.database import load_string
 from hypothesis import given
 from hypothesis import strategies as st
 
-from armodal.hil_sim.controller import (
-    ENCODER_NOISE_RAD,
-    ENCODER_STEP_RAD,
-    HELD,
-    MAX_SPEED_RAD_S,
-    MOVING,
-)
+from armodal.hil_sim.controller import ENCODER_NOISE_RAD, ENCODER_STEP_RAD, MAX_SPEED_RAD_S
+from armodal.hil_sim.joint_messages import HELD, MOVING
 from armodal.hil_sim.slcan_adapter import SlcanAdapter
 from armodal.protocols.slcan import CanFrame, SlcanParser, listen_only_commands
 

@@ -22,9 +22,11 @@ from armodal.hil_sim.cell import Cell
 from armodal.hil_sim.clock import DeviceClock, LabClock
 from armodal.hil_sim.controller import Controller
 from armodal.hil_sim.faults import FaultSet
+from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.ledger import LedgerWriter
 from armodal.hil_sim.plant import build_plant
 from armodal.hil_sim.streams import stream
+from armodal.protocols.arm.generic_can import generic_mapping
 from armodal.protocols.board.codec import FrameDecoder
 from armodal.protocols.board.messages import decode_samples
 from armodal.protocols.board.records import FrameType
@@ -186,8 +188,14 @@ class VirtualLab:
         streams = partial(stream, seed)
         self.board = Board(self.firmware, self.board_line, faults=self.faults, streams=streams)
         self._record_samples()
+        joints = [link.joint for link in truth.links]
         self.controller = Controller(
-            self.cell, self.can_line, clock=clock, faults=self.faults, streams=streams
+            self.cell,
+            self.can_line,
+            messages=JointMessages(generic_mapping(joints), joints),
+            clock=clock,
+            faults=self.faults,
+            streams=streams,
         )
         self.channel = Channel()
         self.operator = VirtualOperator(self)

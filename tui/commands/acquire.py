@@ -16,6 +16,7 @@ from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui.commands.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 
@@ -49,6 +50,8 @@ def acquire_command(
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
     the_arm = load_arm(arm)
+    if operator is not None and not resume:
+        the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
     settings = AcquisitionSettings(
         board_port=board,

@@ -13,15 +13,27 @@ import typer
 from armodal.analyzer.gap.add import is_of_one_posture
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
-from armodal.hil_sim.study import LIBRARY, MAGNITUDES, make_case
+from armodal.hil_sim.study import (
+    LIBRARY,
+    MAGNITUDES,
+    STUDY_ARMS,
+    CaseSpec,
+    SealedCase,
+    can_size,
+    make_case,
+    sealed,
+    study_of,
+)
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.errors import SessionError
+from armodal.protocols.errors import PlanError, SessionError
+from armodal.protocols.plan import load_plan
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
 from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
 from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
 from armodal.tui.commands.options import refuse_idle
+from armodal.tui.commands.rehearsed import plan_to_rehearse
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.output_file import check_output
 
@@ -31,7 +43,7 @@ app = typer.Typer(add_completion=False)
 
 # By parameter: what has a meaning only with a session, and only with --lab.
 _OF_SESSION = ("more", "arm")
-_OF_LAB = ("lab_arm", "hide", "magnitude", "seed", "budget", "folder")
+_OF_LAB = ("lab_arm", "lab_plan", "hide", "magnitude", "seed", "budget", "folder")
 
 
 @app.command("gap")
@@ -54,7 +66,13 @@ def gap_command(
     lab: Annotated[
         bool, typer.Option("--lab", help="Drive the simulated laboratory, next tests included.")
     ] = False,
-    lab_arm: Annotated[str, typer.Option(help="Its arm: bench57, ur5 or rv4frl.")] = "bench57",
+    lab_arm: Annotated[
+        str, typer.Option(help="Its arm: an arm file or a shipped arm.")
+    ] = "bench57",
+    lab_plan: Annotated[
+        str | None,
+        typer.Option(help="Plan it is measured by: fixed hammer, a posture for validation."),
+    ] = None,
     hide: Annotated[str | None, typer.Option(help="What it hides; drawn if not given.")] = None,
     magnitude: Annotated[
         str, typer.Option(help="clear, medium, faint, or a part of clear: 0.3.")
@@ -89,7 +107,9 @@ def gap_command(
             check_output(path, *read)
     beside: dict[str, Any] = {}
     if session is None:
-        session, outcome, beside = _with_laboratory(lab_arm, hide, magnitude, seed, budget, folder)
+        session, outcome, beside = _with_laboratory(
+            _case(lab_arm, lab_plan, hide, magnitude, seed), budget, folder
+        )
         measured = read_session(session)
     else:
         measured = read_session(session)
@@ -131,11 +151,29 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
         out.print(f"in truth: {hidden or 'nothing was hidden'}")
 
 
-def _with_laboratory(
-    arm: str, hide: str | None, magnitude: str, seed: int, budget: int, folder: Path
-) -> tuple[Path, GapOutcome, dict[str, Any]]:
+def _case(arm: str, plan: str | None, hide: str | None, magnitude: str, seed: int) -> SealedCase:
+    """Close a case of one of the study's arms, or of any other."""
     kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
-    case = make_case(seed, arm, kind, _magnitude(magnitude), ladder=True)
+    size = _magnitude(magnitude)
+    if arm in STUDY_ARMS and plan is None:
+        return make_case(seed, arm, kind, size, ladder=True)
+    the_arm = load_arm(arm)
+    the_plan = plan_to_rehearse(the_arm) if plan is None else load_plan(plan, the_arm)
+    if not can_size(the_plan):
+        raise PlanError(
+            f"plan {the_plan.name}: wanted a fixed hammer (roving-response) with a hit_direction "
+            "in every posture and one posture for validation, got another; leave --lab-plan out, "
+            "and the laboratory draws one"
+        )
+    spec = CaseSpec(
+        number=1, arm=the_arm.name, seed=seed, kinds=(kind,), magnitude=size, ladder=True
+    )
+    return sealed(spec, study_of(the_arm, the_plan))
+
+
+def _with_laboratory(
+    case: SealedCase, budget: int, folder: Path
+) -> tuple[Path, GapOutcome, dict[str, Any]]:
     say(f"truth sealed as {case.truth_sha256}")
     loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=say)
     truth = json.loads(case.open_truth())

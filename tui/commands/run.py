@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from armodal import SOFTWARE
+from armodal.hil_sim.rehearsed_plant import parse_hidden
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
+from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.conductor import RunOptions
@@ -21,8 +24,6 @@ from armodal.tui.screens.run.place import find_place
 __all__ = ["app", "run_app"]
 
 app = typer.Typer(add_completion=False)
-
-SIMULATED_PLAN = "rv4frl-three-postures"
 
 
 def run_app(
@@ -37,6 +38,7 @@ def run_app(
     seed: int = 1,
     time_scale: float = 1.0,
     input_range_v: float | None = None,
+    hide: Sequence[str] = (),
 ) -> int:
     """Run the app to its end; return the exit code.
 
@@ -50,10 +52,15 @@ def run_app(
             "--input-range: wanted the largest input voltage of the board in V, above 0, got "
             f"{input_range_v:g}; its data sheet tells it"
         )
+    if hide and not simulated:
+        raise SessionError("wanted --hide with --sim only, got a real arm; leave it out")
+    hidden = parse_hidden(hide)
     the_arm = load_arm(arm) if isinstance(arm, str) else arm
-    if plan is None and not session.exists() and simulated:
-        plan = SIMULATED_PLAN
-    place = find_place(session, the_arm, None if plan is None else load_plan(plan, the_arm))
+    the_plan = None if plan is None else load_plan(plan, the_arm)
+    if simulated and not session.exists():
+        the_arm = spoken_arm(the_arm)
+        the_plan = the_plan or plan_to_rehearse(the_arm)
+    place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
         board=board,
@@ -61,6 +68,7 @@ def run_app(
         baud=baud,
         input_range_v=input_range_v,
         simulated=simulated,
+        hidden=hidden,
         seed=seed,
         time_scale=time_scale,
         software=SOFTWARE,
@@ -87,6 +95,10 @@ def run_command(
     ] = None,
     time_scale: TimeScale = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+    hide: Annotated[
+        list[str] | None,
+        typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
+    ] = None,
 ) -> None:
     """Guide the operator through a session, on screens that read from two metres.
 
@@ -104,5 +116,6 @@ def run_command(
             input_range_v=input_range,
             seed=seed,
             time_scale=time_scale,
+            hide=hide or (),
         )
     )

@@ -14,8 +14,14 @@ import typer
 from armodal.hil_sim.broken_board import broken_board
 from armodal.hil_sim.broken_controller import broken_controller
 from armodal.hil_sim.lab import Laboratory, start_laboratory
+from armodal.hil_sim.rehearsal import Rehearsal
+from armodal.hil_sim.rehearsed_plant import parse_hidden
 from armodal.hil_sim.relay import relayed
-from armodal.tui.console import Json, TimeScale, out
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlantError
+from armodal.protocols.plan import load_plan
+from armodal.tui.commands.rehearsed import show_truth, spoken_arm
+from armodal.tui.console import Json, TimeScale, out, say
 
 __all__ = ["app", "broken_lines"]
 
@@ -24,10 +30,25 @@ app = typer.Typer(add_completion=False)
 
 @app.command()
 def sim(
-    plant: Annotated[str, typer.Option(help="Shipped plant or a plant file.")] = "rv4frl",
+    plant: Annotated[
+        str | None, typer.Option(help="Shipped plant or a plant file; rv4frl if not given.")
+    ] = None,
+    arm: Annotated[
+        str | None, typer.Option(help="Arm file or shipped arm; its truth is drawn and sealed.")
+    ] = None,
+    plan: Annotated[
+        str | None, typer.Option(help="Plan of the arm: hits are as hard as it asks.")
+    ] = None,
+    hide: Annotated[
+        list[str] | None,
+        typer.Option(help="Effect that the arm hides, as payload or payload:faint; repeatable."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="For everything random in it.")] = 1,
     time_scale: TimeScale = 1.0,
     directory: Annotated[Path | None, typer.Option("--out", help="Socket and ledger.")] = None,
+    open_ledger: Annotated[
+        Path | None, typer.Option("--open", help="Tell the truth that a ledger keeps, and end.")
+    ] = None,
     fault: Annotated[list[str] | None, typer.Option(help="A scripted fault; repeatable.")] = None,
     broken_board: Annotated[
         str | None, typer.Option(help="A board that breaks the protocol in one way.")
@@ -39,11 +60,21 @@ def sim(
 ) -> None:
     """Start the simulated laboratory, print its ports, run until Ctrl-C.
 
-    Example: armodal sim --time-scale 8
+    With --arm it is that arm: springs, masses, sensors and places are off as they are in any arm,
+    and what --hide names is in it. Nobody sees the truth until --open asks for it.
+
+    Example: armodal sim --arm ur5 --hide payload:faint --seed 3 --out lab
     """
+    if open_ledger is not None:
+        show_truth(open_ledger, as_json=as_json)
+        return
     with (
         start_laboratory(
-            plant, seed=seed, time_scale=time_scale, directory=directory, faults=tuple(fault or ())
+            _what(plant, arm, plan, hide),
+            seed=seed,
+            time_scale=time_scale,
+            directory=directory,
+            faults=tuple(fault or ()),
         ) as laboratory,
         broken_lines(laboratory, board=broken_board, controller=broken_controller) as lines,
     ):
@@ -53,14 +84,42 @@ def sim(
             "operator": str(laboratory.operator),
             "ledger": str(laboratory.ledger),
             "time_scale": laboratory.time_scale,
+            "truth_sha256": laboratory.truth_sha256,
         }
         if as_json:
             sys.stdout.write(json.dumps(ports) + "\n")
             sys.stdout.flush()
         else:
             for name, value in ports.items():
-                out.print(f"{name:<11}{value}")
+                out.print(f"{name:<13}{value}")
+        if arm is not None:
+            where = laboratory.ledger
+            say(f"the truth is sealed; armodal sim --open {where} tells it")
+            if directory is None:
+                say("without --out the ledger goes when the laboratory ends")
         laboratory.wait()
+
+
+def _what(
+    plant: str | None, arm: str | None, plan: str | None, hide: list[str] | None
+) -> str | Rehearsal:
+    """Return a plant's name, or an arm with what it hides."""
+    if arm is None:
+        idle = [n for n, value in (("--plan", plan), ("--hide", hide)) if value]
+        if idle:
+            raise PlantError(
+                f"wanted {' and '.join(idle)} with --arm only, got no arm; name the arm, such as "
+                "--arm ur5"
+            )
+        return plant or "rv4frl"
+    if plant is not None:
+        raise PlantError(
+            "wanted either --plant or --arm, got both; a plant file holds the truth, an arm file "
+            "what is believed"
+        )
+    the_arm = load_arm(arm)
+    the_plan = None if plan is None else load_plan(plan, the_arm)
+    return Rehearsal(arm=spoken_arm(the_arm), plan=the_plan, hidden=parse_hidden(hide or ()))
 
 
 @contextmanager

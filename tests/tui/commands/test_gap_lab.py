@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from support.chain_arm import chain_arm_text
 from support.gap_results import made_result
 from support.small_case import small_case
 from typer.testing import CliRunner
@@ -14,7 +15,7 @@ from typer.testing import CliRunner
 import armodal.study.closed_loop
 import armodal.tui.commands.gap
 from armodal.analyzer.gap.hit_levels import has_levels
-from armodal.protocols.errors import SessionError
+from armodal.protocols.errors import PlanError, SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.study.closed_loop import run_loop
 from armodal.tui.cli import app
@@ -29,6 +30,7 @@ def test_a_session_and_a_laboratory_at_once_or_neither_are_refused():
 
 LAB_ONLY = {
     "--lab-arm": "bench57",
+    "--lab-plan": "my-plan.toml",
     "--hide": "rotor",
     "--magnitude": "medium",
     "--seed": "1",
@@ -104,6 +106,30 @@ def test_the_command_hits_at_levels_and_tells_the_truth_beside_what_was_found(
     shown = " ".join(for_people.stdout.split())
     assert "two stand" in shown
     assert "in truth: softening" in shown
+
+
+def test_the_laboratory_is_of_any_arm_file(tmp_path, monkeypatch):
+    path = tmp_path / "two.toml"
+    path.write_text(chain_arm_text(2, name="two"), encoding="utf-8")
+    found = SimpleNamespace(result=replace(made_result("ambiguous", []), summary="none"))
+    monkeypatch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: found)
+    arguments = ["gap", "--lab", "--lab-arm", str(path), "--hide", "delay", "--budget", "0"]
+    result = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path / "lab"), "--json"])
+    assert result.exit_code == 0, result.output
+    (effect,) = json.loads(result.stdout)["truth"]["effects"]
+    assert effect["name"] == "delay"
+    session = read_session(tmp_path / "lab" / "test-1.h5")
+    assert session.header.arm.name == "two"
+    assert session.header.plan.name == "two-rehearsal"
+
+
+def test_a_plan_that_cannot_size_an_effect_is_refused(tmp_path):
+    path = tmp_path / "lab"
+    arguments = ["gap", "--lab", "--lab-arm", "rv4frl", "--lab-plan", "rv4frl-roving-hammer"]
+    result = CliRunner().invoke(app, [*arguments, "--hide", "delay", "--out", str(path)])
+    assert isinstance(result.exception, PlanError)
+    assert "leave --lab-plan out" in str(result.exception)
+    assert not path.exists()
 
 
 @pytest.mark.long

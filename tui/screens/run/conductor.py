@@ -23,6 +23,7 @@ from armodal.tui.screens.run.hand import trial_request
 from armodal.tui.screens.run.happenings import (
     HandIdle,
     Happening,
+    LabEnded,
     LabStarting,
     LabWanted,
     MassChosen,
@@ -61,6 +62,7 @@ class RunOptions:
     baud: int = 921_600
     input_range_v: float | None = None
     simulated: bool = False
+    hidden: tuple[tuple[str, str | float], ...] = ()  # in the simulated arm
     seed: int = 1
     time_scale: float = 1.0
     software: str = "armodal"
@@ -123,6 +125,10 @@ class Conductor:
 
     def tick(self) -> None:
         """Look at the clock, once all that was said meanwhile has been heard."""
+        if self._lab is not None and self.state.lab_ended is None:
+            why = self._lab.failure()
+            if why is not None:
+                self.tell(LabEnded(why=why))
         self._engine.hear()
         self.tell(Tick(now_s=self._clock()))
 
@@ -321,6 +327,7 @@ class Conductor:
                 SimulatedLab,
                 self.place.arm,
                 self.place.plan,
+                hidden=self.options.hidden,
                 seed=self.options.seed,
                 time_scale=self.options.time_scale,
                 tell=tell,

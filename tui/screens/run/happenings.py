@@ -12,6 +12,7 @@ __all__ = [
     "HandAtWork",
     "HandIdle",
     "Happening",
+    "LabEnded",
     "LabStarting",
     "LabWanted",
     "MassChosen",
@@ -46,6 +47,13 @@ class PortsFound:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LabStarting:
     """The simulated laboratory is being started."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LabEnded:
+    """The simulated laboratory has ended by itself."""
+
+    why: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,6 +140,7 @@ Happening = (
     Event
     | Tick
     | PortsFound
+    | LabEnded
     | LabStarting
     | LabWanted
     | TriggerChosen

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from armodal.hil_sim.lab import Laboratory, start_laboratory
+from armodal.hil_sim.rehearsal import Rehearsal
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan_records import Plan
 from armodal.tui.operators import ScriptedOperator
@@ -28,11 +29,14 @@ class SimulatedLab:
         arm: Arm,
         plan: Plan,
         *,
+        hidden: tuple[tuple[str, str | float], ...] = (),
         seed: int,
         time_scale: float,
         tell: Callable[[HandAtWork | HandIdle], None],
     ) -> None:
-        self.laboratory: Laboratory = start_laboratory(arm.name, seed=seed, time_scale=time_scale)
+        self.laboratory: Laboratory = start_laboratory(
+            Rehearsal(arm=arm, plan=plan, hidden=hidden), seed=seed, time_scale=time_scale
+        )
         try:
             operator = ScriptedOperator(
                 self.laboratory.operator, arm, plan, time_scale=time_scale, timeout_s=60.0
@@ -46,6 +50,10 @@ class SimulatedLab:
     def alive(self) -> bool:
         """Whether its process runs."""
         return self.laboratory.alive
+
+    def failure(self) -> str | None:
+        """Return why it has ended by itself, if it has."""
+        return self.laboratory.failure()
 
     def close(self) -> None:
         """Stop it."""

@@ -28,6 +28,7 @@ from armodal.tui.screens.run.happenings import (
     HandAtWork,
     HandIdle,
     Happening,
+    LabEnded,
     LabStarting,
     LabWanted,
     MassChosen,
@@ -127,12 +128,27 @@ def _lab_wanted(state: RunState, event: LabWanted) -> RunState:
         input_range_v=event.input_range_v,
         simulated=event.simulated,
         lab_starting=False,
+        lab_ended=None,
         board=None,
         troubles=(),
         previews=(),
         trials=(),
         health=None,
     )
+
+
+def _lab_ended(state: RunState, event: LabEnded) -> RunState:
+    """What devices say once their laboratory is gone is only what followed."""
+    failed = state.failed
+    if failed is not None:
+        failed = replace(failed, message=event.why, kind="LabEnded")
+    return replace(state, lab_ended=event.why, failed=failed, board=None, reading=None)
+
+
+def _failed(state: RunState, event: Failed) -> RunState:
+    if state.lab_ended is not None:
+        event = replace(event, message=state.lab_ended, kind="LabEnded")
+    return replace(state, failed=event, phase=Phase.FAILED, safe=False)
 
 
 def _session_wanted(state: RunState, event: SessionWanted) -> RunState:
@@ -184,6 +200,7 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
         state, ports=event.ports, board_choice=event.board_choice
     ),
     LabStarting: lambda state, _: replace(state, lab_starting=True),
+    LabEnded: _lab_ended,
     LabWanted: _lab_wanted,
     BoardFound: _board_found,
     DeviceTrouble: _device_trouble,
@@ -207,7 +224,7 @@ _HANDLERS: dict[type, Callable[[RunState, Any], RunState]] = {
     HitWithdrawn: _withdrawn,
     Noted: lambda state, event: replace(state, notes=(*state.notes, event.text)[-KEPT_NOTES:]),
     Finished: _finished,
-    Failed: lambda state, event: replace(state, failed=event, phase=Phase.FAILED, safe=False),
+    Failed: _failed,
     ProcessGone: _gone,
     SessionFileReady: lambda state, event: replace(
         state, session_file=event.path, file_problem=event.problem

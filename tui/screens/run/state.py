@@ -66,6 +66,7 @@ class RunState:
     input_range_v: float | None = None  # of the board's inputs; its dictionary does not tell it
     simulated: bool = False
     lab_starting: bool = False
+    lab_ended: str | None = None  # why the simulated laboratory has ended by itself
     troubles: tuple[tuple[str, str], ...] = ()  # device, message
     board: BoardFound | None = None
     health: Health | None = None

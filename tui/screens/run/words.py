@@ -52,6 +52,7 @@ _ERRORS: dict[str, tuple[str, str]] = {
     "FrameError": ("The board cannot be understood", "Look at its cable and its firmware."),
     "PlanError": ("The plan does not fit this board", "Change the plan file."),
     "ArmError": ("The arm file does not do", "Change the arm file."),
+    "LabEnded": ("The simulated laboratory has ended by itself", "Devices are not at fault."),
     "ProcessGone": (
         "The acquisition has stopped without a word",
         "What it had accepted is in the journal.",

@@ -28,6 +28,8 @@ from armodal.daq.session_machine import hit_judged
 from armodal.protocols.session.journal import Mark, MarkKind
 from armodal.protocols.session.records import Loss
 from armodal.tui.screens.run.happenings import (
+    LabEnded,
+    LabWanted,
     ProcessGone,
     SafeConfirmed,
     SensorsConfirmed,
@@ -36,6 +38,7 @@ from armodal.tui.screens.run.happenings import (
 )
 from armodal.tui.screens.run.reducer import KEPT_PREVIEWS
 from armodal.tui.screens.run.state import SILENT_AFTER_S, Phase, Step, begin_state
+from armodal.tui.screens.run.views.lab import devices_text, next_step
 
 
 def loss(kind: str, count: int) -> LossNoted:
@@ -176,3 +179,26 @@ def test_points_skipped_before_are_shown_as_skipped_before_the_session_is_opened
     skipped = Mark(kind=MarkKind.SKIPPED, posture=posture.name, point=posture.points[0], host_s=1.0)
     state = begin_state(ARM, PLAN, earlier_marks=(skipped,), earlier_end="left")
     assert [p.skipped for p in state.progress[:2]] == [True, False]
+
+
+def test_what_devices_say_after_their_laboratory_has_ended_is_not_believed():
+    gone = Failed(
+        message="the device is gone; check cable and power", kind="DeviceLostError", journal="j"
+    )
+    ended = LabEnded(why="the simulated laboratory ended by itself: IndexError")
+    for events in ([ended, gone], [gone, ended]):
+        failed = after(fresh(), *HIT_EVENTS, *events).failed
+        assert failed is not None
+        assert (failed.message, failed.kind, failed.journal) == (ended.why, "LabEnded", "j")
+
+
+def test_a_laboratory_that_has_ended_is_told_before_the_session_and_can_be_started_again():
+    state = after(fresh(), *LAB_EVENTS, LabEnded(why="it ended: IndexError"))
+    words, _ = next_step(state)
+    assert "ended by itself" in words
+    assert "cable" not in words
+    shown = devices_text(state).plain
+    assert "IndexError" in shown
+    assert "cable" not in shown
+    wanted = LabWanted(board_port="b", can_channel="c", simulated=True)
+    assert after(state, wanted).lab_ended is None

@@ -27,6 +27,8 @@ def next_step(state: RunState) -> tuple[str, str]:
         return "The session is being opened ...", WARN
     if state.lab_starting:
         return "The simulated laboratory is being started ...", WARN
+    if state.lab_ended is not None:
+        return "The simulated laboratory has ended by itself. s: start it again", BAD
     if not state.board_port:
         words = "s: simulated laboratory   1-9: press the number of the board's port"
         if state.board_choice:
@@ -75,6 +77,9 @@ def devices_text(state: RunState) -> Text:
             text.append(f" {i} {path}  {words}\n")
         if not state.ports and not state.lab_starting:
             text.append(" none: plug the board in, or s for the simulated laboratory\n", style=WARN)
+        return text
+    if state.lab_ended is not None:
+        text.append(f"✗ {state.lab_ended}\n", style=BAD)
         return text
     troubles = dict(state.troubles)
     text.append("board       ", style="bold")
