@@ -53,6 +53,7 @@ class LabOptions:
     directory: Path
     time_scale: float = 1.0
     faults: tuple[str, ...] = ()
+    receive_bytes: int | None = None  # of the board's buffer for commands; None: the smallest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +115,7 @@ class LabProcess(Generic[BlowT]):
             session=int(streams("board session").integers(1, 1 << 32)),
             clock=device_clock,
             converter=Converter(start=self._start, stop=cell.stop_sampling, read=cell.read),
+            receive_bytes=options.receive_bytes,
         )
         self.board = Board(firmware, board_port, faults=faults, streams=partial(streams, "board"))
         self.controller = Controller(
