@@ -22,7 +22,7 @@ PORTS = HERE / "ports"
 FOLDER = HERE / "build" / "firmware"
 BOARDS = ("pty", "an386")
 # A machine that is held up for long must not make the board drop its preview.
-_PREVIEW = "-DBSP_PREVIEW_FRAMES=256"
+_PREVIEW = "-DBSP_PREVIEW_FRAMES=64"
 _ARM = (
     *("-Os", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
     *("-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections", "-nostartfiles"),
