@@ -16,7 +16,7 @@ from armodal.protocols.arrays import frozen_array
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.session.records import JointReading
 
-__all__ = ["ToldJoints", "ToldSource", "told_within_rad"]
+__all__ = ["ToldJoints", "ToldSource", "told_refusal", "told_within_rad"]
 
 ROUNDING_RAD = 1e-9  # of degrees to radians and back
 
@@ -89,6 +89,25 @@ def told_within_rad(tolerance_rad: float, told_rad: float) -> float:
     return max(tolerance_rad - told_rad, 0.0) + ROUNDING_RAD
 
 
+def told_refusal(word: ToldPosture, posture: PlannedPosture, told_rad: float) -> str:
+    """Return why angles told to `told_rad` are not those of a posture; empty where they are."""
+    if word.joints_rad is None:
+        return ""
+    joints_rad, planned_rad = np.array(word.joints_rad), posture.joints_rad
+    if joints_rad.shape != planned_rad.shape or not np.isfinite(joints_rad).all():
+        return f"wanted {planned_rad.size} joint angles, got {joints_rad.size}; tell them all"
+    off_rad = np.abs(joints_rad - planned_rad)
+    allowed_rad = told_within_rad(posture.tolerance_rad, told_rad)
+    joint = int(off_rad.argmax())
+    if off_rad[joint] <= allowed_rad:
+        return ""
+    return (
+        f"joint {joint + 1} is told {math.degrees(off_rad[joint]):.2f} deg off posture "
+        f"{posture.name}, {math.degrees(allowed_rad):.2f} allowed with angles read to "
+        f"{math.degrees(told_rad):g} deg; bring the arm nearer"
+    )
+
+
 class ToldSource:
     """The person as a source; there is no line.
 
@@ -119,22 +138,11 @@ class ToldSource:
         """Take the angles, if the arm is at the posture with all they may be off."""
         if posture is None:
             return "where the arm stands was told when no posture was asked for: not taken"
+        refused = told_refusal(word, posture, self._tolerance_rad)
+        if refused:
+            return f"{refused}: not taken"
         planned_rad = posture.joints_rad
-        joints_rad = np.asarray(planned_rad if word.joints_rad is None else word.joints_rad)
-        if joints_rad.shape != planned_rad.shape or not np.isfinite(joints_rad).all():
-            return (
-                f"wanted {planned_rad.size} joint angles, got {joints_rad.size}: not taken; tell "
-                "them all once more"
-            )
-        off_rad = np.abs(joints_rad - planned_rad)
-        allowed_rad = told_within_rad(posture.tolerance_rad, self._tolerance_rad)
-        joint = int(off_rad.argmax())
-        if off_rad[joint] > allowed_rad:
-            return (
-                f"joint {joint + 1} is told {math.degrees(off_rad[joint]):.2f} deg off posture "
-                f"{posture.name}, {math.degrees(allowed_rad):.2f} allowed of one who reads to "
-                f"{math.degrees(self._tolerance_rad):g} deg: not taken; bring the arm nearer"
-            )
+        joints_rad = planned_rad if word.joints_rad is None else np.array(word.joints_rad)
         self.joints.tell(joints_rad, now_s)
         degrees = " ".join(f"{x + 0.0:.2f}" for x in np.degrees(joints_rad))
         return (

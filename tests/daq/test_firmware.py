@@ -1,8 +1,11 @@
 """The boards of `protocols/c/ports` are built and pass the check: on this machine and in QEMU."""
 
+import json
+import math
 import re
 import shutil
 import subprocess
+import sys
 from contextlib import closing, contextmanager
 from fractions import Fraction
 
@@ -14,6 +17,7 @@ from armodal.daq.clock import SystemClock
 from armodal.daq.serial_port import SerialPort
 from armodal.protocols.c.firmware import build
 from armodal.protocols.c.sizes import CODE_LIMIT_BYTES, measure
+from armodal.protocols.session.hdf5 import read_session
 
 needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler on this machine")
 needs_qemu = pytest.mark.skipif(
@@ -71,6 +75,62 @@ def test_the_board_of_the_guide_passes_every_step(programs, board, real_time):
         report = check_board(lambda: SerialPort(port), OPTIONS)
     assert not_passed(report) == {}
     assert len(report.steps) == len(BOARD_STEPS)
+
+
+PLAN = """
+format = "armodal-plan-1"
+name = "one-point"
+arm = "ur5"
+mode = "roving-response"
+fixed_point = "1"
+hits_per_point = 2
+max_attempts = 4
+[sampling]
+rate_hz = "51200/31"
+samples = 1024
+pretrigger = 100
+[trigger]
+level_n = 20.0
+slope = "rising"
+[windows]
+exponential_end = 0.03
+[sensor]
+mass_kg = 0.0093
+[[postures]]
+name = "reach"
+joints_deg = [15.0, -30.0, 40.0, -60.0, -70.0, 20.0]
+tolerance_deg = 0.5
+points = ["2"]
+hit_direction = [-0.45, -0.62, -0.64]
+"""
+
+
+@pytest.mark.parametrize("board", BOARDS[1:])
+def test_a_session_by_hand_with_the_board_of_the_guide(programs, board, tmp_path, real_time):
+    """An arm without [can], a board in QEMU, a person who confirms: hits of the table, accepted."""
+    (tmp_path / "plan.toml").write_text(PLAN, encoding="utf-8")
+    files = {name: str(tmp_path / name) for name in ("plan.toml", "ur5.journal")}
+    with running(board, programs) as port:
+        command = [sys.executable, "-m", "armodal.tui.cli", "acquire", files["plan.toml"]]
+        command += ["--arm", "ur5", "--board", port, "--by-hand", "0.2", "--json"]
+        done = subprocess.run(
+            [*command, "--journal", files["ur5.journal"]],
+            input="40\n15 -30.2 40 -60 -70 20\n\n",  # too few, then all, then mounted
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["complete"]
+    assert said["hits"]["accepted"] == 2
+    assert "wanted 6 joint angles, got 1" in done.stderr + done.stdout
+    session = read_session(said["session"])
+    assert session.header.told_tolerance_rad == pytest.approx(math.radians(0.2))
+    for hit in session.accepted():
+        assert math.degrees(hit.before.joints_rad[1]) == pytest.approx(-30.2)
+        # Half a sample off the top of a push of five samples: cos(pi / 10); noise 0.6 N.
+        assert 250.0 * math.cos(math.pi / 10) - 0.6 < hit.verdict.peak_n < 250.6
 
 
 @needs_qemu

@@ -16,6 +16,7 @@ from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui.commands.options import ByHand, told_tolerance_rad
 from armodal.tui.console import Json, TimeScale, err, out, print_json
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 
@@ -35,7 +36,8 @@ def show_event(event: Event) -> None:
 def acquire_command(
     plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
     board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
-    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")],
+    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
     resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
@@ -46,14 +48,19 @@ def acquire_command(
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
 
+    Joint angles come from the controller's bus, or with --by-hand from you: you confirm or type
+    them at every posture, and every result says so.
+
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
     the_arm = load_arm(arm)
     the_plan = load_plan(plan, the_arm)
+    told_rad = told_tolerance_rad(by_hand, can)
     settings = AcquisitionSettings(
         board_port=board,
         board_baud=baud,
         can_channel=can,
+        told_tolerance_rad=told_rad,
         arm=the_arm,
         plan=the_plan,
         journal=journal,
@@ -62,9 +69,15 @@ def acquire_command(
         software=SOFTWARE,
     )
     with ExitStack() as keep:
-        person: Operator = PersonAtTerminal(err.input)
+        person: Operator = PersonAtTerminal(err.input, told_rad=told_rad)
         if operator is not None:
-            script = ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
+            script = ScriptedOperator(
+                operator,
+                the_arm,
+                the_plan,
+                time_scale=time_scale,
+                tells_posture=told_rad is not None,
+            )
             keep.callback(script.close)
             person = script
         finished = acquire(settings, person, show_event)

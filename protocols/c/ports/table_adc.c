@@ -1,5 +1,5 @@
 /*
- * A half-sine push of 250 N every four seconds, the first a second after the start, and what a
+ * A half-sine push of 250 N every two seconds, the first a second after the start, and what a
  * structure of two modes answers, each channel with noise. Amplitudes belong to the scales of
  * board.c. Samples are computed when read: what has come due in the meantime is a DMA's buffer of
  * RING_SAMPLES, and what is older is lost and told.
@@ -10,10 +10,10 @@
 enum {
     CHANNELS = 4,
     BASE_HZ = 51200,
-    PERIOD = 4 * BASE_HZ,  /* from push to push */
-    FIRST = 3 * BASE_HZ,   /* into the period, at the start */
+    PERIOD = 2 * BASE_HZ,  /* from push to push */
+    FIRST = BASE_HZ,       /* into the period, at the start */
     PUSH = 154,            /* 3 ms */
-    ANSWER = 2 * BASE_HZ,  /* then it has decayed */
+    ANSWER = 3 * BASE_HZ / 2,  /* then it has decayed */
     RING_SAMPLES = 65536,
     PUSH_COUNTS = 105042,  /* 250 N at 0.00238 N a count */
     NOISE_MASK = 511,      /* uniform noise, 256 counts both ways */
