@@ -14,6 +14,7 @@ from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.daq.events import Event
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
 from armodal.tui.commands.options import ByHand, told_tolerance_rad
@@ -56,6 +57,11 @@ def acquire_command(
     the_arm = load_arm(arm)
     the_plan = load_plan(plan, the_arm)
     told_rad = told_tolerance_rad(by_hand, can)
+    if told_rad is None and not can:
+        raise SessionError(
+            "wanted where joint angles come from, got nothing: give --can with the port of the "
+            "controller's bus, or --by-hand with the degrees to which you read them yourself"
+        )
     settings = AcquisitionSettings(
         board_port=board,
         board_baud=baud,

@@ -41,14 +41,9 @@ def told_tolerance_rad(by_hand: float | None, can: str) -> float | None:
     Raises
     ------
     SessionError
-        If there is neither a bus nor a person, or both, or the tolerance is none.
+        If there is a bus as well, or the tolerance is none.
     """
     if by_hand is None:
-        if not can:
-            raise SessionError(
-                "wanted where joint angles come from, got nothing: give --can with the port of the "
-                "controller's bus, or --by-hand with the degrees to which you read them yourself"
-            )
         return None
     if can:
         raise SessionError(

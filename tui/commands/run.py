@@ -13,6 +13,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
+from armodal.tui.commands.options import ByHand, told_tolerance_rad
 from armodal.tui.console import TimeScale
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.conductor import RunOptions
@@ -33,6 +34,7 @@ def run_app(
     simulated: bool,
     board: str = "",
     can: str = "",
+    by_hand: float | None = None,
     baud: int = 921_600,
     seed: int = 1,
     time_scale: float = 1.0,
@@ -58,6 +60,7 @@ def run_app(
         place=place,
         board=board,
         can=can,
+        told_rad=told_tolerance_rad(by_hand, can),
         baud=baud,
         input_range_v=input_range_v,
         simulated=simulated,
@@ -79,6 +82,7 @@ def run_command(
     ] = Path("session.journal"),
     board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     input_range: Annotated[
@@ -99,6 +103,7 @@ def run_command(
             session=session,
             board=board,
             can=can,
+            by_hand=by_hand,
             baud=baud,
             simulated=simulated,
             input_range_v=input_range,
