@@ -60,6 +60,12 @@ def merge_sessions(
             f"{', '.join(names)}: wanted other measurements each, two are the same session; merged "
             "with itself it would only look surer"
         )
+    told = [session.header.told_tolerance_rad for session in sessions]
+    if len(set(told)) > 1:
+        raise EstimateError(
+            f"{', '.join(names)}: wanted joint angles of one kind, got some that were measured and "
+            "some told by hand, or told to several tolerances; they are never mixed in one session"
+        )
     said: list[str] = [
         f"{name}: {text}"
         for name, session in zip(names, sessions, strict=True)

@@ -7,6 +7,7 @@ devices and the journal; it hears commands and tells events over one connection.
 from __future__ import annotations
 
 import gc
+import math
 import secrets
 import signal
 import threading
@@ -21,24 +22,21 @@ from typing import Any
 from armodal.daq import session_machine
 from armodal.daq.board_link import BoardLink
 from armodal.daq.board_session import BoardSession
-from armodal.daq.can_listener import CanSource
 from armodal.daq.clock import Clock
 from armodal.daq.commands import Command, Stop
 from armodal.daq.events import BoardFound, Failed, Finished, SessionOpened
-from armodal.daq.joint_state import JointState
+from armodal.daq.joint_source import JointSource
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import prepare_judge
 from armodal.daq.losses import LossTally
+from armodal.daq.open_joints import hear_every_joint, open_joints
 from armodal.daq.session_loop import SessionLoop
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.surroundings import EventQueue, Surroundings
-from armodal.protocols.arm.records import CanMapping
 from armodal.protocols.board.records import IepeState
 from armodal.protocols.errors import (
-    ArmError,
     ArmodalError,
     BoardRefusedError,
-    CanError,
     DeviceLostError,
     DeviceTimeoutError,
     FrameError,
@@ -54,7 +52,6 @@ __all__ = ["run_acquisition"]
 TURN_WALL_S = 0.012  # the fastest stream takes 19 ms to fill the smallest pseudo-terminal
 FAST_TURN_WALL_S = 0.002  # where the laboratory's clock runs faster than the host's
 IDLE_WALL_S = 0.02
-CAN_WALL_S = 1.0  # the bus is given at least so long at the start
 FAREWELL_WALL_S = 2.0
 FAILED_EXIT_CODE = 2
 GONE = "the operator's program has gone"
@@ -125,16 +122,11 @@ def _run(
     stack: ExitStack,
 ) -> Finished:
     clock = surroundings.clock
-    mapping = settings.arm.can
-    if mapping is None:
-        raise ArmError(
-            f"arm {settings.arm.name} has no [can] section: without it no joint angle is known"
-        )
     _check_journal_name(settings.journal)
     if settings.resume:
         _resume(settings, journal, stack)
-    can_source = surroundings.open_can(settings, mapping.bitrate)
-    stack.callback(can_source.close)
+    joints = open_joints(settings, surroundings)
+    stack.callback(joints.close)
     port = surroundings.open_board(settings)
     stack.callback(port.close)
     link = BoardLink(
@@ -145,8 +137,7 @@ def _run(
     )
     losses = LossTally()
     board = BoardSession(link, link.hello(), settings, clock, losses)
-    joints = JointState(mapping, [joint.name for joint in settings.arm.joints])
-    _hear_every_joint(can_source, joints, mapping, settings, clock)
+    hear_every_joint(joints, clock, settings.can_timeout_s)
     board.prepare()
     _check_same_sensors(board, journal)
     outbox.put(
@@ -164,7 +155,6 @@ def _run(
         settings=settings,
         clock=clock,
         board=board,
-        bus=can_source,
         joints=joints,
         losses=losses,
         journal=writer,
@@ -195,7 +185,7 @@ def _run(
     gc.freeze()
     cpu_before_s = time.process_time()
     try:
-        _loop(loop, board, can_source, channel, clock, _turn_wall_s(settings))
+        _loop(loop, board, joints, channel, clock, _turn_wall_s(settings))
     except ArmodalError as error:
         writer.begin_ending()
         with suppress(JournalError):
@@ -232,14 +222,14 @@ def _stop(loop: SessionLoop, board: BoardSession, clock: Clock) -> int | None:
 def _loop(
     loop: SessionLoop,
     board: BoardSession,
-    can_source: CanSource,
+    joints: JointSource,
     channel: Connection[Any, Any],
     clock: Clock,
     turn_wall_s: float,
 ) -> None:
     """One turn after the other; bytes gather between turns, so that few turns move many."""
-    polled = can_source.fileno() < 0
-    waited_on = [board.fileno(), channel.fileno()] + ([] if polled else [can_source.fileno()])
+    polled = joints.fileno() < 0
+    waited_on = [board.fileno(), channel.fileno()] + ([] if polled else [joints.fileno()])
     turn_s = turn_wall_s / clock.wall_s(1.0)
     begun_s = clock.now_s()
     while loop.ended is None:
@@ -250,8 +240,8 @@ def _loop(
         clock.sleep(begun_s + turn_s - clock.now_s())
         ready = clock.wait(waited_on, turn_wall_s if polled else IDLE_WALL_S)
         begun_s = now_s = clock.now_s()
-        if polled or can_source.fileno() in ready:
-            can_source.collect(now_s)
+        if polled or joints.fileno() in ready:
+            joints.collect(now_s)
         board.turn(now_s, readable=board.fileno() in ready)
         loop.turn(now_s, _commands(channel) if channel.fileno() in ready else ())
 
@@ -271,51 +261,6 @@ def _commands(channel: Connection[Any, Any]) -> tuple[Command, ...]:
 
 def _turn_wall_s(settings: AcquisitionSettings) -> float:
     return TURN_WALL_S if settings.time_scale <= 1.0 else FAST_TURN_WALL_S
-
-
-def _hear_every_joint(
-    source: CanSource,
-    joints: JointState,
-    mapping: CanMapping,
-    settings: AcquisitionSettings,
-    clock: Clock,
-) -> None:
-    """Wait until every joint has been heard of, or say what is missing."""
-    n_frames = 0
-    wait_s = max(settings.can_timeout_s, CAN_WALL_S / clock.wall_s(1.0))
-    until_s = clock.now_s() + wait_s
-    while joints.absent:
-        left_s = until_s - clock.now_s()
-        if left_s <= 0.0:
-            raise CanError(_silence(source, joints, mapping, n_frames))
-        if source.fileno() < 0:
-            clock.sleep(min(left_s, IDLE_WALL_S / clock.wall_s(1.0)))
-        else:
-            clock.wait([source.fileno()], clock.wall_s(left_s))
-        source.collect(clock.now_s())
-        for at_s, frames in source.take():
-            n_frames += len(frames)
-            joints.feed(frames, at_s)
-
-
-def _silence(source: CanSource, joints: JointState, mapping: CanMapping, n_frames: int) -> str:
-    missing = ", ".join(joints.absent)
-    if joints.frames or joints.invalid:
-        return (
-            f"the controller on {source.name} tells nothing of {missing} "
-            f"({joints.frames} frames decoded, {joints.invalid} not): does the database "
-            f"{mapping.database} fit this controller?"
-        )
-    if n_frames:
-        return (
-            f"{n_frames} frames came on {source.name}, none of them of {mapping.database}: is it "
-            "the right bus, and the right arm file?"
-        )
-    return (
-        f"no frame came on {source.name} at {mapping.bitrate} bit/s: is the controller on and "
-        "sending (a CiA 402 drive needs a master that sends NMT and SYNC), and is the bit rate "
-        f"right? {source.faults} lines could not be read"
-    )
 
 
 def _check_journal_name(path: Path) -> None:
@@ -342,6 +287,15 @@ def _resume(settings: AcquisitionSettings, journal: _Journal, stack: ExitStack) 
                 f"{name} (sha256 {ours[:12]}): give the files it was begun with, or begin another "
                 "session"
             )
+    had, has = (
+        "measured" if told is None else f"told by hand to {math.degrees(told):g} deg"
+        for told in (header.told_tolerance_rad, settings.told_tolerance_rad)
+    )
+    if had != has:
+        raise JournalError(
+            f"{settings.journal} is a session of joint angles {had}, and now they would be {has}: "
+            "the two are never mixed; go on as it was begun, or begin another session"
+        )
     journal.writer, journal.earlier = writer, earlier
 
 
@@ -380,6 +334,7 @@ def _open_journal(
         dictionary_bytes=board.found.dictionary_bytes,
         channel_mask=board.mask,
         time_scale=settings.time_scale,
+        told_tolerance_rad=settings.told_tolerance_rad,
     )
     journal.writer = JournalWriter.create(settings.journal, header, files=journal.files)
     stack.callback(journal.writer.close)

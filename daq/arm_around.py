@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from armodal.daq.blocks import CapturedBlock
 from armodal.daq.clock import Clock
-from armodal.daq.joint_state import JointState, largest_difference_rad
+from armodal.daq.joint_source import Joints
+from armodal.daq.joint_state import largest_difference_rad
 from armodal.daq.judge_posture import judge_posture
 from armodal.daq.settings import AcquisitionSettings
+from armodal.daq.told_joints import told_within_rad
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.session.records import JointReading
 
@@ -27,13 +29,13 @@ class ArmAround:
     clock
         The session's clock.
     joints
-        What the bus tells.
+        What is told of the arm.
     turn_s
         Longest time in seconds from a frame's coming to its reading.
     """
 
     def __init__(
-        self, settings: AcquisitionSettings, clock: Clock, joints: JointState, turn_s: float
+        self, settings: AcquisitionSettings, clock: Clock, joints: Joints, turn_s: float
     ) -> None:
         self._settings = settings
         self._clock = clock
@@ -45,7 +47,7 @@ class ArmAround:
         if reading.joints_rad is None:
             return None
         off_rad = largest_difference_rad(reading.joints_rad, posture.joints_rad)
-        return off_rad > posture.tolerance_rad
+        return off_rad > self._allowed_rad(posture)
 
     def is_still(self, posture: PlannedPosture, now_s: float) -> bool:
         """Whether the arm has not moved for as long as it must stand still."""
@@ -84,7 +86,7 @@ class ArmAround:
             before,
             after,
             posture.joints_rad,
-            posture.tolerance_rad,
+            self._allowed_rad(posture),
             self._moved_rad(posture),
             self._joints.spread_rad(before.host_s, after.host_s),
             self._silence(before, after),
@@ -92,15 +94,24 @@ class ArmAround:
 
     def _silence(self, before: JointReading, after: JointReading) -> str:
         """Say that nothing was known of the arm for too long during a hit; empty if it was."""
-        can = self._settings.arm.can
+        rate_hz = self._joints.rate_hz
         last_heard_s = before.host_s - before.age_s  # a silence may have begun before the hit
         silence_s = self._joints.silence_s(last_heard_s, after.host_s)
-        if can is None:
+        if rate_hz is None:
             return ""
         floor_s = SILENCE_WALL_S / self._clock.wall_s(1.0)
-        if silence_s <= max(SILENCE_S, SILENT_CYCLES / can.rate_hz, floor_s):
+        if silence_s <= max(SILENCE_S, SILENT_CYCLES / rate_hz, floor_s):
             return ""
         return f"no joint angles for {silence_s:.3g} s during the hit"
+
+    def _allowed_rad(self, posture: PlannedPosture) -> float:
+        """Largest distance from the posture: what is told by hand may be off by its tolerance."""
+        told_rad = self._settings.told_tolerance_rad
+        return (
+            posture.tolerance_rad
+            if told_rad is None
+            else told_within_rad(posture.tolerance_rad, told_rad)
+        )
 
     def _moved_rad(self, posture: PlannedPosture) -> float:
         return self._settings.limits.moved * posture.tolerance_rad

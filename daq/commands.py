@@ -4,12 +4,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Command", "Note", "Ready", "Retake", "Skip", "Stop", "TriggerLevel", "Withdraw"]
+__all__ = [
+    "Command",
+    "Note",
+    "Ready",
+    "Retake",
+    "Skip",
+    "Stop",
+    "ToldPosture",
+    "TriggerLevel",
+    "Withdraw",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ready:
     """Sensor and hammer are at their points; hits count from now on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToldPosture:
+    """A person says that the arm stands at the posture asked for, and is held.
+
+    `joints_rad` are the angles he has read, None where they are those of the plan.
+    """
+
+    joints_rad: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,4 +74,4 @@ class TriggerLevel:
     level_n: float
 
 
-Command = Ready | Skip | Retake | Stop | Note | Withdraw | TriggerLevel
+Command = Ready | Skip | Retake | Stop | Note | Withdraw | ToldPosture | TriggerLevel

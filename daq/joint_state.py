@@ -7,13 +7,12 @@ loop, so a time is late by no more than that, and never early.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.daq.joint_timeline import JointCycle, JointTimeline
 from armodal.protocols.arm.records import CanMapping
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.can_database import CanDecoder
@@ -23,25 +22,14 @@ from armodal.protocols.session.records import JointReading
 
 __all__ = ["JointState", "largest_difference_rad"]
 
-KEPT_CYCLES = 8192
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Cycle:
-    """All joints, each newer than in the cycle before."""
-
-    oldest_s: float
-    newest_s: float
-    joints_rad: tuple[float, ...]
-    drive_state: int | None
-    held: bool
-
 
 class JointState:
     """What is known of the arm's posture, now and a while back.
 
     Attributes
     ----------
+    mapping : CanMapping
+        Where in the frames the angles are.
     frames : int
         Frames of the mapping that were decoded.
     lost : int
@@ -52,18 +40,22 @@ class JointState:
 
     def __init__(self, mapping: CanMapping, joint_names: Iterable[str]) -> None:
         self._names = tuple(joint_names)
-        self._stale_after_s = mapping.stale_after_s
-        self._rate_hz = mapping.rate_hz
+        self.mapping = mapping
+        self._timeline = JointTimeline(stale_after_s=mapping.stale_after_s, rate_hz=mapping.rate_hz)
         self._has_drive_state = mapping.drive_state is not None
         self._decoder = CanDecoder(mapping)
         self._latest: dict[str, tuple[float, float]] = {}  # joint: angle, time
         self._renewed: set[str] = set()
         self._drive_state: int | None = None
         self._held = not self._has_drive_state
-        self._cycles: deque[_Cycle] = deque(maxlen=KEPT_CYCLES)
         self.frames = 0
         self.lost = 0
         self.invalid = 0
+
+    @property
+    def rate_hz(self) -> float:
+        """Cycles a lab second, by the arm file."""
+        return self.mapping.rate_hz
 
     @property
     def absent(self) -> tuple[str, ...]:
@@ -96,7 +88,7 @@ class JointState:
         if self.absent:
             return self._unknown(now_s, math.inf)
         age_s = now_s - min(self._latest[name][1] for name in self._names)
-        if age_s > self._stale_after_s:
+        if age_s > self.mapping.stale_after_s:
             return self._unknown(now_s, age_s)
         return JointReading(
             joints_rad=frozen_array([self._latest[name][0] for name in self._names], np.float64),
@@ -108,49 +100,26 @@ class JointState:
 
     def reading_before(self, host_s: float) -> JointReading:
         """Return the newest full set of angles not later than `host_s`, aged at that time."""
-        for cycle in reversed(self._cycles):
-            if cycle.newest_s <= host_s:
-                age_s = host_s - cycle.oldest_s
-                if age_s > self._stale_after_s:
-                    return self._unknown(host_s, age_s)
-                return _reading(cycle, host_s, age_s)
-        return self._unknown(host_s, math.inf)
+        found, age_s = self._timeline.before(host_s)
+        return self._unknown(host_s, age_s) if found is None else found
 
     def reading_after(self, host_s: float) -> JointReading | None:
         """Return the first full set of angles that is all newer than `host_s`; None so far."""
-        found = None
-        for cycle in reversed(self._cycles):
-            if cycle.oldest_s <= host_s:
-                break
-            found = cycle
-        return None if found is None else _reading(found, found.newest_s, 0.0)
+        return self._timeline.after(host_s)
 
     def spread_rad(self, since_s: float, until_s: float = math.inf) -> float | None:
         """Return the largest range any joint covered in a time; None if it is not known."""
-        angles = []
-        for cycle in reversed(self._cycles):
-            if cycle.oldest_s <= until_s:
-                angles.append(cycle.joints_rad)
-            if cycle.oldest_s <= since_s:
-                return float(np.ptp(np.array(angles), axis=0).max())
-        return None
+        return self._timeline.spread_rad(since_s, until_s)
 
     def silence_s(self, since_s: float, until_s: float) -> float:
-        """Return for how long the bus told nothing of the arm between two times.
-
-        Frames that were read late come together, so a pause counts only as far as frames are
-        missing by the bus's rate.
-        """
-        times = [cycle.newest_s for cycle in self._cycles if since_s < cycle.newest_s <= until_s]
-        longest_s = float(np.diff([since_s, *times, until_s]).max())
-        missing_s = until_s - since_s - len(times) / self._rate_hz
-        return max(min(longest_s, missing_s), 0.0)
+        """Return for how long the bus told nothing of the arm between two times."""
+        return self._timeline.silence_s(since_s, until_s)
 
     def _close_cycle(self) -> None:
         self._renewed.clear()
         times = [self._latest[name][1] for name in self._names]
-        self._cycles.append(
-            _Cycle(
+        self._timeline.add(
+            JointCycle(
                 oldest_s=min(times),
                 newest_s=max(times),
                 joints_rad=tuple(self._latest[name][0] for name in self._names),
@@ -176,13 +145,3 @@ def largest_difference_rad(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64
     0.5
     """
     return float(np.abs(a - b).max(initial=0.0))
-
-
-def _reading(cycle: _Cycle, host_s: float, age_s: float) -> JointReading:
-    return JointReading(
-        joints_rad=frozen_array(cycle.joints_rad, np.float64),
-        drive_state=cycle.drive_state,
-        held=cycle.held,
-        age_s=max(age_s, 0.0),
-        host_s=host_s,
-    )

@@ -16,19 +16,20 @@ import numpy as np
 from armodal.daq.blocks import CapturedBlock
 from armodal.daq.board_link import BoardLink
 from armodal.daq.board_session import BoardSession
-from armodal.daq.can_listener import CanSource, open_can
 from armodal.daq.clock import Clock, SystemClock
 from armodal.daq.commands import Command, Stop, TriggerLevel
 from armodal.daq.events import BoardFound, DeviceTrouble, Finished, JointsSeen, LossNoted, TrialHit
 from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
-from armodal.daq.joint_state import JointState
+from armodal.daq.joint_source import JointSource
 from armodal.daq.judge import force_column, judge_record, prepare_judge
 from armodal.daq.losses import LossTally
+from armodal.daq.open_joints import can_mapping, open_joints
 from armodal.daq.outbox import Outbox
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
 from armodal.daq.serial_port import SerialPort
 from armodal.daq.settings import AcquisitionSettings
-from armodal.protocols.errors import ArmError, ArmodalError
+from armodal.daq.surroundings import Surroundings
+from armodal.protocols.errors import ArmodalError
 
 __all__ = ["run_lab_watch"]
 
@@ -81,17 +82,15 @@ class _LabWatch:
     """Board and bus as far as they are there."""
 
     def __init__(self, settings: AcquisitionSettings, outbox: Outbox, clock: Clock) -> None:
-        if settings.arm.can is None:
-            raise ArmError(f"arm {settings.arm.name} has no [can] section: its angles are unknown")
+        if settings.told_tolerance_rad is None:
+            can_mapping(settings.arm)
         self._settings = settings
-        self._mapping = settings.arm.can
         self._outbox = outbox
         self._clock = clock
         self._losses = LossTally()
         self._port: SerialPort | None = None
         self._board: BoardSession | None = None
-        self._bus: CanSource | None = None
-        self._joints: JointState | None = None
+        self._joints: JointSource | None = None
         self._trouble: dict[str, str | None] = {}
         self._due = dict.fromkeys(EVERY_WALL_S, 0.0)
 
@@ -110,20 +109,20 @@ class _LabWatch:
         if self._is_due("retry", now_s):
             self._open_what_is_missing(now_s)
         descriptors = [self._board.fileno()] if self._board else []
-        if self._bus is not None and self._bus.fileno() >= 0:
-            descriptors.append(self._bus.fileno())
+        if self._joints is not None and self._joints.fileno() >= 0:
+            descriptors.append(self._joints.fileno())
         self._clock.sleep(TURN_WALL_S / self._clock.wall_s(1.0))
         ready = select.select(descriptors, [], [], 0.0)[0]
         now_s = self._clock.now_s()
-        self._hear_bus(now_s)
+        self._hear_joints(now_s)
         self._hear_board(now_s, ready)
         self._report(now_s)
 
     def close(self, reason: str) -> None:
         """Let go of the devices, and say so."""
         self._drop_board()
-        if self._bus is not None:
-            self._bus.close()
+        if self._joints is not None:
+            self._joints.close()
         self._outbox.put(
             Finished(
                 complete=False,
@@ -148,14 +147,13 @@ class _LabWatch:
                 self._tell_trouble("board", str(error))
             else:
                 self._tell_trouble("board", None)
-        if self._bus is None and self._settings.can_channel:
+        told = self._settings.told_tolerance_rad is not None
+        if self._joints is None and (told or self._settings.can_channel):
             try:
-                self._bus = open_can(self._settings.can_channel, self._mapping.bitrate)
+                self._joints = open_joints(self._settings, Surroundings.of(self._settings))
             except ArmodalError as error:
                 self._tell_trouble("can", str(error))
             else:
-                names = [joint.name for joint in self._settings.arm.joints]
-                self._joints = JointState(self._mapping, names)
                 self._tell_trouble("can", None)
         self._due["retry"] = now_s + EVERY_WALL_S["retry"] / self._clock.wall_s(1.0)
 
@@ -192,16 +190,15 @@ class _LabWatch:
             if port is not None:
                 port.close()
 
-    def _hear_bus(self, now_s: float) -> None:
-        if self._bus is None or self._joints is None:
+    def _hear_joints(self, now_s: float) -> None:
+        if self._joints is None:
             return
         try:
-            self._bus.collect(now_s)
-            for at_s, frames in self._bus.take():
-                self._joints.feed(frames, at_s)
+            self._joints.collect(now_s)
+            self._joints.hear()
         except ArmodalError as error:
-            self._bus.close()
-            self._bus = self._joints = None
+            self._joints.close()
+            self._joints = None
             self._tell_trouble("can", str(error))
 
     def _hear_board(self, now_s: float, ready: list[int]) -> None:
@@ -246,9 +243,9 @@ class _LabWatch:
             if preview is not None:
                 self._outbox.put(preview)
         if self._is_due("joints", now_s) and self._joints is not None:
-            self._outbox.put(JointsSeen(reading=self._joints.reading(now_s)))
+            self._outbox.put(JointsSeen(reading=self._joints.joints.reading(now_s)))
         if self._is_due("health", now_s):
-            self._outbox.put(health_of(self._board, self._bus, self._joints))
+            self._outbox.put(health_of(self._board, self._joints))
             for loss in self._losses.take():
                 self._outbox.put(LossNoted(loss=loss))
 

@@ -13,9 +13,8 @@ from armodal.daq import session_machine as machine
 from armodal.daq.arm_around import ArmAround
 from armodal.daq.blocks import CapturedBlock
 from armodal.daq.board_session import BoardSession
-from armodal.daq.can_listener import CanSource
 from armodal.daq.clock import Clock
-from armodal.daq.commands import Command, Note, Ready, Retake, Skip, Stop, Withdraw
+from armodal.daq.commands import Command, Note, Ready, Retake, Skip, Stop, ToldPosture, Withdraw
 from armodal.daq.events import (
     HitJudged,
     HitWithdrawn,
@@ -27,7 +26,7 @@ from armodal.daq.events import (
 from armodal.daq.geometry import hit_direction
 from armodal.daq.hammer_polarity import HammerPolarity
 from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
-from armodal.daq.joint_state import JointState
+from armodal.daq.joint_source import JointSource
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import force_column, judge_record
 from armodal.daq.judge_posture import with_posture
@@ -73,8 +72,7 @@ class SessionLoop:
         settings: AcquisitionSettings,
         clock: Clock,
         board: BoardSession,
-        bus: CanSource,
-        joints: JointState,
+        joints: JointSource,
         losses: LossTally,
         journal: JournalWriter,
         outbox: EventQueue,
@@ -87,14 +85,14 @@ class SessionLoop:
         self._settings = settings
         self._clock = clock
         self._board = board
-        self._bus = bus
-        self._joints = joints
+        self._source = joints
+        self._joints = joints.joints
         self._losses = losses
         self._journal = journal
         self._outbox = outbox
         self._state = state
         self._next_hit = next_hit
-        self._arm = ArmAround(settings, clock, joints, turn_s)
+        self._arm = ArmAround(settings, clock, joints.joints, turn_s)
         self._armed: _Armed | None = None
         self._waiting: deque[CapturedBlock] = deque()
         self._asked: machine.Prompt | None = None
@@ -121,7 +119,7 @@ class SessionLoop:
         for command in commands:
             self._obey(command, now_s)
         if self._is_due("posture", POSTURE_EVERY_WALL_S, now_s):
-            self._hear()
+            self._source.hear()
             self._follow_posture(self._joints.reading(now_s), now_s)
         if self._board.clock_jumped_s > self._jumped_s:
             self._jumped_s = self._board.clock_jumped_s
@@ -155,11 +153,6 @@ class SessionLoop:
         self._mark(MarkKind.NOTE, now_s, text, point=here.point if here else None)
         self._outbox.put(Noted(text=text, host_s=now_s))
 
-    def _hear(self) -> None:
-        """Decode what the bus has said; many frames at a time cost less than a few often."""
-        for at_s, frames in self._bus.take():
-            self._joints.feed(frames, at_s)
-
     def _obey(self, command: Command, now_s: float) -> None:
         state = self._state
         if isinstance(command, Ready):
@@ -168,6 +161,8 @@ class SessionLoop:
             elif state.kind is PromptKind.POINT:
                 self._mark(MarkKind.POINT, now_s)
                 self._change(machine.point_ready(state), now_s)
+        elif isinstance(command, ToldPosture):
+            self.note(self._source.take_word(command, state.posture, now_s), now_s)
         elif isinstance(command, Skip):
             self._mark(MarkKind.SKIPPED, now_s, command.reason)
             self._change(machine.skip(state), now_s)
@@ -219,6 +214,8 @@ class SessionLoop:
                 self._armed = _Armed(index=state.current, since_s=now_s)
         elif armed is not None and armed.until_s == math.inf:
             self._armed = _Armed(index=armed.index, since_s=armed.since_s, until_s=now_s)
+        if state.posture is not None and state.posture is not self._state.posture:
+            self._source.begin_posture()
         self._state = state
         prompt = state.prompt
         if prompt != self._asked:
@@ -226,7 +223,7 @@ class SessionLoop:
             self._outbox.put(Prompted(prompt=prompt, host_s=now_s, progress=state.progress))
 
     def _follow_posture(self, reading: JointReading, now_s: float) -> None:
-        silent = reading.joints_rad is None
+        silent = reading.joints_rad is None and self._joints.rate_hz is not None
         if silent != self._silent:
             self._silent = silent
             self.note("the controller is silent" if silent else "the controller is back", now_s)
@@ -250,7 +247,7 @@ class SessionLoop:
                 "block", block.missing, "samples of a triggered block that never came", now_s
             )
         if self._waiting:
-            self._hear()
+            self._source.hear()
         while self._waiting:
             block = self._waiting[0]
             known = self._board.clock_known(block)
@@ -361,13 +358,13 @@ class SessionLoop:
                 if told := self._untriggered.told_by(preview):
                     self.note(told, now_s)
         if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
-            self._losses.watch("can", self._bus.faults, "lines that are not slcan", now_s)
+            self._losses.watch("can", self._source.faults, "lines that are not slcan", now_s)
             self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
             self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
             self._board.count_losses(now_s)
             self._outbox.put(JointsSeen(reading=self._joints.reading(now_s)))
         if self._is_due("health", HEALTH_EVERY_WALL_S, now_s):
-            self._outbox.put(health_of(self._board, self._bus, self._joints))
+            self._outbox.put(health_of(self._board, self._source))
         if self._losses and self._is_due("losses", LOSSES_EVERY_WALL_S, now_s):
             self.flush_losses()
 

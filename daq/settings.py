@@ -25,6 +25,7 @@ class AcquisitionSettings:
     board_port : path of the board's serial line
     board_baud : bit rate of a UART; without meaning for USB lines and pseudo-terminals
     can_channel : path of a serial CAN adapter, or interface:channel of python-can
+    told_tolerance_rad : joint angles are told by a person, to so much; None: they are measured
     journal : file to begin, or with `resume` to go on with
     time_scale : lab seconds per second; 1 in a real laboratory
     session_id : hex; drawn when None
@@ -39,10 +40,11 @@ class AcquisitionSettings:
     """
 
     board_port: str
-    can_channel: str
     arm: Arm
     plan: Plan
     journal: Path
+    can_channel: str = ""
+    told_tolerance_rad: float | None = None
     resume: bool = False
     board_baud: int = 921_600
     time_scale: float = 1.0

@@ -43,6 +43,12 @@ class Converter:
 class BoardFirmware:
     """A board of the device library, without its line.
 
+    Parameters
+    ----------
+    receive_bytes
+        Size of the buffer for commands; None takes the smallest allowed. A board passes over what
+        is longer, and answers it with BAD_VALUE where it fits.
+
     Attributes
     ----------
     dictionary : BoardDictionary
@@ -57,7 +63,7 @@ class BoardFirmware:
     CompilerError
         If the library is not compiled and cannot be.
     ValueError
-        If the library refuses the dictionary.
+        If the library refuses the dictionary, or the buffer is too small for a command.
     """
 
     def __init__(
@@ -67,8 +73,11 @@ class BoardFirmware:
         session: int,
         clock: DeviceClock,
         converter: Converter,
+        receive_bytes: int | None = None,
     ) -> None:
         self._ffi, self._library = device_library()
+        # By default the smallest allowed: what a board may pass over, this one does.
+        self._receive_bytes = receive_bytes or int(self._library.AB_RECEIVE_BYTES)
         self._clock = clock
         self._converter = converter
         self._sampling: SampleClock | None = None
@@ -93,8 +102,7 @@ class BoardFirmware:
         memory = [
             ffi.new("uint8_t[]", dictionary.block_capacity),
             ffi.new("ab_block[]", BLOCK_RECORDS),
-            # The smallest that the protocol allows: what a board may pass over, this one does.
-            ffi.new("uint8_t[]", self._library.AB_RECEIVE_BYTES),
+            ffi.new("uint8_t[]", self._receive_bytes),
             ffi.new("uint8_t[]", TRANSMIT_BYTES),
             ffi.new("uint8_t[]", PREVIEW_FRAMES * (18 + count_bytes)),
         ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import multiprocessing
 import socket
 import time
@@ -13,14 +14,15 @@ from typing import Protocol
 import numpy as np
 
 from armodal.daq.acquisition import run_acquisition
-from armodal.daq.commands import Command, Ready, Stop
+from armodal.daq.commands import Command, Ready, Stop, ToldPosture
 from armodal.daq.events import Event, Failed, Finished, HitJudged, Noted, Prompted
 from armodal.daq.geometry import hit_direction
 from armodal.daq.session_machine import Prompt, PromptKind
 from armodal.daq.settings import AcquisitionSettings
+from armodal.daq.told_joints import told_refusal
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
-from armodal.protocols.plan_records import Plan
+from armodal.protocols.plan_records import Plan, PlannedPosture
 
 __all__ = [
     "AcquisitionFailedError",
@@ -55,15 +57,26 @@ class Operator(Protocol):
 
 
 class PersonAtTerminal:
-    """A person: reads the prompt, presses Enter when the sensor is mounted."""
+    """A person: reads the prompt, presses Enter when the sensor is mounted.
+
+    Parameters
+    ----------
+    ask
+        Shows a text and returns the line typed.
+    told_rad
+        To how much he reads joint angles, where no device does.
+    """
 
     patience_s: float | None = None
 
-    def __init__(self, ask: Callable[[str], str]) -> None:
+    def __init__(self, ask: Callable[[str], str], *, told_rad: float | None = None) -> None:
         self._ask = ask
+        self._told_rad = told_rad
 
     def act(self, prompt: Prompt) -> Command | None:
         """Wait for Enter where something has to be mounted; the rest is seen by the devices."""
+        if prompt.kind is PromptKind.POSTURE and self._told_rad is not None:
+            return self._posture(prompt.posture, self._told_rad)
         if prompt.kind is not PromptKind.POINT:
             return None
         answer = self._ask(
@@ -71,6 +84,40 @@ class PersonAtTerminal:
             "Enter when ready, q to stop: "
         )
         return Stop() if answer.strip().lower() == "q" else Ready()
+
+    def _posture(self, posture: PlannedPosture | None, told_rad: float) -> Command | None:
+        """Have the angles confirmed or typed, until they are those of the posture."""
+        if posture is None:
+            return None
+        wanted = " ".join(f"{x + 0.0:g}" for x in np.rad2deg(posture.joints_rad).round(3))
+        first = (
+            f"Bring the arm to posture {posture.name}: {wanted} deg, held by its brakes or drives. "
+            f"Enter if you read these to {math.degrees(told_rad):g} deg, or type what you read; "
+            "q to stop: "
+        )
+        again = ""
+        while (answer := self._ask(again + first).strip().lower()) != "q":
+            word = _told(answer)
+            refused = (
+                f"wanted angles in degrees, got {answer!r}"
+                if word is None
+                else told_refusal(word, posture, told_rad)
+            )
+            if word is not None and not refused:
+                return word
+            again = f"{refused}.\n"
+        return Stop()
+
+
+def _told(answer: str) -> ToldPosture | None:
+    """Return what was typed, in degrees, as angles; None where it is no numbers."""
+    if not answer:
+        return ToldPosture()
+    try:
+        degrees = [float(part) for part in answer.replace(",", " ").split()]
+    except ValueError:
+        return None
+    return ToldPosture(joints_rad=tuple(math.radians(x) for x in degrees))
 
 
 def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
@@ -101,9 +148,17 @@ class ScriptedOperator:
     """The simulated laboratory's operator, asked over its private socket."""
 
     def __init__(
-        self, path: Path, arm: Arm, plan: Plan, *, time_scale: float, timeout_s: float = 120.0
+        self,
+        path: Path,
+        arm: Arm,
+        plan: Plan,
+        *,
+        time_scale: float,
+        timeout_s: float = 120.0,
+        tells_posture: bool = False,
     ) -> None:
         self._arm = arm
+        self._tells_posture = tells_posture
         block_s = plan.sampling.samples / float(plan.sampling.rate_hz)
         self.patience_s: float | None = 1.0 + 2.0 * block_s / time_scale
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -123,6 +178,8 @@ class ScriptedOperator:
         if wanted is None:
             return None
         self.ask(wanted[0])
+        if prompt.kind is PromptKind.POSTURE and self._tells_posture:
+            return ToldPosture()
         return Ready() if prompt.kind is PromptKind.POINT else None
 
     def close(self) -> None:

@@ -42,6 +42,9 @@ def write_header(entry: h5py.Group, header: SessionHeader) -> None:
     add_text(entry, "start_time", model.created)
     add_text(entry, "software", model.software)
     add_array(entry, "time_scale", np.array(model.time_scale, dtype=np.float64))
+    if model.told_tolerance_rad is not None:
+        told = np.array(model.told_tolerance_rad, dtype=np.float64)
+        add_array(entry, "told_tolerance_rad", told)
     arm = add_group(entry, "arm", "NXcollection")
     add_text(arm, "text", model.arm_text)
     if model.urdf_text is not None:
@@ -77,6 +80,7 @@ def read_header(entry: Tree) -> SessionHeader:
                 "plan_sha256": plan.text("sha256", limit=64),
                 "channel_mask": int(board.array("channel_mask", np.uint64, ())),
                 "time_scale": float(entry.array("time_scale", np.float64, ())),
+                "told_tolerance_rad": _told_tolerance_rad(entry),
             },
             "header",
         )
@@ -85,6 +89,12 @@ def read_header(entry: Tree) -> SessionHeader:
         entry.refuse("", "the header of a session", str(error))
     _check_calibration(board, header.dictionary)
     return header
+
+
+def _told_tolerance_rad(entry: Tree) -> float | None:
+    if not entry.has("told_tolerance_rad"):
+        return None
+    return float(entry.array("told_tolerance_rad", np.float64, ()))
 
 
 def write_provenance(entry: h5py.Group, provenance: Provenance) -> None:

@@ -36,6 +36,7 @@ def header_model(header: SessionHeader) -> HeaderModel:
             "plan_sha256": plan.sha256,
             "channel_mask": header.channel_mask,
             "time_scale": header.time_scale,
+            "told_tolerance_rad": header.told_tolerance_rad,
         },
         "session header",
     )
@@ -84,4 +85,5 @@ def header_of(model: HeaderModel, dictionary_bytes: bytes) -> SessionHeader:
         dictionary_bytes=dictionary_bytes,
         channel_mask=model.channel_mask,
         time_scale=model.time_scale,
+        told_tolerance_rad=model.told_tolerance_rad,
     )

@@ -39,6 +39,7 @@ from armodal.protocols.session.journal_payloads import (
 from armodal.protocols.session.membership import check_membership
 from armodal.protocols.session.progress import is_complete
 from armodal.protocols.session.records import Hit, Loss, Session, SessionHeader
+from armodal.protocols.session.told import told_by_hand
 
 __all__ = [
     "MAGIC",
@@ -122,7 +123,7 @@ def session_of(journal: Journal) -> Session:
         hits=journal.hits,
         losses=journal.losses,
         complete=is_complete(journal.header.plan, journal.hits),
-        warnings=journal.warnings + skipped + calibrated,
+        warnings=told_by_hand(journal.header) + journal.warnings + skipped + calibrated,
     )
 
 

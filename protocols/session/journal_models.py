@@ -59,6 +59,7 @@ class HeaderModel(Strict):
     plan_sha256: Sha256
     channel_mask: Annotated[int, Field(gt=0, lt=2**MAX_CHANNELS)]
     time_scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    told_tolerance_rad: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
 
 
 class ReadingModel(Strict):

@@ -88,6 +88,7 @@ class SessionHeader:
     dictionary_bytes: bytes
     channel_mask: int
     time_scale: float  # 1 in a real laboratory
+    told_tolerance_rad: float | None = None  # joint angles were told to so much; None: measured
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

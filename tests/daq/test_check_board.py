@@ -78,6 +78,13 @@ def test_every_step_passes_on_a_healthy_board(laboratory):
     assert report.passed
 
 
+def test_a_board_that_answers_what_is_too_long_passes_too(real_time):
+    # A byte more than the longest command: read and refused with BAD_VALUE, not passed over.
+    with start_laboratory(time_scale=TIME_SCALE, receive_bytes=256) as laboratory:
+        report = check(laboratory.board, "rates", options=OPTIONS)
+    assert {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS} == {}
+
+
 def test_a_relay_alone_breaks_nothing(laboratory):
     with relayed(laboratory.board, broken_board("none")) as line:
         report = check(line, "framing", "samples", "resend")

@@ -1,12 +1,8 @@
-"""The porting guide's figures are those of `protocols.board.limits`, and its example compiles."""
+"""The porting guide's figures are those of `protocols.board.limits`, its listing is a file's."""
 
 import re
-import shutil
-import subprocess
 from fractions import Fraction
 from pathlib import Path
-
-import pytest
 
 from armodal.daq.check import BOARD_STEPS, CAN_STEPS
 from armodal.protocols.board.codec import wire_size
@@ -22,16 +18,6 @@ ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "porting.md").read_text(encoding="utf-8")
 # Ten bit times a byte; what USB stacks reach; 19 bulk packets of 64 bytes a millisecond.
 LINKS = (921_600 // 10, 3_000_000 // 10, 800_000, 19 * 64 * 1000)
-BSP = """
-size_t bsp_link_write(const uint8_t *bytes, size_t n);
-size_t bsp_link_read(uint8_t *bytes, size_t n);
-uint64_t bsp_ticks64(void);
-void bsp_adc_start(uint32_t divisor);
-void bsp_adc_stop(void);
-uint32_t bsp_adc_read(int32_t *counts, uint32_t most, uint64_t *ticks, uint32_t *lost);
-uint32_t bsp_random(void);
-void bsp_halt(void);
-"""
 
 
 def configuration(n_channels, *, rate_hz=Fraction(1), length=1):
@@ -94,15 +80,6 @@ def test_every_function_named_is_in_the_header():
     assert {name for name in named if not re.search(rf"\b{name}\b", header)} == set()
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler on this machine")
-def test_the_example_board_compiles(tmp_path):
-    code = GUIDE.split("```c\n")[1].split("```")[0]
-    source = tmp_path / "board.c"
-    includes, rest = code.split('#include "armodal_board.h"\n')
-    source.write_text(f'{includes}#include "armodal_board.h"\n{BSP}{rest}', encoding="utf-8")
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-fsyntax-only"]
-    include = f"-I{ROOT / 'protocols' / 'c' / 'include'}"
-    done = subprocess.run(
-        ["cc", *flags, include, str(source)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+def test_the_listing_is_the_file_that_is_compiled():
+    listing = GUIDE.split("```c\n")[1].split("```")[0]
+    assert listing == (ROOT / "protocols" / "c" / "ports" / "board.c").read_text(encoding="utf-8")

@@ -205,6 +205,29 @@ def test_a_posture_outside_its_joint_s_range_is_refused(small_plan, tmp_path):
     assert not (tmp_path / "j").exists()
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ([], ["wanted where joint angles come from", "--can", "--by-hand"]),
+        (["--can", "none", "--by-hand", "0.2"], ["either --can or --by-hand", "leave one out"]),
+        (["--by-hand", "0"], ["above 0 and at most 10", "got 0"]),
+        (["--by-hand", "nan"], ["above 0 and at most 10", "got nan"]),
+        (["--by-hand", "0.6"], ["is closer than the 0.6 deg", "larger tolerance_deg"]),
+    ],
+)
+def test_joint_angles_of_no_source_or_two_are_refused(given, words, small_plan, tmp_path):
+    journal = tmp_path / "j"
+    said = armodal("acquire", small_plan, "--board", "none", *given, "--journal", journal)
+    is_one_message(said, *words)
+    assert not journal.exists()
+
+
+def test_an_arm_without_a_bus_is_told_how_it_goes(tmp_path):
+    devices = ["--board", "none", "--can", "none", "--journal", tmp_path / "j"]
+    said = armodal("acquire", "ur5-five-postures", "--arm", "ur5", *devices)
+    is_one_message(said, "arm ur5 has no [can] section", "--by-hand")
+
+
 def test_a_session_by_another_plan_is_not_gone_on_with(session_files, small_plan, tmp_path):
     journal = tmp_path / "s.journal"
     shutil.copy(session_files[0], journal)

@@ -14,8 +14,10 @@ from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.daq.events import Event
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui.commands.options import ByHand, told_tolerance_rad
 from armodal.tui.commands.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
@@ -36,7 +38,8 @@ def show_event(event: Event) -> None:
 def acquire_command(
     plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
     board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
-    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")],
+    can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
     resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
@@ -47,16 +50,26 @@ def acquire_command(
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
 
+    Joint angles come from the controller's bus, or with --by-hand from you: you confirm or type
+    them at every posture, and every result says so.
+
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
     the_arm = load_arm(arm)
     if operator is not None and not resume:
         the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
+    told_rad = told_tolerance_rad(by_hand, can)
+    if told_rad is None and not can:
+        raise SessionError(
+            "wanted where joint angles come from, got nothing: give --can with the port of the "
+            "controller's bus, or --by-hand with the degrees to which you read them yourself"
+        )
     settings = AcquisitionSettings(
         board_port=board,
         board_baud=baud,
         can_channel=can,
+        told_tolerance_rad=told_rad,
         arm=the_arm,
         plan=the_plan,
         journal=journal,
@@ -65,9 +78,15 @@ def acquire_command(
         software=SOFTWARE,
     )
     with ExitStack() as keep:
-        person: Operator = PersonAtTerminal(err.input)
+        person: Operator = PersonAtTerminal(err.input, told_rad=told_rad)
         if operator is not None:
-            script = ScriptedOperator(operator, the_arm, the_plan, time_scale=time_scale)
+            script = ScriptedOperator(
+                operator,
+                the_arm,
+                the_plan,
+                time_scale=time_scale,
+                tells_posture=told_rad is not None,
+            )
             keep.callback(script.close)
             person = script
         finished = acquire(settings, person, show_event)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated
@@ -11,11 +12,50 @@ import typer
 
 from armodal.protocols.errors import ArmError, SessionError
 
-__all__ = ["ArmName", "Seed", "SessionPath", "comma_numbers", "refuse_idle"]
+__all__ = [
+    "ArmName",
+    "ByHand",
+    "Seed",
+    "SessionPath",
+    "comma_numbers",
+    "refuse_idle",
+    "told_tolerance_rad",
+]
+
+MOST_TOLD_DEG = 10.0  # an angle read less closely than this says nothing of a posture
 
 ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
 SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
 Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
+ByHand = Annotated[
+    float | None,
+    typer.Option(
+        metavar="DEG", help="No bus: you read the joint angles yourself, to so many degrees."
+    ),
+]
+
+
+def told_tolerance_rad(by_hand: float | None, can: str) -> float | None:
+    """The tolerance of angles told by hand, rad; None where the bus tells them.
+
+    Raises
+    ------
+    SessionError
+        If there is a bus as well, or the tolerance is none.
+    """
+    if by_hand is None:
+        return None
+    if can:
+        raise SessionError(
+            f"wanted either --can or --by-hand, got both ({can}, {by_hand:g}): measured and told "
+            "angles are never mixed; leave one out"
+        )
+    if not 0.0 < by_hand <= MOST_TOLD_DEG:
+        raise SessionError(
+            f"--by-hand: wanted degrees above 0 and at most {MOST_TOLD_DEG:g}, got {by_hand:g}; "
+            "say to how much you can read a joint's angle"
+        )
+    return math.radians(by_hand)
 
 
 def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from textual.widgets import Static
 
 from armodal.analyzer.modal import drift_told
+from armodal.protocols.session.told import told_by_hand
 from armodal.tui.screens.review.state import ReviewState
 
 __all__ = ["ModelNotes", "model_notes"]
@@ -15,7 +16,8 @@ def model_notes(state: ReviewState) -> tuple[str, ...]:
     model = state.view.model
     if model is None:
         return ()
-    return (*(f"moves: {told.words}" for told in drift_told(model)), *model.notes)
+    told = told_by_hand(state.opened.session.header)
+    return (*told, *(f"moves: {told.words}" for told in drift_told(model)), *model.notes)
 
 
 class ModelNotes(Static):

@@ -21,6 +21,7 @@ from armodal.daq.events import (
     SessionOpened,
 )
 from armodal.daq.session_machine import PromptKind
+from armodal.tui.screens.run.ask_angles import AnglesScreen
 from armodal.tui.screens.run.ask_mass import MassScreen
 from armodal.tui.screens.run.collector import CalmCollector
 from armodal.tui.screens.run.conductor import CONFIRMED, Conductor, RunOptions
@@ -59,6 +60,7 @@ class RunApp(App[int]):
     CSS_PATH = "run.tcss"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "go_on", "Go on", priority=True),
+        Binding("e", "angles", "Type angles"),
         Binding("h", "hand", "Hand"),
         Binding("s", "simulate", "Simulate"),
         Binding("a", "take_trigger", "Trigger"),
@@ -196,6 +198,14 @@ class RunApp(App[int]):
             self.redraw()
         else:
             self.run_worker(self.conductor.go_on())
+
+    def action_angles(self) -> None:
+        """Type the joint angles read."""
+        self.push_screen(AnglesScreen(len(self.state.arm.joints)), self._typed)
+
+    def _typed(self, joints_deg: tuple[float, ...] | None) -> None:
+        if joints_deg is not None:
+            self.conductor.tell_angles(joints_deg)
 
     def action_hand(self) -> None:
         """Have the simulated hand do what is asked."""

@@ -6,10 +6,20 @@ It knows nothing of screens: the app hands wishes in and is told of every event.
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from armodal.daq.commands import Note, Ready, Retake, Skip, Stop, TriggerLevel, Withdraw
+from armodal.daq.commands import (
+    Note,
+    Ready,
+    Retake,
+    Skip,
+    Stop,
+    ToldPosture,
+    TriggerLevel,
+    Withdraw,
+)
 from armodal.daq.events import JointsSeen, SessionOpened, TrialHit
 from armodal.daq.ports import find_ports
 from armodal.daq.session_machine import PromptKind
@@ -59,6 +69,7 @@ class RunOptions:
     place: SessionPlace
     board: str = ""
     can: str = ""
+    told_rad: float | None = None  # joint angles are told by the operator, to so much
     baud: int = 921_600
     input_range_v: float | None = None
     simulated: bool = False
@@ -102,6 +113,7 @@ class Conductor:
             place.arm,
             place.plan,
             time_scale=options.time_scale,
+            told_rad=options.told_rad,
             earlier_hits=place.hits,
             earlier_marks=place.marks,
             earlier_end=ended,
@@ -136,7 +148,7 @@ class Conductor:
         """Begin as it was asked for: simulated, with the ports given, or by looking for them."""
         if self.options.simulated:
             await self.simulate()
-        elif self.options.board and self.options.can:
+        elif self.options.board and (self.options.can or self.options.told_rad is not None):
             self._watch(
                 self.options.board, self.options.can, input_range_v=self.options.input_range_v
             )
@@ -167,7 +179,9 @@ class Conductor:
             return
         path = ports[number - 1][0]
         board = self.state.board_choice
-        if not board:
+        if self.options.told_rad is not None:
+            self._watch(path, "", input_range_v=self.options.input_range_v)
+        elif not board:
             self.tell(PortsFound(ports=ports, board_choice=path))
         elif path != board:
             self._watch(board, path, input_range_v=self.options.input_range_v)
@@ -177,7 +191,7 @@ class Conductor:
         state = self.state
         prompt = state.prompt
         if state.phase is Phase.LAB:
-            if state.board is None or not state.posture_known:
+            if state.board is None or not state.angles_will_come:
                 return
             if state.mass_kg is not None:
                 self.choose_mass(None)
@@ -189,6 +203,7 @@ class Conductor:
                 await self._begin()
         elif state.phase is Phase.SESSION and prompt is not None:
             if prompt.kind is PromptKind.POSTURE:
+                self.tell_angles(None)
                 return
             if not state.safe:
                 self.tell(SafeConfirmed())
@@ -208,6 +223,12 @@ class Conductor:
             wanted = request_for(state.arm, state.prompt)
             if wanted is not None:
                 lab.hand.do(*wanted)
+
+    def tell_angles(self, joints_deg: tuple[float, ...] | None) -> None:
+        """Say where the arm stands: at the planned angles, or at those typed, in degrees."""
+        if self.state.awaits_word:
+            typed = None if joints_deg is None else tuple(math.radians(x) for x in joints_deg)
+            self._engine.send(ToldPosture(joints_rad=typed))
 
     def choose_mass(self, mass_kg: float | None) -> None:
         """Take hits on a known mass, or on the arm again."""
@@ -353,6 +374,7 @@ class Conductor:
             board_port=self.state.board_port,
             board_baud=self.options.baud,
             can_channel=self.state.can_channel,
+            told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,
             journal=self.place.journal,

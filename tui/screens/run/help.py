@@ -21,6 +21,7 @@ WORDS = """\
  Enter  go on, as the screen says       h  the simulated hand does what is asked
  t      begin the point anew            k  skip the point
  u      take the last accepted hit back g  progress; arrows and Enter jump to a point
+ e      type the joint angles read, where no device tells them
  s      simulated laboratory            a  take the suggested trigger level
  c      calibrate hammer and accelerometer on a known mass
  r      try again after a stop          b  bell at every verdict

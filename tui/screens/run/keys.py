@@ -10,6 +10,7 @@ __all__ = ["ACTIONS", "works"]
 
 ACTIONS = (
     "go_on",
+    "angles",
     "hand",
     "simulate",
     "take_trigger",
@@ -28,6 +29,7 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
     in_lab = state.phase is Phase.LAB
     answers = {
         "go_on": overview or _enter_works(state),
+        "angles": state.awaits_word and not overview,
         "hand": state.simulated and (in_session or in_lab) and not overview,
         "simulate": in_lab and not state.board_port and not state.lab_starting,
         "take_trigger": in_lab and not state.resuming and suggested_level_n(state) is not None,
@@ -43,12 +45,12 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
 
 def _enter_works(state: RunState) -> bool:
     if state.phase is Phase.LAB:
-        return state.board is not None and state.posture_known
+        return state.board is not None and state.angles_will_come
     prompt = state.prompt
     if state.phase is not Phase.SESSION or prompt is None:
         return False
     if prompt.kind is PromptKind.POSTURE:
-        return False
+        return state.awaits_word
     return not state.safe or (prompt.kind is PromptKind.POINT and state.hand_doing is None)
 
 

@@ -16,7 +16,7 @@ from armodal.daq.events import (
     SessionOpened,
     TrialHit,
 )
-from armodal.daq.session_machine import Progress, Prompt, begin
+from armodal.daq.session_machine import Progress, Prompt, PromptKind, begin
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan_records import Mode, Plan
 from armodal.protocols.session.journal import Mark
@@ -63,6 +63,7 @@ class RunState:
     board_choice: str = ""  # chosen from the list, before the controller's port is
     board_port: str = ""
     can_channel: str = ""
+    told_rad: float | None = None  # the operator tells joint angles, to so much; None: measured
     input_range_v: float | None = None  # of the board's inputs; its dictionary does not tell it
     simulated: bool = False
     lab_starting: bool = False
@@ -113,6 +114,17 @@ class RunState:
     def posture_known(self) -> bool:
         """Whether every joint's angle is known now."""
         return self.joints is not None and self.joints.joints_rad is not None
+
+    @property
+    def angles_will_come(self) -> bool:
+        """Whether joint angles are known now, or the operator will tell them at each posture."""
+        return self.told_rad is not None or self.posture_known
+
+    @property
+    def awaits_word(self) -> bool:
+        """Whether the operator is to tell now where the arm stands."""
+        at_posture = self.prompt is not None and self.prompt.kind is PromptKind.POSTURE
+        return self.phase is Phase.SESSION and self.told_rad is not None and at_posture
 
     @property
     def held(self) -> bool | None:
@@ -166,6 +178,7 @@ def begin_state(
     plan: Plan,
     *,
     time_scale: float = 1.0,
+    told_rad: float | None = None,
     earlier_hits: tuple[Hit, ...] = (),
     earlier_marks: tuple[Mark, ...] = (),
     earlier_end: str | None = None,
@@ -175,6 +188,7 @@ def begin_state(
         arm=arm,
         plan=plan,
         time_scale=time_scale,
+        told_rad=told_rad,
         earlier_hits=earlier_hits,
         earlier_end=earlier_end,
         progress=begin(plan, earlier_hits, earlier_marks).progress,

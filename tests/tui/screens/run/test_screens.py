@@ -23,7 +23,7 @@ from support.made_run import (
 from support.screen import screen_rows
 from support.stage import Stage, play
 
-from armodal.daq.commands import Note, Ready, Retake, Skip, Withdraw
+from armodal.daq.commands import Note, Ready, Retake, Skip, ToldPosture, Withdraw
 from armodal.daq.events import Failed, LossNoted
 from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from armodal.protocols.plan_records import KnownMass
@@ -361,5 +361,46 @@ def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(t
         assert told in stage.text()
         await stage.tell(pilot, prompted(posture_reached(at_posture)))
         assert f"At its posture, held.{told} Look" in stage.text()
+
+    play(stage, body)
+
+
+def test_angles_by_hand_are_confirmed_or_typed(tmp_path):
+    stage = Stage(tmp_path, told_rad=np.radians(0.2))
+
+    async def body(pilot):
+        await stage.tell(pilot, *LAB_EVENTS, reading(None))
+        assert "none: you tell the joint angles, to 0.2°" in stage.text()
+        assert "Are these sensors mounted" in stage.text()  # no controller is waited for
+        await stage.tell(pilot, *SESSION_EVENTS[len(LAB_EVENTS) :], reading(None))
+        assert "Enter: it stands as wanted, by your reading to 0.2°, and is held" in stage.text()
+        await pilot.press("enter")
+        assert stage.sent == [ToldPosture()]
+        await pilot.press("e")
+        await pilot.pause()
+        await pilot.press(*"-25 90 0 0", "enter")
+        await pilot.pause()
+        assert len(stage.sent) == 1  # two are missing
+        await pilot.press(*" 90 0.1", "enter")
+        await stage.settle(pilot)
+        assert np.degrees(stage.sent[1].joints_rad) == pytest.approx([-25, 90, 0, 0, 90, 0.1])
+        await stage.tell(pilot, prompted(AT_POINT), reading())
+        assert "At its posture, held as you said." in stage.text()
+        await pilot.press("e", "enter")
+        await stage.settle(pilot)
+        assert stage.app.state.safe
+        assert isinstance(stage.sent[2], Note)
+
+    play(stage, body)
+
+
+def test_measured_angles_are_not_asked_for(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS)
+        await pilot.press("e", "enter")
+        await stage.settle(pilot)
+        assert stage.sent == []
 
     play(stage, body)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from rich.text import Text
 
@@ -40,7 +42,7 @@ def next_step(state: RunState) -> tuple[str, str]:
 def _next_with_ports(state: RunState) -> tuple[str, str]:
     if state.board is None:
         return "Waiting for the board. Look at its cable and power.", BAD
-    if state.reading is None or state.reading.joints_rad is None:
+    if not state.angles_will_come:
         return "Waiting for the controller's joint angles. Is it on, and its CAN cable in?", BAD
     if state.mass_kg is not None:
         return _mass_step(state, state.mass_kg), WARN
@@ -95,6 +97,9 @@ def devices_text(state: RunState) -> Text:
     reading = state.joints
     if "can" in troubles:
         text.append(f"✗ {troubles['can']}\n", style=BAD)
+    elif state.told_rad is not None:
+        text.append("✓ ", style=GOOD)
+        text.append(f"none: you tell the joint angles, to {math.degrees(state.told_rad):g}°\n")
     elif reading is None or reading.joints_rad is None:
         text.append(f"✗ no joint angles on {state.can_channel or 'no port'}\n", style=BAD)
     else:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from rich.text import Text
 
+from armodal.protocols.plan_records import PlannedPosture
 from armodal.tui.screens.run.big_text import big_lines
 from armodal.tui.screens.run.state import RunState
 from armodal.tui.screens.run.views.hit import last_hit_text
@@ -22,7 +25,15 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
     if prompt is None or prompt.posture is None:
         return "WAIT", WARN, "The session is being opened."
     name, also = prompt.posture.name, conditions(prompt.posture)
-    by = "" if prompt.posture.brakes else " by its drives"
+    if state.awaits_word:
+        return "MOVE ARM", WARN, _word_wanted(state, name, also)
+    by = (
+        " as you said"
+        if state.told_rad is not None
+        else ""
+        if prompt.posture.brakes
+        else " by its drives"
+    )
     if not state.posture_known:
         return (
             "UNKNOWN",
@@ -37,17 +48,30 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
             GOOD,
             f"At its posture, held{by}.{also} Look: is it safe to go near? Enter: yes, it is.",
         )
+    return _on_the_way(state, prompt.posture)
+
+
+def _on_the_way(state: RunState, posture: PlannedPosture) -> tuple[str, str, str]:
+    name, also = posture.name, conditions(posture)
     reading = state.joints
     known = reading.joints_rad if reading is not None else None
-    off_rad = np.inf if known is None else float(np.abs(known - prompt.posture.joints_rad).max())
-    if off_rad <= prompt.posture.tolerance_rad:
-        still = (
-            f"At {name}.{conditions(prompt.posture)} It goes on by itself when the arm is still."
-        )
+    off_rad = np.inf if known is None else float(np.abs(known - posture.joints_rad).max())
+    if off_rad <= posture.tolerance_rad:
+        still = f"At {name}.{conditions(posture)} It goes on by itself when the arm is still."
         return "KEEP STILL", WARN, still
     hand = " h: the simulated hand moves it." if state.simulated else ""
     bring = f"Bring the arm to posture {name}, from outside its reach.{also}"
     return "MOVE ARM", WARN, bring + hand
+
+
+def _word_wanted(state: RunState, name: str, also: str) -> str:
+    hand = " h: the simulated hand moves it." if state.simulated else ""
+    told_deg = math.degrees(state.told_rad or 0.0)
+    return (
+        f"Bring the arm to posture {name}, from outside its reach.{also}{hand} No device reads its "
+        f"joints. Enter: it stands as wanted, by your reading to {told_deg:g}°, and is held. e: "
+        "type what you read."
+    )
 
 
 def word_text(state: RunState, width: int, height: int) -> Text:

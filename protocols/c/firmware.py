@@ -1,0 +1,86 @@
+"""Compile the boards of `ports/`: `python -m armodal.protocols.c.firmware`.
+
+Both are `ports/board.c`, the listing of docs/porting.md, with a converter that plays hits from a
+table. `pty` runs as a program of this machine, its link a pseudo-terminal; `an386` runs on an ARM
+Cortex-M4 and in QEMU as `mps2-an386`, its link the first UART.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from armodal.protocols.c.build import HERE, INCLUDE, SOURCES, STRICT, CompilerError, compile_with
+from armodal.protocols.c.build import compilers as host_compilers
+
+__all__ = ["BOARDS", "build", "main"]
+
+PORTS = HERE / "ports"
+FOLDER = HERE / "build" / "firmware"
+BOARDS = ("pty", "an386")
+# A machine that is held up for long must not make the board drop its preview.
+_PREVIEW = "-DBSP_PREVIEW_FRAMES=64"
+_ARM = (
+    *("-Os", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
+    *("-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections", "-nostartfiles"),
+    *("-specs=nosys.specs", "-T", str(PORTS / "an386" / "an386.ld")),
+    "-DBSP_LINK_BYTES_PER_S=92160u",  # of a UART at 921600 baud: each byte costs the emulator
+)
+
+
+def build(board: str, folder: Path = FOLDER) -> Path:
+    """Compile a board of `BOARDS`; return the program, or the image for the microcontroller.
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler for it, or it refuses the sources.
+    """
+    program = folder / ("board-pty" if board == "pty" else "board-an386.elf")
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [*SOURCES, PORTS / "board.c", PORTS / "table_adc.c"]
+    files += sorted((PORTS / board).glob("*.c"))
+    options = ["-O2"] if board == "pty" else list(_ARM)
+    arguments = [*STRICT, *options, _PREVIEW, f"-I{INCLUDE}", f"-I{PORTS}", *map(str, files)]
+    said = compile_with(_compiler(board), arguments, program)
+    if said:
+        raise CompilerError(f"firmware {board}: the compiler refuses it: {said[:2000]}")
+    return program
+
+
+def _compiler(board: str) -> list[str]:
+    if board == "pty":
+        found = next(host_compilers(), None)
+        wanted = "a C compiler: install gcc or clang"
+    else:
+        path = shutil.which("arm-none-eabi-gcc")
+        found = None if path is None else [path]
+        wanted = (
+            "arm-none-eabi-gcc with newlib: install the packages gcc-arm-none-eabi and "
+            "libnewlib-arm-none-eabi"
+        )
+    if found is None:
+        raise CompilerError(f"firmware {board}: wanted {wanted}; found none")
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Compile the boards named, or all; exit code 2 where one cannot be."""
+    parser = argparse.ArgumentParser(prog="armodal.protocols.c.firmware")
+    parser.add_argument("board", nargs="*", choices=BOARDS, default=list(BOARDS))
+    parser.add_argument("--folder", type=Path, default=FOLDER, help="where programs are put")
+    given = parser.parse_args(arguments)
+    for board in given.board:
+        sys.stdout.write(f"{board}: {build(board, given.folder)}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except CompilerError as error:
+        sys.stderr.write(f"{error}\n")
+        sys.exit(2)

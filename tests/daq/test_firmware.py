@@ -1,0 +1,140 @@
+"""The boards of `protocols/c/ports` are built and pass the check: on this machine and in QEMU."""
+
+import json
+import math
+import re
+import shutil
+import subprocess
+import sys
+from contextlib import closing, contextmanager
+from fractions import Fraction
+
+import pytest
+
+from armodal.daq.board_link import BoardLink
+from armodal.daq.check import BOARD_STEPS, BoardCheckOptions, Verdict, check_board
+from armodal.daq.clock import SystemClock
+from armodal.daq.serial_port import SerialPort
+from armodal.protocols.c.firmware import build
+from armodal.protocols.c.sizes import CODE_LIMIT_BYTES, measure
+from armodal.protocols.session.hdf5 import read_session
+
+needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler on this machine")
+needs_qemu = pytest.mark.skipif(
+    shutil.which("qemu-system-arm") is None or shutil.which("arm-none-eabi-gcc") is None,
+    reason="no qemu-system-arm or no arm-none-eabi-gcc on this machine",
+)
+BOARDS = [pytest.param("pty", marks=needs_cc), pytest.param("an386", marks=needs_qemu)]
+QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-display", "none", "-monitor", "none"]
+OPTIONS = BoardCheckOptions(duration_s=1.0, rate_hz=Fraction(51_200, 8))
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory):
+    return tmp_path_factory.mktemp("firmware")
+
+
+@contextmanager
+def running(board, folder):
+    """Yield the port of a board that has booted."""
+    program = str(build(board, folder))
+    command = [program] if board == "pty" else [*QEMU, "-serial", "pty", "-kernel", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield re.search(r"/dev/\S+", process.stdout.readline()).group()
+        finally:
+            process.kill()
+
+
+def not_passed(report):
+    return {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS}
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_the_board_of_the_guide_answers_as_it_should(programs, board, real_time):
+    with running(board, programs) as port:
+        steps = ("dictionary", "rates", "commands", "version", "session")
+        report = check_board(lambda: SerialPort(port), OPTIONS, only=steps)
+    assert not_passed(report) == {}
+    assert len(report.steps) == 5
+
+
+@needs_qemu
+def test_two_boots_have_two_sessions(programs):
+    sessions = []
+    for _ in range(2):
+        with running("an386", programs) as name, closing(SerialPort(name)) as port:
+            sessions.append(BoardLink(port, SystemClock()).hello().session)
+    assert sessions[0] != sessions[1]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("board", BOARDS)
+def test_the_board_of_the_guide_passes_every_step(programs, board, real_time):
+    with running(board, programs) as port:
+        report = check_board(lambda: SerialPort(port), OPTIONS)
+    assert not_passed(report) == {}
+    assert len(report.steps) == len(BOARD_STEPS)
+
+
+PLAN = """
+format = "armodal-plan-1"
+name = "one-point"
+arm = "ur5"
+mode = "roving-response"
+fixed_point = "1"
+hits_per_point = 2
+max_attempts = 4
+[sampling]
+rate_hz = "51200/31"
+samples = 1024
+pretrigger = 100
+[trigger]
+level_n = 20.0
+slope = "rising"
+[windows]
+exponential_end = 0.03
+[sensor]
+mass_kg = 0.0093
+[[postures]]
+name = "reach"
+joints_deg = [15.0, -30.0, 40.0, -60.0, -70.0, 20.0]
+tolerance_deg = 0.5
+points = ["2"]
+hit_direction = [-0.45, -0.62, -0.64]
+"""
+
+
+@pytest.mark.parametrize("board", BOARDS[1:])
+def test_a_session_by_hand_with_the_board_of_the_guide(programs, board, tmp_path, real_time):
+    """An arm without [can], a board in QEMU, a person who confirms: hits of the table, accepted."""
+    (tmp_path / "plan.toml").write_text(PLAN, encoding="utf-8")
+    files = {name: str(tmp_path / name) for name in ("plan.toml", "ur5.journal")}
+    with running(board, programs) as port:
+        command = [sys.executable, "-m", "armodal.tui.cli", "acquire", files["plan.toml"]]
+        command += ["--arm", "ur5", "--board", port, "--by-hand", "0.2", "--json"]
+        done = subprocess.run(
+            [*command, "--journal", files["ur5.journal"]],
+            input="40\n15 -30.2 40 -60 -70 20\n\n",  # too few, then all, then mounted
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["complete"]
+    assert said["hits"]["accepted"] == 2
+    assert "wanted 6 joint angles, got 1" in done.stderr + done.stdout
+    session = read_session(said["session"])
+    assert session.header.told_tolerance_rad == pytest.approx(math.radians(0.2))
+    for hit in session.accepted():
+        assert math.degrees(hit.before.joints_rad[1]) == pytest.approx(-30.2)
+        # Half a sample off the top of a push of five samples: cos(pi / 10); noise 0.6 N.
+        assert 250.0 * math.cos(math.pi / 10) - 0.6 < hit.verdict.peak_n < 250.6
+
+
+@needs_qemu
+def test_the_library_is_as_small_as_promised():
+    sizes = measure()
+    assert sizes.is_judged
+    assert sizes.core_code <= CODE_LIMIT_BYTES
