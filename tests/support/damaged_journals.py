@@ -76,7 +76,7 @@ def damaged(
         elif between < 0.25:
             parts.append(b"RJ" * int(rng.integers(1, 500)))
         elif between < 0.3:
-            parts.append(records[rng.integers(len(records))][:-1])
+            parts.append(records[rng.integers(len(records))][:-6])
     return Damaged(b"".join(parts), tuple(whole))
 
 
