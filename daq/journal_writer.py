@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,10 +16,10 @@ from armodal.protocols.session.journal import (
     Record,
     begin_journal,
     decode_journal,
-    read_journal_bytes,
     scan,
 )
-from armodal.protocols.session.journal_framing import MAX_JOURNAL, MAX_RECORDS
+from armodal.protocols.session.journal_bytes import MAX_JOURNAL, journal_file, pieces
+from armodal.protocols.session.journal_framing import MAX_RECORDS
 from armodal.protocols.session.records import SessionHeader
 
 __all__ = ["JournalWriter"]
@@ -104,18 +104,21 @@ class JournalWriter:
             raise _cannot("resume", path, error) from error
         writer = cls(path, fd, lock, files)
         try:
-            data = read_journal_bytes(path)
-            journal = decode_journal(data)
-            _check_may_append(path, journal)
-            writer._cut(data, journal.good_end)
+            with journal_file(path) as data:
+                journal = decode_journal(data)
+                _check_may_append(path, journal)
+                records = scan(data).records
+                whole = bytes(data.piece(0, journal.good_end))
+                if journal.dropped_bytes:
+                    writer._keep_aside(pieces(data, journal.good_end, data.size))
+                    files.cut(fd, journal.good_end)
             # What a killed session wrote last may be in the system's memory only. And what a
             # refused sync held, the system takes for written: only if it is written again will
             # it be.
-            records = scan(data).records
             writer._records = len(records)
-            writer._kept, writer._end = [data[: journal.good_end]], journal.good_end
+            writer._kept, writer._end = [whole], journal.good_end
             last = _last_begins(records)
-            files.rewrite(path, data[last : journal.good_end], last)
+            files.rewrite(path, whole[last:], last)
             files.sync(fd)
             files.sync_folder(path.parent)
         except OSError as error:
@@ -202,15 +205,14 @@ class JournalWriter:
                 "it holds is safe; begin another session, in another journal"
             )
 
-    def _cut(self, data: bytes, good_end: int) -> None:
-        if good_end == len(data):
-            return
+    def _keep_aside(self, torn: Iterable[memoryview]) -> None:
         number = 1
         while (aside := self.path.with_name(f"{self.path.name}.torn-{number}")).exists():
             number += 1
         fd = self._files.create(aside)
         try:
-            write_all(self._files, fd, data[good_end:])
+            for part in torn:
+                write_all(self._files, fd, part)
             self._files.sync(fd)
             self._files.sync_folder(self.path.parent)
         except BaseException:
@@ -219,7 +221,6 @@ class JournalWriter:
             raise
         finally:
             self._files.close(fd)
-        self._files.cut(self._fd, good_end)
 
 
 def _locked(

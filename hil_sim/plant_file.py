@@ -5,7 +5,6 @@ Only the simulated laboratory reads it. The format is explained in `docs/simulat
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -16,6 +15,7 @@ from pydantic import Field, ValidationError, model_validator
 from armodal.hil_sim.effects import Effect
 from armodal.hil_sim.truth import Interval, NotNegative, Positive, Probability, Truth, Vector
 from armodal.protocols.errors import PlantError
+from armodal.protocols.toml_reader import parse_toml, read_text
 
 __all__ = [
     "AccelerometerTruth",
@@ -29,6 +29,8 @@ __all__ = [
     "load_plant_file",
     "plant_text",
 ]
+
+_LIMIT = 512 * 1024  # bytes of a plant file
 
 
 class LinkTruth(Truth):
@@ -211,18 +213,8 @@ def load_plant_file(path: Path) -> PlantFile:
         If the file is missing, is no TOML, or has an unknown key or an impossible value; the
         message names each key's path.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise PlantError(
-            f"plant file {path}: cannot be read ({error}); give a plant TOML"
-        ) from error
-    try:
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise PlantError(
-            f"plant file {path}: not TOML ({error}); mend the line it names"
-        ) from error
+    text = read_text(path, what="plant file", limit_bytes=_LIMIT, error=PlantError)
+    tables = parse_toml(text, origin=f"plant file {path}", error=PlantError)
     try:
         return PlantFile.model_validate(tables)
     except ValidationError as error:

@@ -119,7 +119,9 @@ class Disk:
 DISK = Disk()
 
 
-def write_all(files: FileLayer, fd: int, data: bytes, *, at_once: int | None = None) -> None:
+def write_all(
+    files: FileLayer, fd: int, data: bytes | memoryview, *, at_once: int | None = None
+) -> None:
     """Append all of `data`, in pieces of `at_once` bytes where that is given."""
     rest = memoryview(data)
     while rest:

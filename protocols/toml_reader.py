@@ -8,6 +8,7 @@ Positions in arrays count from 0.
 from __future__ import annotations
 
 import difflib
+import os
 import re
 import tomllib
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from typing import Annotated, Any, NoReturn, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from armodal.protocols.bounds import MOST_KEY_PARTS, MOST_TABLE_DEPTH
 from armodal.protocols.errors import ArmodalError
 
 __all__ = [
@@ -38,7 +40,6 @@ Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 ModelT = TypeVar("ModelT", bound="FileModel")
 
 _LONGEST_SHOWN = 60
-_DEEPEST = 32
 _BETWEEN_KEYS = re.compile(r"[=,:;#\[\]{}()]")
 _JOINED = re.compile(r"""[\w"'-]\s*\.\s*(?=[\w"'-])""")
 
@@ -81,7 +82,8 @@ def read_text(path: Path, *, what: str, limit_bytes: int, error: type[ArmodalErr
         raise error(f"{what} {path}: wanted a readable file, found none; check the path")
     try:
         with path.open("rb") as file:
-            data = file.read(limit_bytes + 1)
+            size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
+            data = file.read(min(size, limit_bytes) + 1)
     except (OSError, ValueError) as problem:
         raise error(f"{what} {path}: cannot be read ({problem}); check the path") from problem
     if len(data) > limit_bytes:
@@ -98,17 +100,24 @@ def read_text(path: Path, *, what: str, limit_bytes: int, error: type[ArmodalErr
 def parse_toml(text: str, *, origin: str, error: type[ArmodalError]) -> dict[str, Any]:
     """Parse TOML text into plain dictionaries, or raise `error` with line and column."""
     # A key of n parts is n tables, and the parser copies what leads to each: n^2 of memory.
-    for number, line in enumerate(text.splitlines(), start=1):
-        if any(len(_JOINED.findall(key)) >= _DEEPEST for key in _BETWEEN_KEYS.split(line)):
+    for number, line in enumerate(text.split("\n"), start=1):
+        parts = max(len(_JOINED.findall(key)) for key in _BETWEEN_KEYS.split(line)) + 1
+        if parts > MOST_TABLE_DEPTH:
             raise error(
-                f"{origin}: line {number}: wanted keys of at most {_DEEPEST} parts, got more"
+                f"{origin}: line {number}: wanted keys of at most {MOST_TABLE_DEPTH} parts, got "
+                f"{parts}"
+            )
+        if len(_JOINED.findall(line)) > MOST_KEY_PARTS:
+            raise error(
+                f"{origin}: line {number}: wanted at most {MOST_KEY_PARTS} dots on a line, got "
+                "more; part it"
             )
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as problem:
         raise error(f"{origin}: wanted valid TOML, got: {problem}") from problem
-    if _depth(data) > _DEEPEST:
-        raise error(f"{origin}: wanted tables at most {_DEEPEST} deep, got more")
+    if _depth(data) > MOST_TABLE_DEPTH:
+        raise error(f"{origin}: wanted tables at most {MOST_TABLE_DEPTH} deep, got more")
     return data
 
 
@@ -146,7 +155,7 @@ def shown(value: object) -> str:
 
 def _depth(data: dict[str, Any]) -> int:
     depth, layer = 0, [data]  # type: int, list[Any]
-    while layer and depth <= _DEEPEST:
+    while layer and depth <= MOST_TABLE_DEPTH:
         depth += 1
         layer = [
             child

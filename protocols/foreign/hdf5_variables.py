@@ -16,8 +16,8 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.bounds import most_decoded_bytes
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.numpy_files import MOST_NUMBERS
 from armodal.protocols.foreign.rattlesnake import is_rattlesnake, rattlesnake_variables
 from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
@@ -48,7 +48,7 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
     origin = path.name
     try:
         with h5py.File(path, "r", locking="best-effort") as file:
-            reader = _Reader(file, origin)
+            reader = _Reader(file, origin, most_decoded_bytes(path.stat().st_size))
             part = reader.part()
             if is_rattlesnake(part, dict(reader.numbers_of(file))):
                 return rattlesnake_variables(part, reader.settings)
@@ -66,10 +66,10 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
 class _Reader:
     """One pass over a file, with what may still be read."""
 
-    def __init__(self, file: h5py.File, origin: str) -> None:
+    def __init__(self, file: h5py.File, origin: str, most: int) -> None:
         self._file = file
         self._origin = origin
-        self._left = MOST_NUMBERS
+        self._most = self._left = most  # bytes
         self.settings: dict[str, float] = {}
 
     def part(self) -> Variables:
@@ -133,9 +133,23 @@ class _Reader:
         filters = {plist.get_filter(i)[0] for i in range(plist.get_nfilters())}
         if not filters <= _FILTERS:
             return False
-        if dataset.chunks and math.prod(dataset.chunks) * dataset.dtype.itemsize > _MOST_CHUNK:
-            return False
+        if dataset.chunks:
+            # A chunk is unpacked whole, however little of it belongs to the data.
+            chunk = math.prod(dataset.chunks) * dataset.dtype.itemsize
+            unpacked = chunk * dataset.id.get_num_chunks()
+            if chunk > min(_MOST_CHUNK, self._most) or unpacked > self._left:
+                return False
+            self._left -= max(0, unpacked - dataset.nbytes)
         return bool(filters) or dataset.id.get_storage_size() >= dataset.nbytes
+
+    def _take(self, wanted: int) -> None:
+        """Count bytes that will be held; raise ForeignFileError before they are too many."""
+        self._left -= wanted
+        if self._left < 0:
+            raise ForeignFileError(
+                f"{self._origin}: wanted at most {self._most // 10**6} MB of numbers and texts in "
+                "a file of this size, got more; split the file, or save it uncompressed"
+            )
 
     def _numbers(self, dataset: Any) -> npt.NDArray[Any] | None:
         dtype = dataset.dtype
@@ -145,11 +159,8 @@ class _Reader:
             return None
         if not self._readable(dataset) or dataset.ndim > 4:
             return None
-        self._left -= math.prod(dataset.shape)
-        if self._left < 0:
-            raise ForeignFileError(
-                f"{self._origin}: wanted at most {MOST_NUMBERS} numbers, got more; split the file"
-            )
+        width = 16 if parts or dtype.kind == "c" else 8
+        self._take(math.prod(dataset.shape) * width)
         raw = np.asarray(dataset[()])
         if parts:
             raw = raw[parts[0]] + 1j * raw[parts[1]]
@@ -166,10 +177,12 @@ class _Reader:
         if h5py.check_string_dtype(dataset.dtype) is not None:
             if not self._readable(dataset) and dataset.dtype.kind != "O":
                 return None
+            self._take(dataset.nbytes)
             items = np.asarray(dataset[()]).reshape(-1)
             return tuple(_text(item) for item in items)
         kind = _text(dataset.attrs.get("MATLAB_class", b""))
         if kind == "char" and dataset.dtype == np.uint16 and self._readable(dataset):
+            self._take(dataset.nbytes)
             codes = np.asarray(dataset[()]).T.reshape(-1)
             return ("".join(map(chr, codes.tolist())).strip(),)
         if kind == "cell" and h5py.check_ref_dtype(dataset.dtype) is h5py.Reference:

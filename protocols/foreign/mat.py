@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.io
 
+from armodal.protocols.bounds import MOST_NUMBERS
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.mat_elements import plain_variables
-from armodal.protocols.foreign.numpy_files import MOST_NUMBERS
 from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
 

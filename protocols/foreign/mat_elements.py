@@ -15,13 +15,15 @@ import struct
 import zlib
 from collections.abc import Iterator
 
+from armodal.protocols.bounds import most_decoded_bytes
+
 __all__ = ["plain_variables"]
 
 HEADER_BYTES = 128
 VERSION_5 = 0x0100
-MOST_BYTES = 2**29  # of all variables, decompressed
-PIECE_BYTES = 2**24  # decompressed at a time: a variable that is too large is never held
+PIECE_BYTES = 2**22  # decompressed at a time: a variable that is too large is never held
 MOST_CELLS = 100_000
+_MEMBER_BYTES = 200  # of an array in a cell, however small
 _COMPRESSED, _MATRIX = 15, 14
 _INT8, _INT32, _UINT32 = 1, 5, 6
 _NUMBERS = frozenset({1, 2, 3, 4, 5, 6, 7, 9, 12, 13})
@@ -36,6 +38,19 @@ _LONGEST_FIELD = 64
 
 class _NotPlain(Exception):  # noqa: N818 - says what a variable is, and is not an error
     """An object, a function, or what holds one: something that is not read."""
+
+
+class _Room:
+    """What may still be held of a file."""
+
+    def __init__(self, most: int) -> None:
+        self._most = self._left = most
+
+    def take(self, wanted: int) -> None:
+        """Count bytes that will be held."""
+        self._left -= wanted
+        if self._left < 0:
+            raise ValueError(f"more than {self._most // 10**6} MB of numbers in a file of its size")
 
 
 def plain_variables(data: bytes) -> list[str]:
@@ -53,7 +68,8 @@ def plain_variables(data: bytes) -> list[str]:
     if version != VERSION_5:
         raise ValueError(f"version {version:#06x}, wanted {VERSION_5:#06x}")
     names = []
-    left = MOST_BYTES
+    left = most_decoded_bytes(len(data))  # to unpack
+    room = _Room(left)
     whole = memoryview(data)
     at = HEADER_BYTES
     while at < len(data):
@@ -68,7 +84,7 @@ def plain_variables(data: bytes) -> list[str]:
             body = _inflated(body, order, left)
             left -= len(body)
         try:
-            names.append(_check_matrix(body, order, 0))
+            names.append(_check_matrix(body, order, 0, room))
         except _NotPlain:
             continue
     return names
@@ -126,7 +142,7 @@ def _next(
     return data
 
 
-def _check_matrix(body: memoryview, order: str, depth: int) -> str:
+def _check_matrix(body: memoryview, order: str, depth: int, room: _Room) -> str:
     """Check an array and return its name; raise _NotPlain where it is none of ours."""
     if not body and depth:
         return ""  # an empty cell
@@ -150,10 +166,13 @@ def _check_matrix(body: memoryview, order: str, depth: int) -> str:
         members = math.prod(sizes) * (_fields(elements, order) if kind == _STRUCT else 1)
         if depth >= _DEEPEST or members > MOST_CELLS:
             raise ValueError("cells and structs too deep within one another, or too many of them")
+        room.take(members * _MEMBER_BYTES)
         for _ in range(members):
-            _check_matrix(_next(elements, frozenset({_MATRIX}), "a member"), order, depth + 1)
+            member = _next(elements, frozenset({_MATRIX}), "a member")
+            _check_matrix(member, order, depth + 1, room)
     else:
         kinds = _TEXTS if kind == _CHAR else _NUMBERS
+        room.take(math.prod(sizes) * (16 if is_complex else 8))
         _next(elements, kinds, "data")
         if is_complex:
             _next(elements, _NUMBERS, "an imaginary part")

@@ -13,14 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.bounds import MOST_NUMBERS, most_decoded_bytes
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
 
-__all__ = ["MOST_NUMBERS", "npy_array", "npy_variables", "npz_variables"]
+__all__ = ["npy_array", "npy_variables", "npz_variables"]
 
-MOST_NUMBERS = 2**26
 _MOST_ROWS = 64
+_MOST_MEMBERS = 256
 # numpy reads the header of an array as Python text.
 _HEADER_ERRORS = (
     ValueError,
@@ -88,7 +89,7 @@ def npz_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
     texts: dict[str, tuple[str, ...]] = {}
     others = []
     contents = _members(data, origin)
-    left = MOST_NUMBERS  # of all arrays together: small types grow when they become float64
+    left = most_decoded_bytes(len(data)) // 8  # of all together: small types become float64
     for name in list(contents):
         content = contents.pop(name)
         array = npy_array(content, f"{origin}: {name}", texts_too=True, most=left)
@@ -127,9 +128,7 @@ def npy_array(
     count = math.prod(int(size) for size in shape)
     left = len(data) - stream.tell()
     if count > most:
-        raise ForeignFileError(
-            f"{origin}: wanted at most {MOST_NUMBERS} numbers in a file, got more; split the file"
-        )
+        raise ForeignFileError(f"{origin}: wanted at most {most} numbers, got more; split the file")
     if count * dtype.itemsize != left:
         raise ForeignFileError(
             f"{origin}: wanted the {count} numbers of shape {shape} that its header announces, "
@@ -162,7 +161,8 @@ def _members(data: bytes, origin: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()
-            if len(members) <= 256 and sum(m.file_size for m in members) <= 8 * MOST_NUMBERS:
+            whole = sum(m.file_size for m in members)
+            if len(members) <= _MOST_MEMBERS and whole <= most_decoded_bytes(len(data)):
                 return {
                     member.filename.removesuffix(".npy")[:40]: _content(archive, member)
                     for member in members
@@ -171,7 +171,11 @@ def _members(data: bytes, origin: str) -> dict[str, bytes]:
         raise ForeignFileError(
             f"{origin}: wanted an NPZ file, it cannot be read ({_first(error)}); save it again"
         ) from error
-    raise ForeignFileError(f"{origin}: wanted at most 256 arrays of 0.5 GB together, got more")
+    raise ForeignFileError(
+        f"{origin}: wanted at most {_MOST_MEMBERS} arrays of "
+        f"{most_decoded_bytes(len(data)) // 10**6} MB together, got {len(members)} of "
+        f"{whole // 10**6} MB; split the file, or save it uncompressed"
+    )
 
 
 def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:

@@ -6,6 +6,7 @@ its length is worked out from its own header and the closing line is asked for a
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +52,8 @@ def read_foreign_bytes(path: Path, *, limit: int = LARGEST_FILE) -> bytes:
         if not path.is_file():
             raise ForeignFileError(f"{path}: wanted a readable file, found none; check the path")
         with path.open("rb") as file:
-            data = file.read(limit + 1)
+            size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
+            data = file.read(min(size, limit) + 1)
     except (OSError, ValueError) as error:
         raise ForeignFileError(f"{path}: cannot be read ({error}); check the path") from error
     if len(data) > limit:

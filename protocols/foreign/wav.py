@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.bounds import MOST_NUMBERS
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.variables import Axis, Variable, Variables
 
@@ -65,6 +66,11 @@ def wav_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
         )
     frame = layout.channels * layout.bits // 8
     n = len(samples) // frame
+    if n * layout.channels > MOST_NUMBERS:
+        raise ForeignFileError(
+            f"{origin}: wanted at most {MOST_NUMBERS} samples, got {n * layout.channels}; split "
+            "the file"
+        )
     table = _numbers(samples[: n * frame], layout).reshape(n, layout.channels)
     return (
         Variables(

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from armodal.protocols.errors import JournalError
+from armodal.protocols.session.journal_bytes import JournalBytes, journal_file
 from armodal.protocols.session.journal_framing import (
     MAGIC,
-    MAX_JOURNAL,
     Record,
     RecordKind,
     Scan,
@@ -52,6 +52,7 @@ __all__ = [
     "Scan",
     "begin_journal",
     "decode_journal",
+    "decode_record",
     "encode_end",
     "encode_hit",
     "encode_loss",
@@ -59,7 +60,6 @@ __all__ = [
     "encode_record",
     "load_journal",
     "read_journal",
-    "read_journal_bytes",
     "scan",
     "session_of",
 ]
@@ -103,7 +103,8 @@ def load_journal(path: str | Path) -> Session:
 
 def read_journal(path: str | Path) -> Journal:
     """Read a journal file with its marks and the place where it may be continued."""
-    return decode_journal(read_journal_bytes(Path(path)))
+    with journal_file(Path(path)) as data:
+        return decode_journal(data)
 
 
 def session_of(journal: Journal) -> Session:
@@ -127,7 +128,7 @@ def session_of(journal: Journal) -> Session:
     )
 
 
-def decode_journal(data: bytes) -> Journal:
+def decode_journal(data: bytes | JournalBytes) -> Journal:
     """Return the journal that `data` holds, from its magic on; errors as `load_journal`."""
     found = scan(data)
     if not found.records:
@@ -143,7 +144,7 @@ def decode_journal(data: bytes) -> Journal:
     unknown = 0
     for record in found.records[1:]:
         end = None
-        item = _decoded(record)
+        item = decode_record(record)
         if isinstance(item, Hit):
             _check_hit(item, header, hits, record.offset)
             hits.append(item)
@@ -184,6 +185,8 @@ def _after_withdrawals(hits: Sequence[Hit], marks: Sequence[Mark]) -> tuple[Hit,
     )
 
 
+_WAY_OUT = "armodal recover --salvage takes every record that is whole"
+
 _DECODERS: dict[int, Callable[[memoryview], Hit | Loss | Mark | End]] = {
     RecordKind.HIT: decode_hit,
     RecordKind.LOSS: decode_loss,
@@ -192,32 +195,19 @@ _DECODERS: dict[int, Callable[[memoryview], Hit | Loss | Mark | End]] = {
 }
 
 
-def _decoded(record: Record) -> Hit | Loss | Mark | End | None:
+def decode_record(record: Record) -> Hit | Loss | Mark | End | None:
     """Return what a record says, or None if its kind is not known."""
     if record.kind == RecordKind.HEADER:
-        raise JournalError(f"journal record at byte {record.offset}: a second HEADER")
+        raise JournalError(f"journal record at byte {record.offset}: a second HEADER; {_WAY_OUT}")
     decoder = _DECODERS.get(record.kind)
     if decoder is None:
         return None
     try:
         return decoder(record.payload)
     except JournalError as error:
-        raise JournalError(f"journal record at byte {record.offset}: {error}") from error
-
-
-def read_journal_bytes(path: Path) -> bytes:
-    """Return the bytes of a journal file, at most `MAX_JOURNAL` of them, or raise JournalError."""
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_JOURNAL + 1)
-    except OSError as error:
         raise JournalError(
-            f"cannot read the journal {path}: {error.strerror}; give the path of the .journal "
-            "file that acquisition wrote"
+            f"journal record at byte {record.offset}: {error}; {_WAY_OUT}"
         ) from error
-    if len(data) > MAX_JOURNAL:
-        raise JournalError(f"{path} is larger than a journal may be ({MAX_JOURNAL} bytes)")
-    return data
 
 
 def _header(record: Record) -> SessionHeader:
@@ -230,7 +220,7 @@ def _check_hit(hit: Hit, header: SessionHeader, before: Sequence[Hit], offset: i
     try:
         check_membership(hit, header, before[-1] if before else None)
     except JournalError as error:
-        raise JournalError(f"journal record at byte {offset}: {error}") from error
+        raise JournalError(f"journal record at byte {offset}: {error}; {_WAY_OUT}") from error
 
 
 def _warnings(found: Scan, unknown: int, *, closed: bool) -> tuple[str, ...]:
@@ -243,7 +233,7 @@ def _warnings(found: Scan, unknown: int, *, closed: bool) -> tuple[str, ...]:
     if found.records_beyond:
         warnings.append(
             f"{found.records_beyond} complete records lie behind the damage and are not used: "
-            "keep the journal, a copy of it may be whole"
+            "keep the journal; armodal recover --salvage takes them"
         )
     if unknown:
         warnings.append(f"{unknown} records of a kind this version does not know were passed over")

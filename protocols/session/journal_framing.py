@@ -7,10 +7,20 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
+import numpy as np
+
 from armodal.protocols.errors import JournalError
+from armodal.protocols.session.journal_bytes import (
+    MAX_JOURNAL,
+    PIECE,
+    InMemory,
+    JournalBytes,
+    pieces,
+)
 
 __all__ = [
     "JOURNAL_VERSION",
@@ -22,7 +32,10 @@ __all__ = [
     "Record",
     "RecordKind",
     "Scan",
+    "Search",
+    "check_magic",
     "encode_record",
+    "record_at",
     "scan",
 ]
 
@@ -31,7 +44,6 @@ MAGIC = b"\x89AMJ\r\n\x1a" + bytes([JOURNAL_VERSION])
 
 MAX_PAYLOAD = 64 * 2**20  # bytes: a hit of 16 million samples
 MAX_RECORDS = 200_000
-MAX_JOURNAL = 2**31  # bytes
 
 SYNC = 0x4A52  # constant in every record head, so that records beyond damage can be found
 _HEAD = struct.Struct("<IHH")
@@ -39,8 +51,10 @@ _CRC = struct.Struct("<I")
 RECORD_OVERHEAD = _HEAD.size + _CRC.size
 _SYNC_BYTES = struct.pack("<H", SYNC)
 _SYNC_OFFSET = 6
-_SEARCH_FACTOR = 2  # bytes summed at most, per byte searched, looking for records beyond damage
-_SEARCH_CANDIDATES = 100_000  # places tried at most
+# The search behind damage takes at most so many bytes of work for each byte searched: more is
+# wanted only where somebody made heads of records that are none.
+_SEARCH_FACTOR = 16
+_PLACE_COST = 1000  # bytes of work: trying one place takes as long as summing so many
 
 
 class RecordKind(IntEnum):
@@ -55,11 +69,22 @@ class RecordKind(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """A complete record; `payload` is a view into the scanned bytes."""
+    """A complete record, somewhere in `data`."""
 
     kind: int  # a RecordKind, or a kind this version does not know
-    payload: memoryview
     offset: int  # of the record's first byte in the journal
+    end: int  # offset behind its last byte
+    data: JournalBytes
+
+    @property
+    def payload(self) -> memoryview:
+        """What it carries, read when it is asked for."""
+        return self.data.piece(self.offset + _HEAD.size, self.end - _CRC.size)
+
+    @property
+    def whole(self) -> memoryview:
+        """Head, payload and CRC."""
+        return self.data.piece(self.offset, self.end)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +149,7 @@ def check_magic(data: bytes | memoryview) -> None:
     )
 
 
-def scan(data: bytes | memoryview) -> Scan:
+def scan(data: bytes | memoryview | JournalBytes) -> Scan:
     """Return the complete records of a journal, up to the first torn or corrupt one.
 
     Parameters
@@ -138,18 +163,18 @@ def scan(data: bytes | memoryview) -> Scan:
         If it does not begin as a journal, or is larger than `MAX_JOURNAL` bytes or
         `MAX_RECORDS` records.
     """
-    view = memoryview(data)
-    if len(view) > MAX_JOURNAL:
+    source = InMemory(data) if isinstance(data, bytes | memoryview) else data
+    if source.size > MAX_JOURNAL:
         raise JournalError(
-            f"a journal holds at most {MAX_JOURNAL} bytes, this one holds {len(view)}: "
+            f"a journal holds at most {MAX_JOURNAL} bytes, this one holds {source.size}: "
             "give the path of the .journal file that acquisition wrote"
         )
-    check_magic(view)
+    check_magic(source.piece(0, min(len(MAGIC), source.size)))
     records: list[Record] = []
     position = len(MAGIC)
     damage = ""
-    while position < len(view):
-        record, damage = _record_at(view, position)
+    while position < source.size:
+        record, damage = record_at(source, position)
         if record is None:
             break
         records.append(record)
@@ -158,22 +183,22 @@ def scan(data: bytes | memoryview) -> Scan:
                 f"a journal holds at most {MAX_RECORDS} records, this one holds more: "
                 "it was not written by acquisition"
             )
-        position += RECORD_OVERHEAD + len(record.payload)
+        position = record.end
     return Scan(
         records=tuple(records),
         good_end=position,
-        size=len(view),
+        size=source.size,
         damage=damage,
-        records_beyond=_count_beyond(view, position + 1) if damage else 0,
+        records_beyond=sum(1 for _ in Search(source, position + 1)) if damage else 0,
     )
 
 
-def _record_at(view: memoryview, offset: int) -> tuple[Record | None, str]:
+def record_at(data: JournalBytes, offset: int) -> tuple[Record | None, str]:
     """Return the record at `offset`, or None and what is wrong with it."""
-    left = len(view) - offset
+    left = data.size - offset
     if left < RECORD_OVERHEAD:
         return None, f"{left} bytes are too few for a record"
-    length, kind, sync = _HEAD.unpack_from(view, offset)
+    length, kind, sync = _HEAD.unpack(data.piece(offset, offset + _HEAD.size))
     if sync != SYNC:
         return None, f"no record head (sync {sync:#06x}, wanted {SYNC:#06x})"
     if length > MAX_PAYLOAD:
@@ -181,30 +206,65 @@ def _record_at(view: memoryview, offset: int) -> tuple[Record | None, str]:
     if length > left - RECORD_OVERHEAD:
         return None, f"the record wants {length + RECORD_OVERHEAD} bytes, only {left} are there"
     end = offset + _HEAD.size + length
-    told = _CRC.unpack_from(view, end)[0]
-    found = zlib.crc32(view[offset:end])
+    told = _CRC.unpack(data.piece(end, end + _CRC.size))[0]
+    found = 0
+    for part in pieces(data, offset, end):
+        found = zlib.crc32(part, found)
     if found != told:
         return None, f"the CRC-32 is {found:#010x}, the record says {told:#010x}"
-    return Record(kind=kind, payload=view[offset + _HEAD.size : end], offset=offset), ""
+    return Record(kind=kind, offset=offset, end=end + _CRC.size, data=data), ""
 
 
-def _count_beyond(view: memoryview, start: int) -> int:
-    """Count complete records behind damage, with work bounded by the bytes searched."""
-    tail = bytes(view[start:])
-    budget = _SEARCH_FACTOR * len(tail)
-    count = 0
-    position = 0
-    for _ in range(_SEARCH_CANDIDATES):
-        found = tail.find(_SYNC_BYTES, position + _SYNC_OFFSET)
-        if found < 0 or budget <= 0:
-            break
-        position = found - _SYNC_OFFSET
-        length = _HEAD.unpack_from(tail, position)[0] if position + _HEAD.size <= len(tail) else 0
-        if length <= min(MAX_PAYLOAD, len(tail) - position - RECORD_OVERHEAD):
-            budget -= length + RECORD_OVERHEAD
-            if _record_at(memoryview(tail), position)[0] is not None:
-                count += 1
-                position += RECORD_OVERHEAD + length
-                continue
-        position += 1
-    return count
+class Search:
+    """The complete records behind damage, wherever they begin, in turn.
+
+    One that lies within another is not looked for. The work is bounded by the bytes searched.
+
+    Attributes
+    ----------
+    gave_up_at : int or None
+        The byte from which on nothing was looked at, where the work was too much.
+    """
+
+    def __init__(self, data: JournalBytes, start: int) -> None:
+        self._data = data
+        self._start = start
+        self.gave_up_at: int | None = None
+
+    def __iter__(self) -> Iterator[Record]:
+        """Yield one after the other."""
+        data, position = self._data, self._start
+        budget = _SEARCH_FACTOR * (data.size - position)
+        while position + RECORD_OVERHEAD <= data.size:
+            position = max(position, data.hole_end(position) - RECORD_OVERHEAD)
+            window_end = min(position + PIECE + RECORD_OVERHEAD, data.size)
+            free_from = position
+            for at, length in _places(data, position, window_end):
+                if at < free_from:
+                    continue
+                if budget <= 0:
+                    self.gave_up_at = at
+                    return
+                record, _ = record_at(data, at)
+                if record is None:
+                    budget -= _PLACE_COST + length
+                    continue
+                yield record
+                free_from = record.end
+            position = max(window_end - RECORD_OVERHEAD + 1, free_from)
+
+
+def _places(data: JournalBytes, begin: int, end: int) -> list[tuple[int, int]]:
+    """Return where a record's head may be that has room behind it, and the length it tells."""
+    window = data.piece(begin, end)
+    if bytes(window).find(_SYNC_BYTES) < 0:
+        return []
+    octets = np.frombuffer(window, dtype=np.uint8)
+    syncs = octets[_SYNC_OFFSET:-5] == _SYNC_BYTES[0]
+    syncs &= octets[_SYNC_OFFSET + 1 : -4] == _SYNC_BYTES[1]
+    syncs &= octets[_SYNC_OFFSET - 1 : -6] == 0  # kinds are below 256
+    heads = np.flatnonzero(syncs)
+    lengths = octets[heads[:, None] + np.arange(4)].view("<u4")[:, 0].astype(np.int64)
+    room = np.minimum(MAX_PAYLOAD, data.size - begin - heads - RECORD_OVERHEAD)
+    fits = lengths <= room
+    return list(zip((begin + heads[fits]).tolist(), lengths[fits].tolist(), strict=True))

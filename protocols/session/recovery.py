@@ -11,7 +11,8 @@ from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.file_layer import DISK, FileLayer
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.hdf5 import Provenance, write_session
-from armodal.protocols.session.journal import decode_journal, read_journal_bytes, session_of
+from armodal.protocols.session.journal import decode_journal, session_of
+from armodal.protocols.session.journal_bytes import journal_file, pieces
 from armodal.protocols.session.records import Session
 
 __all__ = ["Recovery", "rebuild"]
@@ -66,8 +67,11 @@ def rebuild(
         As `load_journal` and `write_session`; SessionError too if both paths are one file.
     """
     _check_not_the_journal(Path(journal_path), Path(session_path))
-    data = read_journal_bytes(Path(journal_path))
-    journal = decode_journal(data)
+    digest = hashlib.sha256()
+    with journal_file(Path(journal_path)) as data:
+        journal = decode_journal(data)
+        for part in pieces(data, 0, data.size):
+            digest.update(part)
     session = session_of(journal)
     frfs: tuple[FrequencyResponse, ...] = ()
     frf_problem = None
@@ -76,7 +80,7 @@ def rebuild(
             frfs = tuple(estimate_frfs(session))
         except EstimateError as error:
             frf_problem = str(error)
-    provenance = Provenance(journal_sha256=hashlib.sha256(data).hexdigest(), software=software)
+    provenance = Provenance(journal_sha256=digest.hexdigest(), software=software)
     write_session(session, session_path, frfs=frfs, provenance=provenance, files=files)
     accepted = len(session.accepted())
     return Recovery(

@@ -179,7 +179,7 @@ def test_a_journal_with_as_many_records_as_a_reader_takes_can_still_be_ended_and
 def test_a_journal_as_long_as_a_reader_takes_can_still_be_ended_and_read(header, path, monkeypatch):
     writer = JournalWriter.create(path, header)
     most = path.stat().st_size + LAST_BYTES + 5 * len(mark("one")) + 7
-    for module in ("armodal.daq.journal_writer", "armodal.protocols.session.journal"):
+    for module in ("armodal.daq.journal_writer", "armodal.protocols.session.journal_bytes"):
         monkeypatch.setattr(f"{module}.MAX_JOURNAL", most)
     assert filled(writer, mark("one")) == 5
     writer.begin_ending()

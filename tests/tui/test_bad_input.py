@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from dataclasses import replace
 from functools import partial
@@ -247,6 +248,22 @@ def test_a_truncated_journal_gives_back_every_whole_hit(session_files, tmp_path)
     assert said.returncode == 0
     assert '"dropped_bytes": 0' not in said.stdout
     assert len(read_session(tmp_path / "torn.h5").hits) >= len(whole.hits) - 1
+
+
+def test_a_journal_damaged_in_its_middle_is_salvaged(session_files, tmp_path):
+    whole = read_journal(session_files[0])
+    data = bytearray(session_files[0].read_bytes())
+    broken = tmp_path / "broken.journal"
+    broken.write_bytes(data[: len(data) // 3] + bytes(50) + data[len(data) // 3 + 50 :])
+    said = armodal("recover", broken, "--salvage", "--json")
+    assert said.returncode == 0
+    told = json.loads(said.stdout)
+    assert len(told["dropped"]) == 1
+    assert sum(told["sessions"][0]["hits"].values()) >= len(whole.hits) - 1
+    said = armodal("recover", broken, "--salvage")
+    assert "broken.salvaged-2.h5" in said.stderr.splitlines()[-1]
+    is_one_message(armodal("recover", broken, "--salvage", "--out", "x.h5"), "--out")
+    is_one_message(armodal("recover", broken, "--header", broken), "--salvage")
 
 
 def test_a_journal_without_its_beginning_is_refused(session_files, tmp_path):

@@ -1,0 +1,34 @@
+"""Every decoder of files takes no more memory and time than `protocols/bounds.py` allows."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from support.bombs import BOMBS, SLOW_TO_MAKE
+from support.bounded import decode_bounded, wrong_with
+
+pytestmark = [
+    pytest.mark.skipif(sys.platform != "linux", reason="bounds a process as Linux does"),
+    pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning"),
+]
+
+NAMES = [
+    pytest.param(name, marks=[pytest.mark.long] if name in SLOW_TO_MAKE else []) for name in BOMBS
+]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_bomb_is_read_or_refused_within_bounds(name, tmp_path):
+    decoders, ending, make = BOMBS[name]
+    path = tmp_path / f"bomb{ending}"
+    make(path)
+    for decoder in decoders:
+        assert wrong_with(decoder, path) == ""
+
+
+def test_a_decoder_beyond_its_bounds_is_told(tmp_path):
+    path = tmp_path / "a.npy"
+    path.write_bytes(bytes(10))
+    assert decode_bounded("glutton", path, most_bytes=10**7, most_s=10).is_fault
+    assert "MB" in wrong_with("large", path)
