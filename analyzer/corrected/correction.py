@@ -17,7 +17,7 @@ from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.protocols.arm.records import AddedEffect, Arm
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 
 __all__ = ["Correction", "correction_of", "stepped"]
@@ -121,8 +121,3 @@ def _wanted(instance: Instance) -> list[str]:
     """Keys without which it would be another effect: where an axis lies its description tells."""
     keys = [file_key(p.name, instance.place) for p in instance.parameters]
     return [key for key in keys if not key.startswith(("axis_tilt", "axis_shift"))]
-
-
-def found_by(effect: AddedEffect) -> str:
-    """Return an effect and its place as the arm file has them."""
-    return f"{effect.name} ({effect.place})"

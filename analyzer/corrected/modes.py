@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
+from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.corrected.posture import CorrectedPosture
-from armodal.analyzer.gap.response import hysteresis
 from armodal.protocols.errors import EstimateError
 
 __all__ = ["CorrectedModes", "corrected_modes"]

@@ -2,14 +2,13 @@
 
     (s^2 M + s C + K + h(s) L) x = J' f ,    h(s) = (2 / pi) ln(s / (2 pi 30 Hz)) ,
 
-with L the stiffness times its loss factor (`docs/theory-gap.md`; causal constant loss: Makris, J.
-Eng. Mech. 123 (1997) 1202). A coordinate with a compliance has its stiffness 1 / gamma and its
-damping tau / gamma.
+with L the stiffness times its loss factor (`docs/decisions/0007-loss-is-causal.md`). A
+coordinate with a compliance gamma has the stiffness 1 / gamma and the damping tau / gamma.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +26,6 @@ __all__ = [
     "assembly_at",
     "corrected_posture",
     "stand",
-    "without_effects",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -127,12 +125,6 @@ def corrected_posture(
         tool_jacobian=np.vstack([R @ linear, R @ local[3:]]),
         tool_m=R @ tool + p,
     )
-
-
-def without_effects(correction: Correction) -> Correction:
-    """Return the plain arm: the same joints, nothing named."""
-    plain = replace(correction.hypothesis, instances=())
-    return replace(correction, hypothesis=plain, names=(), notes=())
 
 
 def _no_lines(arm: Arm, angles: Array, level: float) -> PostureLines:

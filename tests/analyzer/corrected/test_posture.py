@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from support.added import AXIS_DIRECTION, AXIS_POINT, added, any_of, axis, with_effects
 
+from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.arm.reduced import model_modes, reduce_model
 from armodal.analyzer.arm.structure import Axis, Structure, believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.correction import correction_of
 from armodal.analyzer.corrected.modes import corrected_modes
 from armodal.analyzer.corrected.posture import corrected_posture, stand
-from armodal.analyzer.gap.response import hysteresis
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, EstimateError
 
