@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
+from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.assembly import System
 from armodal.analyzer.gap.fit import Fit, Stage
 from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
-from armodal.analyzer.gap.response import hysteresis
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.modes import ModalModel
 

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.assembly import BASE, Assembly
 from armodal.analyzer.gap.change import Change, by_change
 from armodal.analyzer.gap.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.moved_otherwise import by_motion, by_slopes
 from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.response import Response, as_single, hysteresis, real_times, respond
+from armodal.analyzer.gap.response import Response, as_single, real_times, respond
 from armodal.analyzer.gap.space import Space
 from armodal.analyzer.gap.systems import angle_slopes, motion_slopes, systems
 

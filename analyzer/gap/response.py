@@ -32,10 +32,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.assembly import System
 from armodal.analyzer.gap.geometry import skew
 
-__all__ = ["Response", "as_single", "hysteresis", "of_hits", "real_times", "respond"]
+__all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
 
 Array = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -44,12 +45,6 @@ _SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex
 _TURN = ((1, 2), (2, 0), (0, 1))  # axes of a cross product's parts
 _SENSIBLE = 1e3  # m/N or rad/N: products of two such, with masses and s^2, are below 1e38
 _AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
-_REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has its stiffness k
-
-
-def hysteresis(s: ComplexArray) -> ComplexArray:
-    """What a unit loss factor adds to a unit stiffness at s, in rad/s."""
-    return np.asarray((2.0 / np.pi) * np.log(s / _REFERENCE_RAD_S))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,9 +2,9 @@
 
 Every body is the convex hulls of its shapes, which hold the shapes: a posture whose hulls are apart
 is free for the meshes. Hulls are checked by coal through pinocchio, with a margin between them.
-Neighbours on a joint are not checked. Where two other bodies' hulls are never apart (a wrist's), their
-triangles are checked; where these meet always too, the two bodies touch by their making, and the
-pair is left out and named.
+Neighbours on a joint are not checked. Where two other bodies' hulls are never apart (a wrist's),
+their triangles are checked; where these meet always too, the two bodies touch by their making, and
+the pair is left out and named.
 """
 
 from __future__ import annotations

@@ -26,6 +26,7 @@ Array = npt.NDArray[np.float64]
 class Deflections:
     """Deflection in n postures under one wrench at the tool; base frame."""
 
+    names: tuple[str, ...]  # (n_elastic,) joints, then what effects let give way
     tool_m: Array  # (n, 3) the loaded point
     joint_rotation_rad: Array  # (n, n_elastic)
     displacement_m: Array  # (n, 3) of the loaded point
@@ -86,14 +87,16 @@ def deflect(
             "wanted a wrench of six finite numbers, force x y z in N and moment x y z in N m, "
             f"got {np.asarray(wrench).tolist()}"
         )
-    J, tool = _tool_jacobian(batch, elastic, joints_rad, tool_m)
-    rotation = np.einsum("ijn,i->jn", J, load) / elastic.stiffness_n_m_per_rad[:, None]
+    every, tool = batch.unit_motions(joints_rad, tool_m)
+    J = every[:, list(elastic.joints)]
+    rotation = elastic.yields(np.einsum("ijn,i->jn", J, load))
     parts = J * rotation  # (6, n_elastic, n)
     motion = parts.sum(axis=1)
     along = np.einsum("ijn,in->jn", parts[:3], motion[:3])
     square = (motion[:3] ** 2).sum(axis=0)
     share = np.divide(along, square, out=np.full_like(along, np.nan), where=square > 0)
     return Deflections(
+        names=elastic.names(batch.arm),
         tool_m=tool.T,
         joint_rotation_rad=rotation.T,
         displacement_m=motion[:3].T,
@@ -120,16 +123,3 @@ def joint_lines(
         angle = float(np.rad2deg(line_angle_rad(u, axis.direction)))
         lines.append(JointLine(joint=joint.name, angle_deg=angle, distance_m=distance))
     return tuple(lines)
-
-
-def _tool_jacobian(
-    batch: ArmBatch, elastic: ElasticJoints, joints_rad: npt.ArrayLike, tool_m: npt.ArrayLike
-) -> tuple[Array, Array]:
-    """Jacobian of the tool point (6, n_elastic, n) and its place (3, n)."""
-    origin, direction = batch.joint_axes(joints_rad)
-    tool = batch.position(joints_rad, batch.n_joints - 1, tool_m)
-    chosen = list(elastic.joints)
-    axis = direction[chosen]  # (n_elastic, 3, n)
-    arm = tool[None] - origin[chosen]
-    linear = np.cross(axis, arm, axis=1)
-    return np.concatenate([linear, axis], axis=1).transpose(1, 0, 2), tool

@@ -27,7 +27,15 @@ import numpy.typing as npt
 from armodal.protocols.arm.records import Arm, InertialLink
 from armodal.protocols.errors import ArmError
 
-__all__ = ["ArmBatch"]
+__all__ = [
+    "ArmBatch",
+    "axis_to_z",
+    "flat_inertia",
+    "inertia_step",
+    "turn",
+    "turn_inertia",
+    "wrench_step",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -52,7 +60,7 @@ class ArmBatch:
     def __init__(self, arm: Arm) -> None:
         self.arm = arm
         self.n_joints = len(arm.joints)
-        turned = [_axis_to_z(joint.axis) for joint in arm.joints]
+        turned = [axis_to_z(joint.axis) for joint in arm.joints]
         self._turned = turned
         self._bodies = list(self.parameters([joint.link for joint in arm.joints]))
         before = [np.eye(3), *turned[:-1]]
@@ -63,8 +71,8 @@ class ArmBatch:
         self._p = [
             B0.T @ joint.T_parent_joint[:3, 3] for joint, B0 in zip(arm.joints, before, strict=True)
         ]
-        self._inertia_step = [_inertia_step(R, p) for R, p in zip(self._R, self._p, strict=True)]
-        self._wrench_step = [_wrench_step(R, p) for R, p in zip(self._R, self._p, strict=True)]
+        self._inertia_step = [inertia_step(R, p) for R, p in zip(self._R, self._p, strict=True)]
+        self._wrench_step = [wrench_step(R, p) for R, p in zip(self._R, self._p, strict=True)]
 
     def with_links(self, links: Sequence[InertialLink]) -> ArmBatch:
         """Return the same arm with other inertias, one link per joint; its geometry is shared."""
@@ -128,14 +136,19 @@ class ArmBatch:
             wrench[1] = composite[1]
             wrench[3], wrench[4], wrench[5] = composite[8], composite[9], composite[6]
             for j in reversed(range(i)):
-                _turn(wrench, cosine[j + 1], sine[j + 1], ((0, 1), (3, 4)))
+                turn(wrench, cosine[j + 1], sine[j + 1], ((0, 1), (3, 4)))
                 wrench = self._wrench_step[j + 1] @ wrench
                 mass[i, j] = mass[j, i] = wrench[5]
             if i:
-                _turn_inertia(composite, cosine[i], sine[i])
+                turn_inertia(composite, cosine[i], sine[i])
                 composite = self._inertia_step[i] @ composite
                 composite += self._bodies[i - 1][:, None]
         return mass
+
+    def masses(self, joints_rad: npt.ArrayLike) -> tuple[Array, Array]:
+        """Mass matrices of the joints, and of the coordinates: here the same."""
+        mass = self.mass(joints_rad)
+        return mass, mass
 
     def position(self, joints_rad: npt.ArrayLike, link: int, point_m: npt.ArrayLike) -> Array:
         """Positions in base of a point fixed in a link's own frame.
@@ -149,7 +162,7 @@ class ArmBatch:
         local = self._turned[link].T @ np.asarray(point_m, dtype=np.float64)
         position = np.repeat(local[:, None], cosine.shape[1], axis=1)
         for j in reversed(range(link + 1)):
-            _turn(position, cosine[j], sine[j], ((0, 1),))
+            turn(position, cosine[j], sine[j], ((0, 1),))
             position = self._R[j] @ position + self._p[j][:, None]
         return position
 
@@ -166,6 +179,24 @@ class ArmBatch:
             [self.position(joints_rad, i, joint.axis) for i, joint in enumerate(self.arm.joints)]
         )
         return origin, ahead - origin
+
+    def unit_motions(self, joints_rad: npt.ArrayLike, tool_m: npt.ArrayLike) -> tuple[Array, Array]:
+        """Motion of a point of the last link by a unit of each coordinate.
+
+        Parameters
+        ----------
+        tool_m
+            (3,) in the last link's frame.
+
+        Returns
+        -------
+        J, tool : (6, n_joints, n_postures), (3, n_postures) float64
+            Base frame, linear first; the point's place.
+        """
+        origin, direction = self.joint_axes(joints_rad)
+        tool = self.position(joints_rad, self.n_joints - 1, tool_m)
+        linear = np.cross(direction, tool[None] - origin, axis=1)
+        return np.concatenate([linear, direction], axis=1).transpose(1, 0, 2), tool
 
     def gravity_torque(self, joints_rad: npt.ArrayLike) -> Array:
         """Torques that hold the arm against gravity.
@@ -185,7 +216,7 @@ class ArmBatch:
             g = gravity[i]
             torque[i] = composite[2] * g[0] - composite[1] * g[1]  # -(h x g) . z
             if i:
-                _turn_inertia(composite, cosine[i], sine[i])
+                turn_inertia(composite, cosine[i], sine[i])
                 composite = self._inertia_step[i] @ composite + self._bodies[i - 1][:, None]
         return torque
 
@@ -194,7 +225,7 @@ class ArmBatch:
         seen = []
         for j in range(self.n_joints):
             g = self._R[j].T @ g
-            _turn(g, cosine[j], -sine[j], ((0, 1),))
+            turn(g, cosine[j], -sine[j], ((0, 1),))
             seen.append(g.copy())
         return seen
 
@@ -209,7 +240,7 @@ class ArmBatch:
         return np.cos(columns), np.sin(columns)
 
 
-def _axis_to_z(axis: Array) -> Array:
+def axis_to_z(axis: Array) -> Array:
     """Rotation whose third column is the axis."""
     z = np.asarray(axis, dtype=np.float64)
     helper = np.eye(3)[int(np.argmin(np.abs(z)))]
@@ -222,16 +253,17 @@ def _parameters(link: InertialLink, B: Array) -> Array:
     center = B.T @ link.center_m
     J = B.T @ link.inertia_kg_m2 @ B
     J = J + link.mass_kg * (center @ center * np.eye(3) - np.outer(center, center))
-    return _flat(link.mass_kg, link.mass_kg * center, J)
+    return flat_inertia(link.mass_kg, link.mass_kg * center, J)
 
 
-def _flat(mass: float, h: Array, J: Array) -> Array:
+def flat_inertia(mass: float, h: Array, J: Array) -> Array:
+    """Return a body's ten parameters from mass, first moments (3,) and inertia (3, 3) at origin."""
     return np.array(
         [mass, *h, J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]], dtype=np.float64
     )
 
 
-def _inertia_step(R: Array, p: Array) -> Array:
+def inertia_step(R: Array, p: Array) -> Array:
     """Constant (10, 10) matrix that takes parameters from a link's frame to its parent's."""
     step = np.empty((_N_PARAMETERS, _N_PARAMETERS))
     for column, unit in enumerate(np.eye(_N_PARAMETERS)):
@@ -241,17 +273,17 @@ def _inertia_step(R: Array, p: Array) -> Array:
         # About the parent's origin: J + m (p² - p pᵀ) + the mixed terms of h and p.
         J = J + mass * (p @ p * np.eye(3) - np.outer(p, p))
         J = J + 2 * (p @ h) * np.eye(3) - np.outer(p, h) - np.outer(h, p)
-        step[:, column] = _flat(float(mass), h + mass * p, J)
+        step[:, column] = flat_inertia(float(mass), h + mass * p, J)
     return step
 
 
-def _wrench_step(R: Array, p: Array) -> Array:
+def wrench_step(R: Array, p: Array) -> Array:
     """Constant (6, 6) matrix that takes a wrench, linear first, to the parent's frame."""
     cross = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
     return np.block([[R, np.zeros((3, 3))], [cross @ R, R]])
 
 
-def _turn(rows: Array, cosine: Array, sine: Array, pairs: tuple[tuple[int, int], ...]) -> None:
+def turn(rows: Array, cosine: Array, sine: Array, pairs: tuple[tuple[int, int], ...]) -> None:
     """Turn pairs of rows about z, in place."""
     for a, b in pairs:
         x = cosine * rows[a] - sine * rows[b]
@@ -259,8 +291,9 @@ def _turn(rows: Array, cosine: Array, sine: Array, pairs: tuple[tuple[int, int],
         rows[a] = x
 
 
-def _turn_inertia(parameters: Array, cosine: Array, sine: Array) -> None:
-    _turn(parameters, cosine, sine, ((1, 2), (8, 9)))
+def turn_inertia(parameters: Array, cosine: Array, sine: Array) -> None:
+    """Turn inertial parameters (10, n_postures) about z, in place."""
+    turn(parameters, cosine, sine, ((1, 2), (8, 9)))
     middle = 0.5 * (parameters[4] + parameters[5])
     difference = 0.5 * (parameters[4] - parameters[5])
     cosine_2, sine_2 = 1.0 - 2.0 * sine * sine, 2.0 * sine * cosine

@@ -31,13 +31,17 @@ class FrequencyMap:
     damping_ratio: Array  # as f_hz
 
 
-def map_frequencies(arm: Arm, elastic: ElasticJoints, *, n_lines: int = 121) -> FrequencyMap:
+def map_frequencies(
+    arm: Arm, elastic: ElasticJoints, *, n_lines: int = 121, batch: ArmBatch | None = None
+) -> FrequencyMap:
     """Map frequencies and damping over the wrist's reach, joints 1 and 4 on at zero.
 
     Parameters
     ----------
     n_lines
         Grid lines each way over the square that holds the wrist's reach.
+    batch
+        As in `study_workspace`.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def map_frequencies(arm: Arm, elastic: ElasticJoints, *, n_lines: int = 121) -> 
     grid = np.meshgrid(horizontal, vertical)
     q = np.stack([plane.joints(*grid, elbow) for elbow in ELBOWS])
     reached = ~np.isnan(q).any(axis=-1)
-    modes = spectrum(ArmBatch(arm), q[reached], elastic)
+    modes = spectrum(batch or ArmBatch(arm), q[reached], elastic)
     f_hz = np.full((*reached.shape, modes.f_hz.shape[1]), np.nan)
     damping = f_hz.copy()
     f_hz[reached], damping[reached] = modes.f_hz, modes.damping_ratio

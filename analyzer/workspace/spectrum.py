@@ -13,22 +13,54 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import REFERENCE_RAD_S
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 
-__all__ = ["ElasticJoints", "Spectrum", "elastic_joints", "spectrum", "spectrum_of_mass"]
+__all__ = [
+    "ElasticJoints",
+    "ElasticTerms",
+    "Spectrum",
+    "elastic_joints",
+    "spectrum",
+    "spectrum_of_mass",
+]
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ElasticJoints:
-    """The joints that twist, and how they resist; all others are held rigid."""
+class ElasticTerms:
+    """Matrices (n, n) of an arm whose file has effects, in place of single springs."""
 
-    joints: tuple[int, ...]  # 0-based
+    mass: Array  # beside the links'
+    damping: Array
+    stiffness: Array
+    loss: Array  # stiffness times loss factor
+    names: tuple[str, ...]  # of the n coordinates
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ElasticJoints:
+    """What twists, and how it resists; all else is held rigid."""
+
+    joints: tuple[int, ...]  # 0-based rows of the batch's matrices
     stiffness_n_m_per_rad: Array  # (n,)
     damping_n_m_s_per_rad: Array  # (n,)
+    terms: ElasticTerms | None = None  # None: single springs and dampers
+
+    def names(self, arm: Arm) -> tuple[str, ...]:
+        """Return what each of the n is of."""
+        if self.terms is not None:
+            return self.terms.names
+        return tuple(arm.joints[joint].name for joint in self.joints)
+
+    def yields(self, load: Array) -> Array:
+        """Return (n, n_postures) how far each gives way under generalised loads of that shape."""
+        if self.terms is None:
+            return np.asarray(load / self.stiffness_n_m_per_rad[:, None])
+        return np.asarray(np.linalg.solve(self.terms.stiffness, load))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +115,8 @@ def spectrum(batch: ArmBatch, joints_rad: npt.ArrayLike, elastic: ElasticJoints)
 
 def spectrum_of_mass(mass: Array, elastic: ElasticJoints) -> Spectrum:
     """Modes of mass matrices (n_joints, n_joints, n_postures) of a whole arm."""
+    if elastic.terms is not None:
+        return _of_terms(mass, elastic.terms)
     chosen = np.array(elastic.joints)
     root = 1.0 / np.sqrt(elastic.stiffness_n_m_per_rad)
     scaled = mass[chosen[:, None], chosen] * np.outer(root, root)[..., None]
@@ -93,4 +127,36 @@ def spectrum_of_mass(mass: Array, elastic: ElasticJoints) -> Spectrum:
     modal_damping = np.einsum("pim,i,pim->pm", shape, elastic.damping_n_m_s_per_rad, shape)
     return Spectrum(
         f_hz=omega / (2 * np.pi), damping_ratio=modal_damping / (2 * omega), shape=shape
+    )
+
+
+def _of_terms(mass: Array, terms: ElasticTerms) -> Spectrum:
+    """Modes where springs are a matrix; damping and loss to first order, as modal damping is.
+
+    With h(s) of `analyzer.corrected.posture`, a loss raises omega^2 by phi' L phi (2 / pi)
+    ln(omega / omega_0) and the damping ratio by phi' L phi / (2 omega^2).
+    """
+    root = np.linalg.inv(np.linalg.cholesky(terms.stiffness))
+    n = len(root)
+    # One product over all postures: root (x) root on the flattened matrices.
+    scaled = np.kron(root, root) @ (mass + terms.mass[..., None]).reshape(n * n, -1)
+    inverse_square, vectors = np.linalg.eigh(scaled.T.reshape(-1, n, n))
+    omega = 1.0 / np.sqrt(inverse_square)
+    side_by_side = np.ascontiguousarray(vectors.transpose(1, 0, 2)).reshape(n, -1)
+
+    def modal(matrix: Array) -> Array:
+        """Phi' matrix phi over omega^2, with phi = omega root' v."""
+        moved = (root @ matrix @ root.T) @ side_by_side
+        return np.asarray((side_by_side * moved).sum(axis=0).reshape(-1, n))
+
+    damping_ratio = 0.5 * omega * modal(terms.damping)
+    shape = (root.T @ side_by_side).reshape(n, -1, n).transpose(1, 0, 2) * omega[:, None, :]
+    if terms.loss.any():
+        lost = modal(terms.loss)
+        damping_ratio += 0.5 * lost
+        omega = omega * np.sqrt(1.0 + lost * (2.0 / np.pi) * np.log(omega / REFERENCE_RAD_S))
+    return Spectrum(
+        f_hz=omega[:, ::-1] / (2 * np.pi),
+        damping_ratio=damping_ratio[:, ::-1],
+        shape=shape[:, :, ::-1],
     )

@@ -39,6 +39,7 @@ class WorkspaceStudy:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Chunk:
     arm: Arm
+    batch: ArmBatch
     elastic: ElasticJoints
     n: int
     seed: tuple[int, int]
@@ -52,6 +53,7 @@ def study_workspace(
     *,
     seed: int = 0,
     still: tuple[int, ...] = (),
+    batch: ArmBatch | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> WorkspaceStudy:
@@ -63,6 +65,8 @@ def study_workspace(
         The postures depend on it and on nothing else, however the work is divided.
     still
         Joints (0-based) left at zero.
+    batch
+        The arm prepared for many postures, with its effects; the plain arm when omitted.
     executor
         Any `concurrent.futures.Executor` (threads, processes, a Dask client's); none runs here.
     progress
@@ -75,8 +79,9 @@ def study_workspace(
     """
     if n_postures < 1:
         raise ArmError(f"wanted at least one posture, got {n_postures}")
+    prepared = batch or ArmBatch(arm)
     chunks = (
-        _Chunk(arm=arm, elastic=elastic, n=n, seed=(seed, number), still=still)
+        _Chunk(arm=arm, batch=prepared, elastic=elastic, n=n, seed=(seed, number), still=still)
         for number, n in enumerate(chunk_sizes(n_postures))
     )
     total: tuple[Moments, Moments, Moments] | None = None
@@ -117,10 +122,10 @@ def _run(
 def _evaluate(chunk: _Chunk) -> tuple[Moments, Moments, Moments]:
     rng = np.random.default_rng(chunk.seed)
     joints_rad = random_postures(chunk.arm, chunk.n, rng, still=chunk.still)
-    mass = ArmBatch(chunk.arm).mass(joints_rad)
+    of_joints, mass = chunk.batch.masses(joints_rad)
     modes = spectrum_of_mass(mass, chunk.elastic)
     return (
-        moments_of(np.abs(mass), axis=2),
+        moments_of(np.abs(of_joints), axis=2),
         moments_of(modes.f_hz, axis=0),
         moments_of(modes.damping_ratio, axis=0),
     )

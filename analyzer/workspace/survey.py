@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.coupling import CouplingSweep, sweep_coupling
 from armodal.analyzer.workspace.figures import coupling_figure, map_figure, mass_figure, mode_figure
 from armodal.analyzer.workspace.maps import FrequencyMap, map_frequencies
@@ -39,10 +40,13 @@ def survey_workspace(
     *,
     n_postures: int,
     seed: int = 0,
+    batch: ArmBatch | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> WorkspaceSurvey:
     """Study an arm over its postures, with the stiffness and damping given.
+
+    `batch` as in `study_workspace`.
 
     Raises
     ------
@@ -51,7 +55,14 @@ def survey_workspace(
     """
     # Joint 1 turns the arm as a whole: file 002, section 6, leaves it at zero.
     study = study_workspace(
-        arm, elastic, n_postures, seed=seed, still=(0,), executor=executor, progress=progress
+        arm,
+        elastic,
+        n_postures,
+        seed=seed,
+        still=(0,),
+        batch=batch,
+        executor=executor,
+        progress=progress,
     )
     notes: list[str] = []
     sweep = mapped = None
@@ -61,7 +72,7 @@ def survey_workspace(
             arm, (1, 2), joint=SWEPT, limits_rad=(middle - np.pi, middle + np.pi)
         )
     try:
-        mapped = map_frequencies(arm, elastic)
+        mapped = map_frequencies(arm, elastic, batch=batch)
     except ArmError as problem:
         notes.append(str(problem))
     return WorkspaceSurvey(study=study, sweep=sweep, mapped=mapped, notes=tuple(notes))

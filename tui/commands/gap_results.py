@@ -9,9 +9,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from armodal.analyzer.arm.same_parts import check_same_parts
+from armodal.analyzer.corrected.to_file import arm_with, filed
 from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import GapResult, PostureGap, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
@@ -92,10 +94,13 @@ def keep_gap(
         added = added_effects(outcome.result, session_sha256=digest, created=now)
         known = {(e.name, e.place) for e in added}
         before = [e for e in arm.effects if (e.name, e.place) in earning - known]
+        source = f"armodal gap, session {digest[:12]}"
+        stiffness = joint_estimates(outcome.result, source)
+        named = arm_with(arm, (*before, *added), stiffness)
+        top_hz = float(outcome.stages[-1].lines[0].s_rad_s[-1].imag) / (2.0 * np.pi)
+        values = filed(outcome.final, named, known, source, top_hz=top_hz)
         text = text_with_effects(
-            arm,
-            (*before, *added),
-            stiffness=joint_estimates(outcome.result, f"armodal gap, session {digest[:12]}"),
+            arm, values.effects, stiffness=values.stiffness, damping=values.damping
         )
         replace_text(path, text)
         written["arm_file"] = path

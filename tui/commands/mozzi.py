@@ -11,17 +11,16 @@ import typer
 from rich.table import Table
 
 from armodal.analyzer.arm.wanted_posture import wanted_posture
+from armodal.analyzer.corrected.batch import batched
 from armodal.analyzer.screws import MozziAxis, Translation
 from armodal.analyzer.statics.deflection import Deflections, JointLine, deflect, joint_lines
 from armodal.analyzer.statics.ranking import rank_postures
-from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.meridian import meridian_plane
 from armodal.analyzer.workspace.postures import random_postures
-from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.tui.commands.options import ArmName, Seed, comma_numbers
-from armodal.tui.commands.plain_arm import plain_arm
 from armodal.tui.console import Json, out, print_json
 
 __all__ = ["app"]
@@ -45,10 +44,10 @@ def load_tool(
     joints_rad = wanted_posture(arm, posture_deg)
     if len(tool_m) != 3 or not np.isfinite(tool_m).all():
         raise ArmError(f"wanted a tool point of three finite metres, got {tool_m}")
-    batch = ArmBatch(arm)
-    found = deflect(batch, elastic_joints(arm), joints_rad[None], wrench, tool_m=tool_m)
+    ready = batched(arm)
+    found = deflect(ready.batch, ready.elastic, joints_rad[None], wrench, tool_m=tool_m)
     axis = found.mozzi()
-    lines = joint_lines(batch, joints_rad, axis) if isinstance(axis, MozziAxis) else ()
+    lines = joint_lines(ready.batch, joints_rad, axis) if isinstance(axis, MozziAxis) else ()
     return found, lines
 
 
@@ -71,21 +70,20 @@ def posture_of_wrist(arm: Arm, place_m: list[float], elbow: Elbow) -> list[float
     return [float(angle) for angle in np.rad2deg(angles)]
 
 
-def deflection_json(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]) -> dict[str, Any]:
+def deflection_json(found: Deflections, lines: tuple[JointLine, ...]) -> dict[str, Any]:
     """The deflection as plain values."""
     axis = found.mozzi()
-    elastic = elastic_joints(arm)
     return {
         "tool_m": found.tool_m[0].tolist(),
         "displacement_m": found.displacement_m[0].tolist(),
         "rotation_rad": found.rotation_rad[0].tolist(),
         "joints": [
             {
-                "joint": arm.joints[j].name,
+                "joint": name,
                 "rotation_rad": float(found.joint_rotation_rad[0, i]),
                 "share_of_displacement": _number(found.joint_share[0, i]),
             }
-            for i, j in enumerate(elastic.joints)
+            for i, name in enumerate(found.names)
         ],
         "axis": {
             "direction": axis.direction.tolist(),
@@ -107,7 +105,7 @@ def deflection_json(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]) 
 
 def deflection_tables(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]) -> list[Table]:
     """The deflection as tables for people."""
-    value = deflection_json(arm, found, lines)
+    value = deflection_json(found, lines)
     motion = Table(title=f"Tool of {arm.name}: {value['kind']}", show_header=False)
     size_mm = 1e3 * float(np.linalg.norm(found.displacement_m[0]))
     motion.add_row("tool at, m", _vector(found.tool_m[0], "{:.3f}"))
@@ -123,11 +121,12 @@ def deflection_tables(arm: Arm, found: Deflections, lines: tuple[JointLine, ...]
         shares.add_column(column, justify="right")
     by_name = {line.joint: line for line in lines}
     elastic = {row["joint"]: row for row in value["joints"]}
-    for joint in arm.joints:
-        row, line = elastic.get(joint.name), by_name.get(joint.name)
+    others = [name for name in found.names if name not in {joint.name for joint in arm.joints}]
+    for name in (*(joint.name for joint in arm.joints), *others):
+        row, line = elastic.get(name), by_name.get(name)
         share = None if row is None else row["share_of_displacement"]
         shares.add_row(
-            joint.name,
+            name,
             "rigid" if row is None else f"{1e3 * row['rotation_rad']:.4f}",
             "" if share is None else f"{100 * share:.1f}",
             "" if line is None else f"{line.angle_deg:.1f}",
@@ -150,9 +149,8 @@ def rank_random_postures(
     if not np.linalg.norm(force) > 0:
         raise ArmError("wanted a wrench with a force to rank postures for, got none")
     postures = random_postures(arm, n, np.random.default_rng(seed))
-    ranked = rank_postures(
-        ArmBatch(arm), elastic_joints(arm), postures, wrench, -force, tool_m=tool_m
-    )
+    ready = batched(arm)
+    ranked = rank_postures(ready.batch, ready.elastic, postures, wrench, -force, tool_m=tool_m)
     return [
         {
             "posture_deg": np.rad2deg(ranked.joints_rad[i]).tolist(),
@@ -202,7 +200,7 @@ def mozzi_command(
 
     Example: armodal mozzi viper_s650 --posture 0,0,60,0,40,0 --wrench 0,50,-100,0,0,0 --at 0,0,0.1
     """
-    the_arm = plain_arm(arm)
+    the_arm = load_arm(arm)
     load, tool = comma_numbers(wrench, "--wrench", 6), comma_numbers(at, "--at", 3)
     if rank:
         rows = rank_random_postures(the_arm, load, tool, n=rank, best=best, seed=seed)
@@ -224,9 +222,7 @@ def mozzi_command(
         asked = comma_numbers(posture or "", "--posture")
     found, lines = load_tool(the_arm, asked, load, tool)
     if as_json:
-        print_json(
-            {"arm": the_arm.name, "posture_deg": asked} | deflection_json(the_arm, found, lines)
-        )
+        print_json({"arm": the_arm.name, "posture_deg": asked} | deflection_json(found, lines))
         return
     for table in deflection_tables(the_arm, found, lines):
         out.print(table)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -9,11 +11,15 @@ import typer
 from rich.table import Table
 
 from armodal.analyzer.arm.wanted_posture import wanted_posture
+from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.predicted_posture import Prediction, predict_posture
 from armodal.analyzer.identification.scatter import half_width_95
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import ArmError
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.options import SessionPath, comma_numbers
+from armodal.tui.commands.arm_prediction import arm_prediction_json, arm_prediction_table
+from armodal.tui.commands.options import comma_numbers, refuse_idle
 from armodal.tui.console import Json, out, print_json, say
 
 __all__ = ["app"]
@@ -105,18 +111,64 @@ def prediction_tables(prediction: Prediction) -> list[Table]:
 
 @app.command("predict")
 def predict_command(
-    session: SessionPath,
+    context: typer.Context,
     posture: Annotated[
         list[str],
         typer.Option(help="Joint angles in degrees, separated by commas; repeatable."),
     ],
+    session: Annotated[Path | None, typer.Argument(help="Session file (.h5).")] = None,
+    arm: Annotated[
+        str | None,
+        typer.Option("--arm", help="Instead: an arm file with its effects, or a shipped arm."),
+    ] = None,
+    level: Annotated[
+        float,
+        typer.Option(help="With --arm: peak force over the test's middle one, for its laws."),
+    ] = 1.0,
+    below: Annotated[
+        float, typer.Option(help="With --arm: modes up to this frequency, Hz.", min=0.0)
+    ] = 1000.0,
     as_json: Json = False,
 ) -> None:
-    """Frequency, damping and shape in any posture, from what a session identifies.
+    """Frequency, damping and shape in any posture, of a session or of a corrected arm file.
 
-    Example: armodal predict session.h5 --posture=0,30,30,0,90,0 --json
+    Example: armodal predict --arm demo/demo.arm.toml --posture=0,30,30,0,90,0 --json
     """
     asked = [comma_numbers(text, "--posture") for text in posture]
+    if (session is None) == (arm is None):
+        raise ArmError(
+            "wanted either a session, whose own fit predicts, or --arm with an arm file, got "
+            f"{'neither' if arm is None else 'both'}; give one, such as "
+            "`armodal predict --arm demo/demo.arm.toml --posture=0,30,30,0,90,0`"
+        )
+    if session is None:
+        _of_arm(arm or "", asked, level, below, as_json=as_json)
+        return
+    refuse_idle(context, ("level", "below"), here="a session", there="--arm")
+    _of_session(session, asked, as_json=as_json)
+
+
+def _of_arm(
+    source: str, asked: list[list[float]], level: float, below: float, *, as_json: bool
+) -> None:
+    if not level > 0.0:
+        raise ArmError(f"--level: wanted a positive ratio of forces, got {level:g}; 1 is the test")
+    arm = load_arm(source)
+    found = predict_arm(arm, asked, level=math.log(level), below_hz=below)
+    effects = [f"{effect.name} ({effect.place})" for effect in arm.effects]
+    notes = list(found[0].notes)
+    if as_json:
+        rows = [arm_prediction_json(prediction) for prediction in found]
+        print_json({"arm": arm.name, "effects": effects, "postures": rows, "notes": notes})
+        return
+    out.print(f"with {', '.join(effects)}" if effects else "no effects in the arm file")
+    for prediction in found:
+        out.print(arm_prediction_table(prediction))
+    for note in notes:
+        out.print(f"note: {note}")
+
+
+def _of_session(session: Path, asked: list[list[float]], *, as_json: bool) -> None:
     measured = read_session(session)
     arm = measured.header.arm
     for angles in asked:

@@ -13,10 +13,11 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from armodal.analyzer.corrected.batch import batched
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.report import ReportSection
 from armodal.analyzer.report.policy import under_policy
-from armodal.analyzer.workspace.spectrum import ElasticJoints, elastic_joints
+from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.analyzer.workspace.study import WorkspaceStudy
 from armodal.analyzer.workspace.survey import (
     WorkspaceSurvey,
@@ -53,7 +54,7 @@ def survey_to_files(
     ArmError
         If the arm has no elastic joint, or the folder cannot be written.
     """
-    elastic = elastic_joints(arm)
+    ready = batched(arm)
     page, arrays = directory / "workspace.html", directory / "workspace.npz"
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -61,7 +62,13 @@ def survey_to_files(
         raise ArmError(f"cannot write to {directory}: {problem.strerror}; check it") from problem
     with _processes(workers) as executor:
         survey = survey_workspace(
-            arm, elastic, n_postures=n_postures, seed=seed, executor=executor, progress=progress
+            arm,
+            ready.elastic,
+            n_postures=n_postures,
+            seed=seed,
+            batch=ready.batch,
+            executor=executor,
+            progress=progress,
         )
     try:
         page.write_text(_page(arm, survey), encoding="utf-8")
@@ -82,7 +89,8 @@ def survey_to_files(
         "coupling_zeros_deg": []
         if survey.sweep is None
         else np.rad2deg(survey.sweep.zeros_rad).tolist(),
-        "notes": list(survey.notes),
+        "freedoms": list(ready.elastic.names(arm)),
+        "notes": [*ready.notes, *survey.notes],
         "page": str(page),
         "arrays": str(arrays),
     }

@@ -15,6 +15,7 @@ __all__ = ["WORDS", "at_point", "instances"]
 
 WORDS = EffectWords(
     name="channel_gain",
+    of_the_test=True,
     title="Channel gain is wrong",
     changes="one channel of the accelerometer, by a factor",
     signature="one channel too large or too small at all frequencies and in all postures",

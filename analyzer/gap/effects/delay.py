@@ -10,6 +10,7 @@ __all__ = ["WORDS", "instances"]
 
 WORDS = EffectWords(
     name="delay",
+    of_the_test=True,
     title="Delay between hammer and accelerometer",
     changes="all FRFs by e^(-s delay)",
     signature="a phase that grows with frequency alike in all FRFs",

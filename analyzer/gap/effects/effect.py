@@ -36,6 +36,7 @@ class EffectWords:
     ends_alike: bool = False  # of the two places it reaches between the tests tell the second
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now
+    of_the_test: bool = False  # what was measured otherwise: the arm itself is as without it
 
 
 class Builder(Protocol):

@@ -13,6 +13,7 @@ __all__ = ["WORDS", "instances"]
 
 WORDS = EffectWords(
     name="exponential_window",
+    of_the_test=True,
     title="Exponential window not corrected",
     changes="the line s of every FRF to s + decay: all poles lie that much further left",
     signature="every mode loses the same 1/s beside its own damping, whatever its frequency",

@@ -10,6 +10,7 @@ __all__ = ["WORDS", "instances"]
 
 WORDS = EffectWords(
     name="hammer_gain",
+    of_the_test=True,
     title="Hammer gain is wrong",
     changes="all FRFs by one factor",
     signature="every FRF too large or too small alike; masses and stiffnesses off by the factor",

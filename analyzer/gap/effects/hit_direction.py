@@ -15,6 +15,7 @@ __all__ = ["WORDS", "instances"]
 
 WORDS = EffectWords(
     name="hit_direction",
+    of_the_test=True,
     title="Hits along another direction",
     changes="the direction of the force: one turn common to all postures, or that of one posture",
     signature="modes are excited in other shares than the direction written down would",

@@ -15,6 +15,7 @@ __all__ = ["FLIPPED", "SWAPPED", "instances", "together", "turned_sensor"]
 
 FLIPPED = EffectWords(
     name="flipped_axis",
+    of_the_test=True,
     title="Sensor axis flipped",
     changes="the sign of a channel",
     signature="one channel agrees with the model after its sign is changed",
@@ -24,6 +25,7 @@ FLIPPED = EffectWords(
 )
 SWAPPED = EffectWords(
     name="swapped_axes",
+    of_the_test=True,
     title="Sensor axes exchanged",
     changes="the order of the channels, signs too",
     signature="channels agree with the model's other axes",

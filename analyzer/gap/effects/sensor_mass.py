@@ -13,6 +13,7 @@ __all__ = ["WORDS", "instances"]
 
 WORDS = EffectWords(
     name="sensor_mass",
+    of_the_test=True,
     title="Accelerometer heavier than its file says",
     changes="a mass at the sensor's place, another place for every row of the FRF matrix",
     signature="frequencies differ from point to point, lower where the sensor moves much",

@@ -15,6 +15,7 @@ __all__ = ["WORDS", "beside", "exchanged", "instances", "of_file", "stood_at"]
 
 WORDS = EffectWords(
     name="wrong_point",
+    of_the_test=True,
     title="Sensor stood at another point",
     changes="the place of some mountings; nothing of the arm",
     signature="one or two points alone disagree, and agree with the model at another place",

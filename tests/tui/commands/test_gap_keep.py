@@ -6,10 +6,17 @@ import os
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from support.made_gap_fits import made_fit
 from typer.testing import CliRunner
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.corrected.correction import correction_of
+from armodal.analyzer.corrected.modes import corrected_modes
+from armodal.analyzer.corrected.posture import corrected_posture, stand
+from armodal.analyzer.corrected.to_file import as_correction
+from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, Verdict
@@ -33,14 +40,19 @@ def session(tmp_path_factory):
         session_sha256="0" * 64,
         created="2026-01-01T00:00:00+00:00",
     )
-    parameter = EffectParameter(
-        name="size", unit="rad/(N m)", value=0.5, std=0.1, low=0.3, high=0.7
-    )
+    sizes = {
+        "payload": {"payload": 0.5, "payload_radius_of_gyration": 0.05}
+        | {f"payload_moment_{axis}": 0.01 for axis in "xyz"},
+        "rotor": {"rotor": 0.5},
+    }
     before = tuple(
         AddedEffect(
             name=name,
             place=place,
-            parameters=(parameter,),
+            parameters=tuple(
+                EffectParameter(name=key, unit="", value=v, std=0.1 * v, low=0.8 * v, high=1.2 * v)
+                for key, v in sizes[name].items()
+            ),
             description={},
             evidence=evidence,
         )
@@ -52,13 +64,19 @@ def session(tmp_path_factory):
     return replace(plain, header=replace(plain.header, arm=arm))
 
 
+SERVO = {"servo compliance elbow": 2e-5, "servo rotor elbow": 0.4, "servo loss elbow": 3e-4}
+
+
 def named(name, place):
-    size = Interval(unit="rad/(N m)", value=1e-5, std=1e-6, low=8e-6, high=1.2e-5)
+    units = {"compliance": "rad/(N m)", "rotor": "kg m²", "loss": "s"}
     effect = EffectFound(
         name=name,
         title=name,
         place=place,
-        parameters={f"servo compliance {place}": size},
+        parameters={
+            key: Interval(unit=units[key.split()[1]], value=v, std=0.1 * v, low=0.8 * v, high=2 * v)
+            for key, v in SERVO.items()
+        },
         size=f"servo compliance {place}",
         description={},
         confidence=1.0,
@@ -90,13 +108,30 @@ def test_what_the_arm_file_had_stays_if_it_still_earns_its_place(session, tmp_pa
     ordinary = Ordinary(superset=Superset(session.header.arm), postures=())
     kept = {("payload", "flange"), ("servo", "elbow")}  # the rotor was taken out again
     instances = tuple(i for i in all_instances(ordinary) if i.key in kept)
-    final = SimpleNamespace(hypothesis=SimpleNamespace(instances=instances))
-    outcome = SimpleNamespace(result=named("servo", "elbow"), final=final)
+    hypothesis = Hypothesis(ordinary=ordinary, instances=instances)
+    space = hypothesis.space()
+    filed = {"payload flange": 0.5, "payload radius of gyration flange": 0.05}
+    filed |= {f"payload moment {axis} flange": 0.01 for axis in "xyz"}
+    u = space.start({**SERVO, **filed})
+    final = made_fit(hypothesis, cost=0.0, space=space, u=u)
+    highest = SimpleNamespace(s_rad_s=np.array([2j * np.pi * 60.0]))
+    outcome = SimpleNamespace(
+        result=named("servo", "elbow"), final=final, stages=[SimpleNamespace(lines=[highest])]
+    )
     path = tmp_path / "session.h5"
     path.write_bytes(b"only its hash counts here")
     written = keep_gap(session, path, outcome, None)
     arm = load_arm(written["arm_file"])
     assert [(e.name, e.place) for e in arm.effects] == [("payload", "flange"), ("servo", "elbow")]
+    # The file's own model has the modes of the fit, whose bearings and losses it does not have.
+    fitted, own = as_correction(final), correction_of(arm)
+    q = np.full(len(arm.joints), 0.7)
+    wanted, found = (
+        corrected_modes(corrected_posture(c, stand(c, q)), below_hz=60.0) for c in (fitted, own)
+    )
+    # What is left: an even part of the compliance of bearings has no place in the file.
+    assert found.f_hz == pytest.approx(wanted.f_hz, rel=0.02)
+    assert found.damping_ratio == pytest.approx(wanted.damping_ratio, rel=0.1)
 
 
 @pytest.mark.parametrize("link", [None, os.symlink, os.link])

@@ -1,0 +1,145 @@
+"""Equations of motion of a corrected arm in a posture, and how its points and its tool move.
+
+    (s^2 M + s C + K + h(s) L) x = J' f ,    h(s) = (2 / pi) ln(s / (2 pi 30 Hz)) ,
+
+with L the stiffness times its loss factor (`docs/decisions/0007-loss-is-causal.md`). A
+coordinate with a compliance gamma has the stiffness 1 / gamma and the damping tau / gamma.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.corrected.correction import Correction
+from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.gap.geometry import PostureGeometry, skew
+from armodal.analyzer.gap.lines import PostureLines
+from armodal.analyzer.gap.systems import systems
+from armodal.protocols.arm.records import Arm
+
+__all__ = [
+    "CorrectedPosture",
+    "Stand",
+    "assembly_at",
+    "corrected_posture",
+    "stand",
+]
+
+Array = npt.NDArray[np.float64]
+
+_LOCKED = 1e-11  # rad/(N m) or m/N: a millionth of what a joint gives way by
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectedPosture:
+    """n coordinates about rest; base frame, linear first."""
+
+    names: tuple[str, ...]  # (n,) joints, then what effects let give way
+    mass: Array  # (n, n)
+    damping: Array  # (n, n)
+    stiffness: Array  # (n, n), gravity's included
+    loss: Array  # (n, n): stiffness times loss factor
+    point_linear: Array  # (n_points, 3, n)
+    tool_jacobian: Array  # (6, n) of the tool point
+    tool_m: Array  # (3,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stand:
+    """What a posture has that no effect's size changes."""
+
+    angles_rad: Array  # (n_joints,) where the joints truly stand
+    geometry: PostureGeometry
+    T_base_last: Array  # (4, 4) of the last link
+
+
+def stand(correction: Correction, joints_rad: npt.ArrayLike) -> Stand:
+    """Evaluate an arm's geometry at (n_joints,) angles as the encoders read them.
+
+    Raises
+    ------
+    ArmError
+        If the number of angles is not the arm's or one is not finite.
+    """
+    superset = correction.ordinary.superset
+    offset = correction.ordinary.encoder(correction.values)
+    dynamics = superset.posture(np.asarray(joints_rad, dtype=np.float64) + offset)
+    return Stand(
+        angles_rad=dynamics.joints_rad,
+        geometry=PostureGeometry(
+            link_jacobian=dynamics.link_jacobian,
+            point_jacobian=dynamics.point_jacobian,
+            point_rotation=dynamics.point_rotation,
+            gravity_per_mass=superset.gravity_stiffness_per_mass(dynamics.joints_rad),
+            gravity_m_s2=dynamics.gravity_m_s2,
+        ),
+        T_base_last=dynamics.T_base_link[-1],
+    )
+
+
+def assembly_at(correction: Correction, at: Stand, *, level: float = 0.0) -> Assembly:
+    """Put the equations together, coordinate by coordinate; `level` as `corrected_posture`."""
+    ordinary, values = correction.ordinary, correction.values
+    lines = _no_lines(ordinary.arm, at.angles_rad, level)
+    (plain,) = ordinary.assemblies([at.geometry], [lines], values)
+    return correction.hypothesis.add_to(plain, values)
+
+
+def corrected_posture(
+    correction: Correction,
+    at: Stand,
+    *,
+    level: float = 0.0,
+    tool_m: npt.ArrayLike = (0.0, 0.0, 0.0),
+) -> CorrectedPosture:
+    """Evaluate a posture.
+
+    Parameters
+    ----------
+    level
+        ln of the hits' peak force over the middle of the test's, for laws of amplitude.
+    tool_m
+        (3,) in the last link's frame.
+    """
+    assembly = assembly_at(correction, at, level=level)
+    system = systems([assembly]).alone(0)
+    gives = ~(system.compliance < _LOCKED)  # NaN: on a spring
+    gamma = system.compliance[gives]
+    springs = np.isnan(gamma)
+    k = np.where(springs, 0.0, 1.0 / np.where(springs, 1.0, gamma))
+    chosen = np.ix_(gives, gives)
+    name_at = {column: name for name, column in assembly.names.items()}
+    R, p = at.T_base_last[:3, :3], at.T_base_last[:3, 3]
+    local, tool = system.link_motion[-1][:, gives], np.asarray(tool_m, dtype=np.float64)
+    linear = local[:3] - skew(tool) @ local[3:]
+    return CorrectedPosture(
+        names=tuple(name_at.get(int(column), "") for column in np.flatnonzero(gives)),
+        mass=system.mass[chosen],
+        damping=system.damping[chosen] + np.diag(k * system.compliance_loss_s[gives]),
+        stiffness=system.stiffness[chosen] + np.diag(k),
+        loss=system.loss[chosen],
+        point_linear=system.moved[..., gives],
+        tool_jacobian=np.vstack([R @ linear, R @ local[3:]]),
+        tool_m=R @ tool + p,
+    )
+
+
+def _no_lines(arm: Arm, angles: Array, level: float) -> PostureLines:
+    """A posture without a measurement: every point is asked for, none is hit."""
+    n = len(arm.points)
+    return PostureLines(
+        name="",
+        joints_rad=angles,
+        s_rad_s=np.zeros(0, dtype=np.complex128),
+        sensor_point=np.arange(n),
+        hit=np.zeros(n, dtype=np.int64),
+        hit_point=np.zeros(0, dtype=np.int64),
+        hit_direction=np.zeros((0, 3)),
+        values=np.zeros((n, 3, 0), dtype=np.complex128),
+        variance=np.zeros((n, 3, 0)),
+        sensor_mass_kg=0.0,
+        level=level,
+    )
