@@ -17,13 +17,13 @@ import sys
 import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.compare import posture_gap
-from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from armodal.analyzer.gap.held_out import held_out
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import misfit_per_line
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.stages import stages_of
+from armodal.analyzer.gap.inference.compare import posture_gap
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.held_out import held_out
+from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.inference.stages import stages_of
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import CaseSpec, sealed
 from armodal.study.score import instance_of_truth, size_of_truth

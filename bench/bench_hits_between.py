@@ -17,7 +17,7 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects.slips_or_softens import bow_of, told_by_bow
-from armodal.analyzer.gap.stages import at_three_levels
+from armodal.analyzer.gap.inference.stages import at_three_levels
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import LIBRARY, CaseSpec, draw_study, sealed
 

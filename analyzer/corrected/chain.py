@@ -16,8 +16,8 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.correction import Correction
 from armodal.analyzer.corrected.posture import assembly_at, stand
-from armodal.analyzer.gap.assembly import Assembly, Pieces
-from armodal.analyzer.gap.effects.effect import Instance
+from armodal.analyzer.gap.model.assembly import Assembly, Pieces
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.protocols.errors import ArmError
 
 __all__ = ["LOCKED", "Chain", "Element", "chain_of"]

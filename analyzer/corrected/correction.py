@@ -14,9 +14,9 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 

@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.corrected.correction import Correction
-from armodal.analyzer.gap.assembly import Assembly
-from armodal.analyzer.gap.geometry import PostureGeometry, skew
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.systems import systems
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.systems import systems
 from armodal.protocols.arm.records import Arm
 
 __all__ = [

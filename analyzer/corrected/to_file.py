@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from armodal.analyzer.corrected.condense import condense
 from armodal.analyzer.corrected.correction import Correction, correction_of
 from armodal.analyzer.gap.add import file_key
-from armodal.analyzer.gap.fit import Fit
-from armodal.analyzer.gap.intervals import intervals
+from armodal.analyzer.gap.inference.fit import Fit
+from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.protocols.arm.records import AddedEffect, Arm, EffectParameter, Estimate
 
 __all__ = ["Filed", "arm_with", "as_correction", "filed"]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.library import all_instances, described
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, Estimate
 from armodal.protocols.errors import ArmError

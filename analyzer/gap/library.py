@@ -21,8 +21,8 @@ from types import ModuleType
 from typing import Any
 
 from armodal.analyzer.gap import effects
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["all_instances", "described", "hooks", "together"]
 

@@ -8,18 +8,18 @@ from functools import partial
 
 import numpy as np
 
-from armodal.analyzer.gap.advice import Advice, advise
-from armodal.analyzer.gap.aims import notes_on_aims
-from armodal.analyzer.gap.believable import believable
-from armodal.analyzer.gap.compare import disagreement_map, posture_gap
-from armodal.analyzer.gap.dispersion import dispersion
-from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from armodal.analyzer.gap.held_out import HeldOut, held_out
-from armodal.analyzer.gap.interfaces import lines_of_interfaces
-from armodal.analyzer.gap.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
-from armodal.analyzer.gap.judge import Judged, Thresholds, misfit_per_line
-from armodal.analyzer.gap.looks import look_at_others
-from armodal.analyzer.gap.named_step import Step
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.named_step import Step
+from armodal.analyzer.gap.decision.verdict import verdict_of
+from armodal.analyzer.gap.decision.without_levels import titles
+from armodal.analyzer.gap.inference.aims import notes_on_aims
+from armodal.analyzer.gap.inference.compare import disagreement_map, posture_gap
+from armodal.analyzer.gap.inference.dispersion import dispersion
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
+from armodal.analyzer.gap.inference.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
+from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (
     Disagreement,
     EffectFound,
@@ -31,10 +31,11 @@ from armodal.analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from armodal.analyzer.gap.scan import Candidate
-from armodal.analyzer.gap.search import Rivals
-from armodal.analyzer.gap.verdict import verdict_of
-from armodal.analyzer.gap.without_levels import titles
+from armodal.analyzer.gap.search.believable import believable
+from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
+from armodal.analyzer.gap.search.looks import look_at_others
+from armodal.analyzer.gap.search.rivals import Rivals
+from armodal.analyzer.gap.search.scan import Candidate
 from armodal.analyzer.modal.fit import fit_modes
 from armodal.analyzer.modal.modes import ModalModel
 from armodal.protocols.errors import EstimateError

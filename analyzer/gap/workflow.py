@@ -9,12 +9,8 @@ from functools import partial
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
-from armodal.analyzer.gap.enough import check_enough, check_tests, notes_on
-from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from armodal.analyzer.gap.held_out import held_out_postures
-from armodal.analyzer.gap.hit_levels import has_hits_between, has_levels, middle_level
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import (
+from armodal.analyzer.gap.decision.enough import check_enough, check_tests, notes_on
+from armodal.analyzer.gap.decision.judge import (
     SURELY_BY_LEVEL,
     Judged,
     Thresholds,
@@ -23,18 +19,22 @@ from armodal.analyzer.gap.judge import (
     one_mechanism,
     scale,
 )
-from armodal.analyzer.gap.levels import told_apart
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.named_step import Step, with_step
-from armodal.analyzer.gap.naming import judge_round, step_to
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.decision.named_step import Step, with_step
+from armodal.analyzer.gap.decision.naming import judge_round, step_to
+from armodal.analyzer.gap.decision.without_levels import first_with_levels
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.held_out import held_out_postures
+from armodal.analyzer.gap.inference.stages import at_three_levels, of_test, stages_of, with_tests
+from armodal.analyzer.gap.model.hit_levels import has_hits_between, has_levels, middle_level
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.outcome import GapOutcome, conclude
-from armodal.analyzer.gap.posed import PosedModel
 from armodal.analyzer.gap.records import Gate
-from armodal.analyzer.gap.search import Rivals, find_rivals
-from armodal.analyzer.gap.stages import at_three_levels, of_test, stages_of, with_tests
-from armodal.analyzer.gap.weigh import Discrepancy
-from armodal.analyzer.gap.without_levels import first_with_levels
+from armodal.analyzer.gap.search.levels import told_apart
+from armodal.analyzer.gap.search.rivals import Rivals, find_rivals
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan_records import Mode, Plan

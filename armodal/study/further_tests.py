@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from armodal.analyzer.gap.advice import NARROWS, plan_text
-from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.hit_levels import middle_level
-from armodal.analyzer.gap.levels import any_level, weighed_anew
-from armodal.analyzer.gap.next_test import evidence_brought
-from armodal.analyzer.gap.possible_tests import possible_tests
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.stages import with_test
+from armodal.analyzer.gap.model.hit_levels import middle_level
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.next_test.advice import NARROWS, plan_text
+from armodal.analyzer.gap.next_test.possible_tests import possible_tests
+from armodal.analyzer.gap.next_test.proposal import evidence_brought
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.gap.stages import with_test
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.search.levels import any_level, weighed_anew
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.records import Session

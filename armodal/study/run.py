@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from armodal.analyzer.gap.compare import posture_gap
-from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from armodal.analyzer.gap.held_out import held_out
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.inference.compare import posture_gap
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.held_out import held_out
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.protocols.errors import ArmodalError
 from armodal.study.cases import AnySpec, case_of

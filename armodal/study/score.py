@@ -13,9 +13,9 @@ import numpy as np
 from scipy import special
 
 from armodal.analyzer.gap.effects import channel_gain, link_axis
-from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult, Verdict
 
 __all__ = [

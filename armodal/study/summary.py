@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from armodal.analyzer.gap.advice import NARROWS
+from armodal.analyzer.gap.next_test.advice import NARROWS
 from armodal.hil_sim.study.catalogue import MAGNITUDES
 from armodal.study.kept_lines import Line
 from armodal.study.score import OUTCOMES, rate

@@ -10,7 +10,7 @@ from support.small_case import SmallCase
 
 import armodal.study.cases
 import armodal.study.curves
-from armodal.analyzer.gap.advice import NARROWS
+from armodal.analyzer.gap.next_test.advice import NARROWS
 from armodal.hil_sim.study import CaseSpec, make_case, sealed
 from armodal.study.curves import VARIED, curve_rows, levels_of, reduced, run_curves
 from armodal.study.further_tests import nearer_first

@@ -5,7 +5,7 @@ from dataclasses import replace
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from armodal.analyzer.gap.fit import Fit
-from armodal.analyzer.gap.space import Space
+from armodal.analyzer.gap.inference.fit import Fit
+from armodal.analyzer.gap.model.space import Space
 
 
 def made_fit(hypothesis, *, cost, space=None, u=()):

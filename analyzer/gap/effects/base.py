@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import BASE, Assembly, spatial_inertia
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.geometry import skew
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.soft_parts import BASE_WAYS
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import BASE, Assembly, spatial_inertia
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import skew
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.soft_parts import BASE_WAYS
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "instances"]
 

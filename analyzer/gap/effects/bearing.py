@@ -9,10 +9,10 @@ import numpy as np
 
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.geometry import across
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "instances"]
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.priors import INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.priors import INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["compliance_parameter", "loss_parameter"]
 

@@ -16,11 +16,11 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly
 from armodal.analyzer.gap.effects.compliance import loss_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["STD", "WORDS", "instances", "lifting_joints", "names_at", "share"]
 

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from armodal.analyzer.gap.effects import gravity_compensator
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["look"]
 

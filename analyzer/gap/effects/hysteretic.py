@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.priors import JOINT_LOSS_LIMIT
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.priors import JOINT_LOSS_LIMIT
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "instances"]
 

@@ -8,14 +8,14 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly, Inside
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.geometry import across, skew
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.long_links import long_links
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import Assembly, Inside
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import across, skew
+from armodal.analyzer.gap.model.long_links import long_links
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "at_axis", "instances", "of_file", "splits"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.interfaces import lines_of_interfaces
-from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
+from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["look"]
 

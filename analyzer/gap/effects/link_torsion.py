@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.effects.long_link import given_way
-from armodal.analyzer.gap.long_links import long_links
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.long_links import long_links
+from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.long_links import SLICES, LongLink
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.long_links import SLICES, LongLink
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["given_way"]
 

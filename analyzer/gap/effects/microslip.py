@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
 from armodal.analyzer.gap.effects.level import (
     COVERED,
     COVERED_HERE,
@@ -11,7 +10,8 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

@@ -18,12 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.effects import nonproportional
-from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
-from armodal.analyzer.gap.fit import Fit, Stage
-from armodal.analyzer.gap.geometry import PostureGeometry
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.geometry import PostureGeometry
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["look"]
 

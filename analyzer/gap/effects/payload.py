@@ -8,11 +8,11 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly, spatial_inertia
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.geometry import skew
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import skew
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arrays import frozen_array
 
 __all__ = ["WORDS", "instances"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
 

@@ -10,10 +10,10 @@ import numpy as np
 from armodal.analyzer.arm.reduced import reduce_model
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.assembly import Assembly
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "carried_moment", "instances"]
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.assembly import Assembly
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["FLIPPED", "SWAPPED", "instances", "together", "turned_sensor"]
 

@@ -16,12 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.effects import channel_gain, sensor_axes, wrong_point
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.fit import Stage
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import Postures
-from armodal.analyzer.gap.scan import Candidate
+from armodal.analyzer.gap.inference.fit import Stage
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import Postures
+from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["look_at_channels"]
 

@@ -23,14 +23,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy import special
 
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import friction, microslip, softening
-from armodal.analyzer.gap.effects.effect import Instance
 from armodal.analyzer.gap.effects.level import any_bow
-from armodal.analyzer.gap.fit import Fit, Stage, fit_hypothesis
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import Judged
-from armodal.analyzer.gap.levels import weighed_anew
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.levels import weighed_anew
 
 __all__ = ["Bow", "asks_for_levels", "bow_of", "told_by_bow", "told_by_hits_between"]
 

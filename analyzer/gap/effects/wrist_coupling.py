@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from armodal.analyzer.gap.assembly import Assembly
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
-from armodal.analyzer.gap.effects.effect import EffectWords, Instance
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.space import Parameter
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "instances"]
 

@@ -13,7 +13,7 @@ from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.channel_gain import at_point
 from armodal.analyzer.gap.effects.sensor_axes import turned_sensor
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 from armodal.protocols.errors import ArmError

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap import advice
-from armodal.analyzer.gap.advice import advise, plan_text
 from armodal.analyzer.gap.effects import gravity_compensator
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.possible_tests import Test
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.next_test import advice
+from armodal.analyzer.gap.next_test.advice import advise, plan_text
+from armodal.analyzer.gap.next_test.possible_tests import Test
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlanError
 from armodal.protocols.plan import load_plan, plan_from_text

@@ -5,13 +5,13 @@ import pytest
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.advice import plan_text
-from armodal.analyzer.gap.aims import notes_on_aims
-from armodal.analyzer.gap.fit import fit_hypothesis
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.possible_tests import Test
-from armodal.analyzer.gap.stages import stages_of, with_test
+from armodal.analyzer.gap.inference.aims import notes_on_aims
+from armodal.analyzer.gap.inference.fit import fit_hypothesis
+from armodal.analyzer.gap.inference.stages import stages_of, with_test
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.next_test.advice import plan_text
+from armodal.analyzer.gap.next_test.possible_tests import Test
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.protocols.plan import plan_from_text
 

@@ -10,12 +10,12 @@ from support.made_gap_fits import made_fit
 from armodal.analyzer.gap.effects import softening
 from armodal.analyzer.gap.effects.level import any_bow
 from armodal.analyzer.gap.effects.slips_or_softens import bow_of, told_by_bow
-from armodal.analyzer.gap.fit import Stage
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.inference.fit import Stage
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.hil_sim.streams import stream
 
 SPAN = 1.1  # of ln level, from the middle to the hardest

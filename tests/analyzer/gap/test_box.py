@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from armodal.analyzer.gap.box import least_in_box
+from armodal.analyzer.gap.inference.box import least_in_box
 
 
 def drawn(rng, n, rank):

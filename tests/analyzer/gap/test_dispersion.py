@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from armodal.analyzer.gap.dispersion import dispersion
-from armodal.analyzer.gap.weigh import Quadratic
+from armodal.analyzer.gap.inference.dispersion import dispersion
+from armodal.analyzer.gap.model.weigh import Quadratic
 
 N, POSTURES, DIRECTIONS = 60, 5, 60
 

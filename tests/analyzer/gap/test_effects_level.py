@@ -8,16 +8,16 @@ import pytest
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
-from armodal.analyzer.gap.fit import Stage
-from armodal.analyzer.gap.hit_levels import has_levels, middle_level, weight_factors
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.levels import told_apart
+from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.lines import Annealing, PostureLines, own_lines
-from armodal.analyzer.gap.looks import goes_with
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.model.hit_levels import has_levels, middle_level, weight_factors
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import Annealing, PostureLines, own_lines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.levels import told_apart
+from armodal.analyzer.gap.search.looks import goes_with
 from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 

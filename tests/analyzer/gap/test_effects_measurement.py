@@ -10,12 +10,12 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import exponential_window, hit_direction, wrong_point
 from armodal.analyzer.gap.effects.sensor_look import look_at_channels
-from armodal.analyzer.gap.fit import Stage
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.inference.fit import Stage
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])

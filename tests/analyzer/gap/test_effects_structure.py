@@ -10,18 +10,18 @@ from support.without_errors import without_errors
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import added_effects, instances_of_file
-from armodal.analyzer.gap.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.effects import sensor_axes, wrong_point
 from armodal.analyzer.gap.effects.gravity_compensator import share
 from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
-from armodal.analyzer.gap.geometry import GeometryNear, skew
-from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.long_links import LongLink, long_links
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
+from armodal.analyzer.gap.model.geometry import GeometryNear, skew
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.long_links import LongLink, long_links
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.records import EffectFound, Interval
 from armodal.protocols.arm.files import arm_from_texts
 from armodal.protocols.arm.rewrite import text_with_effects

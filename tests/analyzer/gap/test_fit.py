@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, lsq_linear
 
-from armodal.analyzer.gap.fit import fit_hypothesis
+from armodal.analyzer.gap.inference.fit import fit_hypothesis
+from armodal.analyzer.gap.model.space import Parameter, Space
+from armodal.analyzer.gap.model.weigh import Quadratic
 from armodal.analyzer.gap.outcome import notes_on_its_end
-from armodal.analyzer.gap.space import Parameter, Space
-from armodal.analyzer.gap.weigh import Quadratic
 
 
 class Residuals:

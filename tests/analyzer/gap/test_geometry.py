@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.geometry import GeometryNear
+from armodal.analyzer.gap.model.geometry import GeometryNear
 from armodal.hil_sim.study import study_arm
 
 STEP_RAD = 1e-5

@@ -8,16 +8,16 @@ import pytest
 from scipy.stats import multivariate_normal
 from support.made_gap_fits import made_fit
 
-from armodal.analyzer.gap import naming
+from armodal.analyzer.gap.decision import naming
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.naming import step_to
 from armodal.analyzer.gap.effects import bearing, encoder_offset
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.fit import fit_hypothesis
-from armodal.analyzer.gap.held_out import held_out
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import Judged, Thresholds
-from armodal.analyzer.gap.naming import step_to
-from armodal.analyzer.gap.space import Parameter, Space
-from armodal.analyzer.gap.weigh import Quadratic
+from armodal.analyzer.gap.inference.fit import fit_hypothesis
+from armodal.analyzer.gap.inference.held_out import held_out
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.space import Parameter, Space
+from armodal.analyzer.gap.model.weigh import Quadratic
 
 N_DATA = 8
 TEST = (1, 3)

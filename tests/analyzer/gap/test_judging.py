@@ -9,6 +9,14 @@ import pytest
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.decision.judge import (
+    Thresholds,
+    is_as_good,
+    is_certain,
+    judge,
+    one_mechanism,
+)
+from armodal.analyzer.gap.decision.naming import judge_round
 from armodal.analyzer.gap.effects import (
     base,
     bearing,
@@ -22,14 +30,12 @@ from armodal.analyzer.gap.effects import (
     sensor_axes,
     wrist_coupling,
 )
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.intervals import intervals
-from armodal.analyzer.gap.judge import Thresholds, is_as_good, is_certain, judge, one_mechanism
-from armodal.analyzer.gap.naming import judge_round
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.search import Rivals
-from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.inference.intervals import intervals
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter, Space
+from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.protocols.arm.files import load_arm
 
 

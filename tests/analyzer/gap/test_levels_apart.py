@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds, follows_no_level
+from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects import friction
 from armodal.analyzer.gap.effects.sensor_look import look_at_channels
-from armodal.analyzer.gap.fit import Stage, fit_hypothesis
-from armodal.analyzer.gap.hit_levels import middle_level
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import Judged, Thresholds, follows_no_level
+from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.stages import stages_of, with_test
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.next_test import expected_evidence
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.possible_tests import Doable, possible_tests
+from armodal.analyzer.gap.model.hit_levels import middle_level
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.next_test.possible_tests import Doable, possible_tests
+from armodal.analyzer.gap.next_test.proposal import expected_evidence
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.search import Rivals
-from armodal.analyzer.gap.stages import stages_of, with_test
-from armodal.analyzer.gap.verdict import verdict_of
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm

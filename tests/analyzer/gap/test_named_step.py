@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
 
-from armodal.analyzer.gap import named_step
+from armodal.analyzer.gap.decision import named_step
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.named_step import Step, with_step
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import Judged, Thresholds
-from armodal.analyzer.gap.named_step import Step, with_step
-from armodal.analyzer.gap.space import Parameter, Space
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.space import Parameter, Space
 
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()))
 SPACE = Space(

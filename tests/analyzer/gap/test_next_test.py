@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.advice import advise, plan_text
-from armodal.analyzer.gap.fit import Stage, fit_hypothesis
-from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.stages import stages_of
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.next_test import expected_evidence, hidden_rival, proposed
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.possible_tests import Doable, Test, possible_tests
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.next_test.advice import advise, plan_text
+from armodal.analyzer.gap.next_test.possible_tests import Doable, Test, possible_tests
+from armodal.analyzer.gap.next_test.proposal import expected_evidence, hidden_rival, proposed
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.scan import scan_instances
-from armodal.analyzer.gap.stages import stages_of
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.search.scan import scan_instances
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import make_case

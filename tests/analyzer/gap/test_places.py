@@ -6,7 +6,7 @@ import pytest
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.protocols.arm.files import load_arm
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.fit import Stage
-from armodal.analyzer.gap.hypothesis import Hypothesis
+from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel, Postures
-from armodal.analyzer.gap.weigh import Discrepancy
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.weigh import Discrepancy
 
 ANGLES = np.deg2rad(
     [

@@ -9,11 +9,11 @@ from support.without_errors import without_errors, without_soft_parts
 from armodal.analyzer.arm.reduced import reduce_model
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
-from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel, Postures
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 AXIS = np.array([0.6, 0.0, 0.8])

@@ -6,7 +6,7 @@ import pytest
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects.sensor_axes import FLIPPED, SWAPPED, together, turned_sensor
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.hil_sim.study import study_arm
 
 ROUND = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # x is y, y is z, z is x

@@ -7,16 +7,16 @@ import pytest
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import coupling, friction, microslip, slips_or_softens, softening
 from armodal.analyzer.gap.effects.level import any_bow
 from armodal.analyzer.gap.effects.slips_or_softens import Bow, told_by_bow, told_by_hits_between
-from armodal.analyzer.gap.hit_levels import at_levels, has_hits_between, middle_level
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import Judged
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel
+from armodal.analyzer.gap.inference.stages import at_three_levels, stages_of, with_test
+from armodal.analyzer.gap.model.hit_levels import at_levels, has_hits_between, middle_level
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.stages import at_three_levels, stages_of, with_test
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import make_case

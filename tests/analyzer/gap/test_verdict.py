@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import pytest
 from support.made_gap_fits import made_fit
 
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects import bearing, gravity_compensator, link_axis, softening
-from armodal.analyzer.gap.effects.effect import Instance
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.judge import Judged, Thresholds
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.search import Rivals
-from armodal.analyzer.gap.verdict import verdict_of
+from armodal.analyzer.gap.search.rivals import Rivals
 
 # A thousand residuals, soft and hard hits together.
 OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.weigh import Discrepancy, Weighing, costs_of, summed
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing, costs_of, summed
 from armodal.protocols.arm.files import load_arm
 
 

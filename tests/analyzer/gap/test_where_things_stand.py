@@ -8,13 +8,13 @@ from support.without_errors import without_errors
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.geometry import across
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.lines import PostureLines
-from armodal.analyzer.gap.ordinary import Ordinary
-from armodal.analyzer.gap.posed import PosedModel
-from armodal.analyzer.gap.priors import BASE_GAIN_STD
-from armodal.analyzer.gap.weigh import Discrepancy, Weighing
+from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.priors import BASE_GAIN_STD
+from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing
 
 JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 STRUCK = 4  # index of the point that is hit

@@ -8,11 +8,11 @@ import pytest
 from support.small_case import small_plan
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.decision.without_levels import first_with_levels, is_alike
 from armodal.analyzer.gap.effects import gravity_compensator, servo
-from armodal.analyzer.gap.hypothesis import Hypothesis
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import Verdict
-from armodal.analyzer.gap.without_levels import first_with_levels, is_alike
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import make_case
 from armodal.protocols.errors import ArmError

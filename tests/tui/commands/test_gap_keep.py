@@ -16,9 +16,9 @@ from armodal.analyzer.corrected.correction import correction_of
 from armodal.analyzer.corrected.modes import corrected_modes
 from armodal.analyzer.corrected.posture import corrected_posture, stand
 from armodal.analyzer.corrected.to_file import as_correction
-from armodal.analyzer.gap.hypothesis import Hypothesis
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.ordinary import Ordinary
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, Verdict
 from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm

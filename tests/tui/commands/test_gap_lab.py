@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import armodal.study.closed_loop
 import armodal.tui.commands.gap
-from armodal.analyzer.gap.hit_levels import has_levels
+from armodal.analyzer.gap.model.hit_levels import has_levels
 from armodal.protocols.errors import PlanError, SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.study.closed_loop import run_loop

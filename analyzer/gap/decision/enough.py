@@ -1,0 +1,128 @@
+"""What a session must hold to be judged, and what is said of one that holds less than it could."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from armodal.analyzer.gap.inference.stages import FEWEST_POSTURES
+from armodal.analyzer.gap.model.hit_levels import has_levels
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan_records import Mode
+from armodal.protocols.session.records import Hit, Session
+from armodal.protocols.session.told import told_by_hand
+
+__all__ = ["check_enough", "check_tests", "notes_on"]
+
+_FEWEST_POINTS = 4
+_MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
+
+
+def check_enough(session: Session) -> None:
+    """Check that a session can carry a judgement.
+
+    Raises
+    ------
+    EstimateError
+        If it cannot: no elastic joint, no accepted hit, too few postures or points, or points hit
+        once only.
+    """
+    arm = session.header.arm
+    if not any(joint.stiffness is not None for joint in arm.joints):
+        raise EstimateError(
+            f"arm '{arm.name}' has no joint with a stiffness, so there is no model to compare; "
+            "give the joints a believed stiffness in the arm file"
+        )
+    accepted = [hit for hit in session.hits if hit.verdict.accepted]
+    if session.hits and not accepted:
+        raise EstimateError(
+            "no hit of this session was accepted, so there is nothing to compare; "
+            "see the reasons with `armodal check session` and measure again"
+        )
+    if accepted:
+        postures = {hit.posture for hit in accepted}
+        roving = session.header.plan.mode is Mode.ROVING_HAMMER
+        points = {hit.hit_point if roving else hit.sensor_point for hit in accepted}
+    else:
+        postures = {frf.posture for frf in session.frfs}
+        points = {dof.point for frf in session.frfs for dof in (*frf.responses, *frf.references)}
+    if len(postures) < FEWEST_POSTURES:
+        raise EstimateError(
+            f"wanted at least {FEWEST_POSTURES} postures to tell effects apart, got "
+            f"{len(postures)}; measure two more that move the masses beyond each joint"
+        )
+    if len(points) < _FEWEST_POINTS:
+        raise EstimateError(
+            f"wanted at least {_FEWEST_POINTS} points, three on every link that matters, got "
+            f"{len(points)}; measure more points"
+        )
+    _check_hits(accepted, "")
+
+
+def check_tests(session: Session, more: Sequence[Session]) -> None:
+    """Check that further tests can be judged with a session.
+
+    Raises
+    ------
+    EstimateError
+        If one has no accepted hit or points hit once only, or is there twice.
+    """
+    seen = {session.header.session_id}
+    for number, other in enumerate(more, start=2):
+        if other.header.session_id in seen:
+            raise EstimateError(
+                f"test {number} is a session that is there already, and would count twice; give "
+                "each session once"
+            )
+        seen.add(other.header.session_id)
+        accepted = [hit for hit in other.hits if hit.verdict.accepted]
+        if other.hits and not accepted:
+            raise EstimateError(
+                f"no hit of test {number} was accepted, so it tells nothing; leave it out or "
+                "measure it again"
+            )
+        _check_hits(accepted, f" of test {number}")
+
+
+def _check_hits(accepted: Sequence[Hit], of_what: str) -> None:
+    hits_at = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in accepted)
+    once = sum(n == 1 for n in hits_at.values())
+    if once > _MOST_ONCE * len(hits_at):
+        raise EstimateError(
+            f"wanted two good hits or more at each point{of_what}, to see how far hits scatter, "
+            f"got one at {once} of {len(hits_at)}; without that no misfit tells anything: hit them "
+            "again"
+        )
+
+
+def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
+    """What a reader must know of a session that was judged, and of its further tests."""
+    notes = [*told_by_hand(session.header)]
+    for number, other in enumerate(more, start=2):
+        notes += [f"test {number}: {said}" for said in told_by_hand(other.header)]
+    of_hits = {hit.posture for hit in session.hits}
+    averaged = sorted({frf.posture for frf in session.frfs} - of_hits)
+    if of_hits and averaged:
+        notes.append(
+            f"postures without records of single hits were not judged: {', '.join(averaged)}"
+        )
+    if session.hits and has_levels(session):
+        notes += [
+            f"test {number} was not hit softly and hard at every point: effects that need several "
+            "hit levels stayed closed"
+            for number, other in enumerate(more, start=2)
+            if not has_levels(other)
+        ]
+    if not session.hits:
+        notes.append(
+            "only averaged FRFs are there: checks that need single hits, and effects that need "
+            "several hit levels, stayed closed"
+        )
+    elif not has_levels(session):
+        notes.append(
+            "not every point was hit softly and hard: effects that need several hit levels stayed "
+            "closed"
+        )
+    if not session.complete:
+        notes.append("the session is not complete; what is missing was not judged")
+    return notes

@@ -1,0 +1,172 @@
+"""A name more in the model: likelier ones in the place of axes, and what it makes unneeded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.held_out import HeldOut
+from armodal.analyzer.gap.library import together
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+
+__all__ = ["Step", "with_step"]
+
+_FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
+# Of priors: an ordinary error beyond it took on what an effect is to explain.
+_BELIEVABLE = 4.9
+_FROM_THE_START = (12, 8, 8, 24)  # steps on the lines of each stage
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """An effect's way into the model: without and with it, what both foretold, the judgement."""
+
+    without: Fit
+    fit: Fit
+    foretold_without: HeldOut
+    foretold_with: HeldOut
+    judged: Judged
+
+
+def with_step(
+    stages: Sequence[Stage],
+    named: Sequence[Step],
+    step: Step,
+    begin: Mapping[str, float],
+    limits: Thresholds,
+    notes: list[str],
+) -> tuple[Fit, list[Step]]:
+    """Return the model with one name more, and the steps that still earn their place.
+
+    Parameters
+    ----------
+    stages
+        Widest, broad, middle and sharp lines.
+    named, step
+        Before it, and the one that adds the name.
+    begin
+        Values of the arm file's effects, where a fit begins.
+    notes
+        Gets a line for every effect that is taken out again.
+    """
+    sharp = stages[-1]
+    own = [old.fit.last.key for old in (*named, step)]
+    better, swapped = _rather_than(sharp, step.fit, own)
+    better, turned = _as_one(better)
+    # The turn of an earlier step stands for both; one of the arm file has no step.
+    is_in_a_step = bool(turned.keys() & {old.fit.last.key for old in named})
+    if turned and not is_in_a_step:
+        step = replace(step, fit=_with_last(better, *turned.values()))
+    every = [_renamed(old, swapped | turned) for old in (named if is_in_a_step else [*named, step])]
+    better = _begun_again(stages, better, begin)
+    fitted, gone = _still_earning(sharp, better, limits, step.judged.phi)
+    notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
+    return fitted, [step for step in every if step.fit.last not in gone]
+
+
+def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) -> Fit:
+    """The fit from nothing, if it is better than one that ended beyond belief.
+
+    With an effect missing, ordinary errors and the effects that are there take on what it explains;
+    from their limits no step leads back: a body of 15 kg stayed one of 1.2 kg once the rotor beside
+    it was found.
+    """
+    if len(fit.hypothesis.instances) == 1 or fit.farthest < _BELIEVABLE:
+        return fit
+    again = fit_hypothesis(
+        stages[0], fit.hypothesis, start=begin, max_iterations=_FROM_THE_START[0]
+    )
+    for stage, steps in zip(stages[1:], _FROM_THE_START[1:], strict=True):
+        again = fit_hypothesis(stage, fit.hypothesis, start=again.values, max_iterations=steps)
+    return again if again.evidence < fit.evidence else fit
+
+
+def _rather_than(
+    stage: Stage, fit: Fit, own: Sequence[tuple[str, str]]
+) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """The fit with better names in the place of those it has; which stands for which.
+
+    A name of an earlier round was judged while something else was missing. Those of the arm file
+    stay.
+    """
+    swapped: dict[tuple[str, str], Instance] = {}
+    for old in fit.hypothesis.instances:
+        if old.key not in own or old.alternatives is None:
+            continue
+        others = [i for i in fit.hypothesis.instances if i is not old]
+        for new, begin in old.alternatives(fit.values):
+            if any(new.key == i.key or new.excludes(i) for i in others):
+                continue
+            instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
+            instead = replace(fit.hypothesis, instances=instances)
+            quick = fit_hypothesis(stage, instead, start=begin, max_iterations=_FEW_STEPS)
+            if quick.evidence - quick.promised > fit.evidence:
+                continue
+            ended = fit_hypothesis(stage, instead, resumed=quick)
+            if ended.evidence < fit.evidence:
+                fit, swapped[old.key] = ended, new
+                break
+    return fit, swapped
+
+
+def _taken_out(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:
+    """Where a fit without an effect begins: what stays may take what it was."""
+    rest = tuple(i for i in fit.hypothesis.instances if i is not gone)
+    values = dict(fit.values)
+    for other, begin in () if gone.alternatives is None else gone.alternatives(fit.values):
+        if any(other.key == i.key for i in rest):
+            values |= begin
+    for parameter in gone.parameters:
+        values.pop(parameter.name, None)
+    return values, replace(fit.hypothesis, instances=rest)
+
+
+def _as_one(fit: Fit) -> tuple[Fit, dict[tuple[str, str], Instance]]:
+    """Where the last effect and another are one: the fit with it, and for which it stands."""
+    *others, last = fit.hypothesis.instances
+    for other in others:
+        both = together(fit.hypothesis.ordinary, other, last)
+        if both is not None:
+            instances = tuple(both if i is other else i for i in others)
+            hypothesis = replace(fit.hypothesis, instances=instances)
+            return replace(fit, hypothesis=hypothesis), {other.key: both}
+    return fit, {}
+
+
+def _with_last(fit: Fit, last: Instance) -> Fit:
+    """The fit with one of its effects told as the last."""
+    others = [i for i in fit.hypothesis.instances if i.key != last.key]
+    return replace(fit, hypothesis=replace(fit.hypothesis, instances=(*others, last)), on=None)
+
+
+def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
+    fit = step.fit
+    instances = tuple(swapped.get(i.key, i) for i in fit.hypothesis.instances)
+    if instances == fit.hypothesis.instances:
+        return step
+    renamed = replace(fit, hypothesis=replace(fit.hypothesis, instances=instances), on=None)
+    standing = tuple(renamed if f is fit else f for f in step.judged.standing)
+    return replace(step, fit=renamed, judged=replace(step.judged, standing=standing))
+
+
+def _still_earning(
+    stage: Stage, fit: Fit, limits: Thresholds, phi: float
+) -> tuple[Fit, list[Instance]]:
+    """Take out effects, added before the last, that the later ones made unneeded."""
+    gone: list[Instance] = []
+    while True:
+        for instance in fit.hypothesis.instances[:-1]:
+            start, hypothesis = _taken_out(fit, instance)
+            fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
+            small = not instance.is_material(fit.values)
+            if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:
+                fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
+            if small or fewer.evidence - fit.evidence < limits.clear * phi:
+                gone.append(instance)
+                fit = fewer
+                break
+        else:
+            return fit, gone

@@ -1,0 +1,116 @@
+"""Whether a round of the search adds a name: what stands, what it explains, what it foretells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds, judge, outside_misfit
+from armodal.analyzer.gap.decision.named_step import Step
+from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.held_out import held_out
+from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.library import hooks
+from armodal.analyzer.gap.search.rivals import Rivals
+
+__all__ = ["judge_round", "step_to"]
+
+_MOST_EFFECTS, _MOST_ROUNDS = 3, 5
+# Of what ordinary errors do not leave, by a first name and by one beside it; a name for less would
+# be a guess.
+_LEAST_EXPLAINED, _LEAST_BESIDE = 0.25, 0.5
+
+Tell = Callable[[str], None]
+
+
+def judge_round(
+    stage: Stage,
+    found: Rivals,
+    between: Callable[[Stage], Stage | None],
+    limits: Thresholds,
+    n_named: int,
+    rounds: int,
+    notes: list[str],
+) -> Judged:
+    """Return what stands; nothing where as many are named as are looked for.
+
+    What would earn a name beyond these counts as what is left.
+
+    Parameters
+    ----------
+    between
+        Gives lines of three levels (`stages.at_three_levels`).
+    n_named, rounds
+        Effects named before, and which round this is.
+    notes
+        Gets a line for what was told or left out.
+    """
+    judged = judge(stage, found.present, found.rivals, limits)
+    for told_by_hits_between in hooks("told_by_hits_between"):
+        judged, words = told_by_hits_between(judged, stage, between, limits.apart)
+        notes += words
+    if judged.named is not None and is_alike(judged.named):
+        notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
+        return replace(judged, named=None, standing=(judged.named, found.present))
+    if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
+        return judged
+    notes.append(f"{judged.named.last.title} earns a name too; no more are looked for")
+    return Judged(named=None, standing=(), phi=judged.phi)
+
+
+def step_to(
+    stage: Stage,
+    present: Fit,
+    judged: Judged,
+    better: Fit,
+    test: tuple[int, ...],
+    limits: Thresholds,
+    n_named: int,
+    tell: Tell,
+) -> tuple[Step | None, str]:
+    """Return the step to a better model if it holds; else why it does not.
+
+    Parameters
+    ----------
+    present, better
+        Fits without and with the name.
+    test
+        Held-out postures, which the better model must foretell.
+    n_named
+        Effects named before: one beside others must explain more.
+    """
+    least = _LEAST_BESIDE if n_named else _LEAST_EXPLAINED
+    if _explains_too_little(stage, present, better, limits, least):
+        return None, "is the best of the library, but leaves most of what is missing"
+    tell(f"held-out postures: {better.hypothesis.name}")
+    without = held_out(stage, present, test)
+    with_it = held_out(stage, better, test)
+    gains = np.subtract(without.surprise, with_it.surprise)
+    # What the null has with a narrow prior foretells little more when that is widened.
+    wanted = -limits.held_out if _only_relaxes(better) else limits.held_out
+    if gains.sum() < wanted * judged.phi:
+        return None, "fits better but does not foretell postures it was not fitted to"
+    step = Step(
+        without=present,
+        fit=better,
+        foretold_without=without,
+        foretold_with=with_it,
+        judged=judged,
+    )
+    return step, ""
+
+
+def _explains_too_little(
+    stage: Stage, present: Fit, better: Fit, limits: Thresholds, least: float
+) -> bool:
+    """Whether most of what ordinary errors do not leave is still there."""
+    before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
+    explained = (before - after) / max(before - limits.ordinary_misfit, 1e-9)
+    return after > outside_misfit(stage, limits) and explained < least
+
+
+def _only_relaxes(fit: Fit) -> bool:
+    return bool(fit.last.relaxes) and not fit.last.adds_term

@@ -1,0 +1,131 @@
+"""What a search ended with: named, ambiguous, nothing detectable, outside the library; and why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from armodal.analyzer.gap.decision.judge import (
+    SURELY_BY_LEVEL,
+    Judged,
+    Thresholds,
+    follows_no_level,
+    one_mechanism,
+    outside_misfit,
+)
+from armodal.analyzer.gap.inference.compare import posture_gap
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.records import Verdict
+from armodal.analyzer.gap.search.rivals import Rivals
+
+__all__ = ["verdict_of"]
+
+_LIKELY = 20.0  # of evidence: an effect may be there
+
+
+def verdict_of(
+    stage: Stage, final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
+) -> tuple[Verdict, list[str]]:
+    """Return the verdict, and why something is outside the library.
+
+    Parameters
+    ----------
+    stage
+        The sharp lines.
+    final, found, judged
+        The model with everything that was named, its rivals, and which of them stand.
+    named
+        Whether anything was.
+    """
+    standing = judged.standing
+    # A name is judged by what its own model leaves; of several that stand one must explain.
+    explaining = standing if standing and not named and not judged.doubted else (final,)
+    left = min(misfit_per_line(stage, fit) for fit in explaining)
+    why: list[str] = []
+    both = _one_mechanism(final, found, judged)
+    if both is not None:
+        why.append(
+            f"{both[0].title} and {both[1].title} together are what one mechanism would look "
+            f"like, such as {both[0].effect.one_such_as}; the library does not know it"
+        )
+    if _left_by_level(stage, final) > limits.outside_left:
+        why.append(
+            f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
+            "changes is no joint's stiffness or damping"
+        )
+    if _is_unfollowed(stage, final, found, standing, named=named, limits=limits):
+        why.append("the response depends on the hits' level, and nothing that was named does")
+    unplaced = _is_unplaced(final, found, judged, named=named, limits=limits)
+    if why or unplaced or left > outside_misfit(stage, limits):
+        return Verdict.OUTSIDE_LIBRARY, why
+    if named:
+        return Verdict.NAMED, why
+    return Verdict.AMBIGUOUS if len(standing) > 1 else Verdict.NOTHING_DETECTABLE, why
+
+
+def _one_mechanism(final: Fit, found: Rivals, judged: Judged) -> tuple[Instance, Instance] | None:
+    """Two effects that one mechanism would look like: both named, or one the level surely tells.
+
+    What follows the hits' level in a model with a name needs less evidence to speak against that
+    name than to be one: chance brings none of it.
+    """
+    sure = SURELY_BY_LEVEL * judged.phi
+    likely = [
+        fit.last
+        for fit in found.rivals
+        if fit.last.by_level and found.present.evidence - fit.evidence > sure
+    ]
+    hypothesis = final.hypothesis
+    return one_mechanism([*hypothesis.instances, *likely], hypothesis.ordinary.arm.joints)
+
+
+def _is_unplaced(
+    final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
+) -> bool:
+    """Whether much is told by what is too small to matter, or of uncertain size."""
+    beside = named or final.hypothesis.by_level
+    beyond_doubt = limits.beside_name if beside else limits.unplaced
+    return not judged.standing and any(
+        found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
+    )
+
+
+def _left_by_level(stage: Stage, final: Fit) -> float:
+    """Largest part of a posture's response that is left where soft and hard hits are apart.
+
+    A posture that hardly answers, such as one hit near the base, is mostly noise: there it is the
+    part of what half of the postures answer at least.
+    """
+    if not final.hypothesis.ordinary.level_span:
+        return 0.0
+    postures = range(len(stage.lines))
+    parts = np.array([posture_gap(stage, final, p, held_out=False).frf_error for p in postures])
+    sizes = np.array([np.sqrt(np.mean(np.abs(own.values) ** 2)) for own in stage.lines])
+    return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
+
+
+def _is_unfollowed(
+    stage: Stage,
+    final: Fit,
+    found: Rivals,
+    standing: Sequence[Fit],
+    *,
+    named: bool,
+    limits: Thresholds,
+) -> bool:
+    """Whether the level tells what nothing named follows, or where nothing is, nothing likely.
+
+    That it tells something is sure by what one joint's change with it promises; beside a name also
+    where hits are apart and much is left.
+    """
+    hypothesis = final.hypothesis
+    apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.by_level
+    if named and apart and misfit_per_line(stage, final) > limits.unfollowed_misfit:
+        return True
+    if not follows_no_level(hypothesis):
+        return False
+    likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
+    return named or not any(f.hypothesis.by_level for f in (*standing, *likely))

@@ -1,0 +1,105 @@
+"""Where points were not hit softly and hard: what a change with the level looks like has no name.
+
+A hit of one level moves a joint more in one posture than in another, so a joint that softens, slips
+or sticks changes with the posture: without other levels that is a gravity compensator or a damper
+between links. Of 48 sealed cases with such a joint, hit at one level, eight were named so. Only
+other levels tell (`docs/decisions/0019-names-that-need-levels.md`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from armodal.analyzer.arm.same_parts import check_same_parts
+from armodal.analyzer.gap.decision.enough import check_enough
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.model.hit_levels import has_levels
+from armodal.analyzer.gap.records import NextTest
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan_records import Plan
+from armodal.protocols.plan_rewrite import text_with_peaks
+from armodal.protocols.session.records import Session
+
+__all__ = ["LEVELS_NEEDED", "first_with_levels", "hits_at_levels", "is_alike", "titles"]
+
+_ALIKE = "a joint that changes with the hits' level"
+LEVELS_NEEDED = f"without points hit softly and hard {_ALIKE} looks the same"
+_SOFTER, _HARDER = 3.0, 2.5  # than hits are as they come
+
+
+def is_alike(fit: Fit) -> bool:
+    """Whether a joint that changes with the hits' level could look like the last effect."""
+    hypothesis = fit.hypothesis
+    if hypothesis.ordinary.levels_hit or not hypothesis.instances:
+        return False
+    told_of = {
+        name
+        for instance in all_instances(replace(hypothesis.ordinary, level_span=1.0))
+        if instance.by_level
+        for name in instance.effect.covers
+    }
+    return hypothesis.instances[-1].effect.name in told_of
+
+
+def titles(standing: Sequence[Fit]) -> str:
+    """Return what stands, in words, and what no model here is of."""
+    found = [fit.title for fit in standing]
+    if any(is_alike(fit) for fit in standing):
+        told = [f.title for f in standing if f.hypothesis.instances]
+        found = [*told, _ALIKE]
+    return " or ".join(found)
+
+
+def first_with_levels(
+    session: Session, more: Sequence[Session]
+) -> tuple[Session, tuple[Session, ...], list[str]]:
+    """The session to begin with, further ones, and what is to be said of that.
+
+    Where the first has no hits at several levels and a further one has, and can carry the
+    judgement, that is begun with, and those without levels are left out.
+    """
+    if has_levels(session):
+        return session, tuple(more), []
+    chosen = next((other for other in more if has_levels(other) and _is_enough(other)), None)
+    if chosen is None:
+        return session, tuple(more), []
+    check_same_parts(session.header.arm, chosen.header.arm)
+    levelled = [other for other in more if other is not chosen and has_levels(other)]
+    left = len(more) - len(levelled)
+    words = "1 session without was" if left == 1 else f"{left} sessions without were"
+    note = f"test {list(more).index(chosen) + 2} has hits at several levels; {words} left out"
+    first = replace(chosen, header=replace(chosen.header, arm=session.header.arm))
+    return first, tuple(levelled), [note]
+
+
+def hits_at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> NextTest:
+    """The session's own plan once more, every point hit softly, as before and hard.
+
+    Raises
+    ------
+    PlanError
+        If the plan is not possible for the arm the session is judged with.
+    """
+    middle = float(np.exp(np.mean([np.log(own.peak_n) for own in stage.lines])))
+    peaks_n = (middle / _SOFTER, middle, middle * _HARDER)
+    why = f"tells apart: {titles(standing)}"
+    arm = standing[0].hypothesis.ordinary.arm
+    told = ", ".join(f"{peak:.0f}" for peak in peaks_n)
+    return NextTest(
+        words=f"measure the whole plan again, every point with hits of about {told} N",
+        why=why,
+        gain=None,
+        plan_toml=text_with_peaks(plan, arm, peaks_n, comment=f"Proposed: {why}"),
+    )
+
+
+def _is_enough(session: Session) -> bool:
+    try:
+        check_enough(session)
+    except EstimateError:
+        return False
+    return True

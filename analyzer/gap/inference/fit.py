@@ -1,0 +1,388 @@
+"""Fit of one hypothesis by Levenberg-Marquardt, its priors and bounds included.
+
+Vectors count prior standard deviations, so the prior's curvature is the identity. At a bound a
+parameter whose slope points outward rests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.inference.box import least_in_box
+from armodal.analyzer.gap.model.assembly import BASE
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.off_place import off_place
+from armodal.analyzer.gap.model.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
+
+__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+TOLERANCE = 0.05  # of cost
+_EDGE = 1e-9
+_TRIALS = 6  # of a step, each more damped
+_FIRST_DAMPING, _LEAST_DAMPING = 1e-3, 1e-5
+_FELT = 0.03  # damping after a step that failed: less hardly changes the next
+_POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
+_PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
+_NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
+_TOGETHER = 256  # lines of postures solved together: more outgrow the processor's cache
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """A hypothesis at its best point."""
+
+    hypothesis: Hypothesis
+    space: Space
+    u: Array  # (n,)
+    cost: float  # chi^2 / 2 + prior
+    first_cost: float  # where the fit began
+    misfit: tuple[float, ...]  # chi^2 / 2 of each posture used
+    curvature: Array  # (n, n) of the data at u
+    slope: Array  # (n,) of the cost; not zero at bounds
+    free: npt.NDArray[np.bool_]  # (n,) not at a bound
+    converged: bool
+    n_iterations: int
+    on: tuple[Stage, tuple[int, ...]] | None = None  # where slope and curvature are those at u
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Return the physical value of every parameter."""
+        return self.space.values(self.u)
+
+    @property
+    def title(self) -> str:
+        """Return the effect it has beside the model before, in words."""
+        instances = self.hypothesis.instances
+        return instances[-1].title if instances else "nothing missing"
+
+    @property
+    def last(self) -> Instance:
+        """Return the effect that was added last; there must be one."""
+        return self.hypothesis.instances[-1]
+
+    @property
+    def farthest(self) -> float:
+        """Return how far any ordinary parameter is from its prior's mean, in prior deviations."""
+        own = {name for instance in self.hypothesis.instances for name in instance.owned}
+        ordinary = [i for name, i in self.space.index.items() if name not in own]
+        return float(np.max(np.abs(self.u[ordinary])))
+
+    @property
+    def log_det(self) -> float:
+        """Return ln det(data curvature + prior) / 2 over the free parameters."""
+        f = self.free
+        A = self.curvature[np.ix_(f, f)] + np.eye(int(f.sum()))
+        return 0.5 * float(np.linalg.slogdet(A)[1])
+
+    @property
+    def evidence(self) -> float:
+        """Return minus the log evidence up to a constant: cost + ln det / 2 (Laplace)."""
+        return self.cost + self.log_det
+
+    @property
+    def promised(self) -> float:
+        """Return how much less the cost would be where its quadratic is least, within the bounds.
+
+        Next to nothing at a fit's end; more tells that small steps alone made it end.
+        """
+        A = self.curvature + np.eye(len(self.u))
+        low, high = self.space.low - self.u, self.space.high - self.u
+        return _promise(A, self.slope, least_in_box(A, self.slope, low, high))
+
+    def covariance(self, inflation: float = 1.0) -> Array:
+        """Return (n, n) covariance in units of the priors; `inflation` of the data's variance."""
+        f = self.free
+        result = np.zeros_like(self.curvature)
+        A = self.curvature[np.ix_(f, f)] / inflation + np.eye(int(f.sum()))
+        result[np.ix_(f, f)] = np.linalg.inv(A)
+        return result
+
+
+class Stage:
+    """The data of one annealing stage, ready to be fitted by any hypothesis."""
+
+    def __init__(
+        self,
+        superset: Superset,
+        lines: Sequence[PostureLines],
+        discrepancy: Discrepancy,
+        *,
+        models: Sequence[PosedModel] | None = None,
+        places: Sequence[ComplexArray] | None = None,
+    ) -> None:
+        self.lines = tuple(lines)
+        self.models = tuple(models or models_of(superset, self.lines))
+        self._superset, self._discrepancy = superset, discrepancy
+        self.weighings = tuple(
+            Weighing(
+                own,
+                superset.arm.tolerances,
+                discrepancy,
+                places=of,
+                on_base=np.array(superset.point_link)[own.sensor_point] == BASE,
+            )
+            for own, of in zip_longest(self.lines, places or ())
+        )
+        self._first_of = _firsts(self.lines, self.models)
+        self._groups: dict[tuple[int, ...], list[tuple[list[int], Postures]]] = {}
+
+    def with_places(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Stage:
+        """Return the stage with what single mountings' places and hits' aims may be off.
+
+        `values` are near enough for what such small errors change.
+        """
+        places: list[ComplexArray] = [np.zeros((), dtype=np.complex128)] * len(self.lines)
+        for rows, together in self.once(hypothesis, range(len(self.lines))):
+            found = off_place(together.response(hypothesis, values), self._superset.arm.tolerances)
+            for p, i in rows:
+                places[p] = found[i]
+        return Stage(
+            self._superset, self.lines, self._discrepancy, models=self.models, places=places
+        )
+
+    def together(self, postures: Sequence[int] | None = None) -> list[tuple[list[int], Postures]]:
+        """Return postures, all if none are given, in groups that are solved together."""
+        used = tuple(range(len(self.lines)) if postures is None else postures)
+        if used not in self._groups:
+            alike: dict[tuple[object, ...], list[int]] = {}
+            for p in used:
+                alike.setdefault(Postures.likeness(self.lines[p]), []).append(p)
+            groups = []
+            for all_alike in alike.values():
+                most = max(_TOGETHER // self.lines[all_alike[0]].s_rad_s.size, 1)
+                groups += [all_alike[i : i + most] for i in range(0, len(all_alike), most)]
+            self._groups[used] = [
+                (own, Postures([self.models[p] for p in own], [self.lines[p] for p in own]))
+                for own in groups
+            ]
+        return self._groups[used]
+
+    def misfit(
+        self, hypothesis: Hypothesis, values: Mapping[str, float], postures: Sequence[int]
+    ) -> list[float]:
+        """chi^2 / 2 of each posture; infinite where a response outgrows the arithmetic."""
+        cost_of: dict[int, float] = {}
+        for rows, together in self.once(hypothesis, postures):
+            y = together.response(hypothesis, values).values
+            own, at = zip(*rows, strict=True)
+            costs = costs_of([self.weighings[p] for p in own], y[list(at)])
+            cost_of |= dict(zip(own, costs, strict=True))
+        return [cost_of[p] if cost_of[p] >= 0.0 else float("inf") for p in postures]
+
+    def quadratics(
+        self,
+        hypothesis: Hypothesis,
+        space: Space,
+        values: Mapping[str, float],
+        postures: Sequence[int],
+    ) -> list[Quadratic]:
+        """Misfit, gradient and curvature of each posture."""
+        found: dict[int, Quadratic] = {}
+        for rows, together in self.once(hypothesis, postures):
+            y, dy = together.derivatives(hypothesis, space, values)
+            found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for p, i in rows}
+        return [found[p] for p in postures]
+
+    def whole_quadratic(
+        self,
+        hypothesis: Hypothesis,
+        space: Space,
+        values: Mapping[str, float],
+        postures: Sequence[int],
+    ) -> tuple[Quadratic, tuple[float, ...]]:
+        """Misfit, gradient and curvature of postures together, and the misfit of each."""
+        gradient = np.zeros(len(space))
+        curvature = np.zeros((len(space), len(space)))
+        cost_of: dict[int, float] = {}
+        for rows, together in self.once(hypothesis, postures):
+            y, dy = together.derivatives(hypothesis, space, values)
+            own, at = zip(*rows, strict=True)
+            part, costs = summed([self.weighings[p] for p in own], y, dy, at)
+            gradient += part.gradient
+            curvature += part.curvature
+            cost_of |= dict(zip(own, costs, strict=True))
+        each = tuple(cost_of[p] for p in postures)
+        return Quadratic(cost=sum(each), gradient=gradient, curvature=curvature), each
+
+    def once(
+        self, hypothesis: Hypothesis, postures: Sequence[int]
+    ) -> Iterator[tuple[list[tuple[int, int]], Postures]]:
+        """Give what is solved together, and which row of it each posture has.
+
+        Soft and hard hits of a posture share one while nothing follows the level.
+        """
+        first_of = range(len(self.lines)) if hypothesis.by_level else self._first_of
+        for own, together in self.together(tuple(dict.fromkeys(first_of[p] for p in postures))):
+            yield [(p, own.index(first_of[p])) for p in postures if first_of[p] in own], together
+
+
+def models_of(superset: Superset, lines: Sequence[PostureLines]) -> list[PosedModel]:
+    """Return a model for each of the lines; soft and hard hits of a posture share one."""
+    models: dict[tuple[float, ...], PosedModel] = {}
+    found = []
+    for own in lines:
+        angles = tuple(own.joints_rad.tolist())
+        if angles not in models:
+            models[angles] = PosedModel(superset, own.joints_rad)
+        found.append(models[angles])
+    return found
+
+
+def _firsts(lines: Sequence[PostureLines], models: Sequence[PosedModel]) -> list[int]:
+    """For each the first that every model without the level answers alike."""
+    firsts: list[int] = []
+    for p, own in enumerate(lines):
+        alike = (
+            q for q in dict.fromkeys(firsts) if models[q] is models[p] and lines[q].is_hit_as(own)
+        )
+        firsts.append(next(alike, p))
+    return firsts
+
+
+def fit_hypothesis(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    *,
+    start: Mapping[str, float] | None = None,
+    postures: Sequence[int] | None = None,
+    max_iterations: int = 12,
+    tolerance: float = TOLERANCE,
+    closing: bool = True,
+    resumed: Fit | None = None,
+) -> Fit:
+    """Fit a hypothesis to the data of one stage.
+
+    Parameters
+    ----------
+    start
+        Values to begin with, by name; priors' means for the others.
+    postures
+        Indices of the postures used; all when omitted.
+    tolerance
+        Stop when a step gains less than this in cost, or than a very small part of it.
+    closing
+        Take misfit, slope and curvature at the end; else they are those where the last step began,
+        enough for a fit that only tells by its cost whether to go on.
+    resumed
+        A fit of the same hypothesis whose end is the start: on the same lines it need not be
+        evaluated again.
+    """
+    used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
+    space = hypothesis.space()
+    u = space.start(start) if resumed is None else resumed.u
+    damping = _FIRST_DAMPING
+    if resumed is not None and resumed.on is not None and resumed.on == (stage, used):
+        misfit = resumed.misfit
+        now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
+    else:
+        now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
+    cost = first_cost = now.cost + 0.5 * float(u @ u)
+    converged = False
+    iteration = 0
+    moved = False
+    while iteration < max_iterations:
+        iteration += 1
+        if moved:
+            now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
+            moved = False
+        slope = now.gradient + u
+        gained = 0.0
+        for _ in range(_TRIALS):
+            step, promised = _damped_step(space, u, slope, now.curvature, damping)
+            if promised < _NOTHING * max(tolerance, _PART * cost):
+                break
+            trial = np.clip(u + step, space.low, space.high)
+            trial_cost = _cost(stage, hypothesis, space, trial, used)
+            kept = (cost - trial_cost) / promised
+            damping = _next_damping(damping, kept)
+            if kept > 0.0:
+                gained, moved = cost - trial_cost, True
+                u, cost = trial, trial_cost
+                break
+        if gained < max(tolerance, _PART * cost):
+            converged = True
+            break
+    if moved and closing:
+        now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
+        moved = False
+    slope = now.gradient + u
+    return Fit(
+        hypothesis=hypothesis,
+        space=space,
+        u=u,
+        cost=cost,
+        first_cost=first_cost,
+        misfit=misfit,
+        curvature=now.curvature,
+        slope=slope,
+        free=~_resting(space, u, slope),
+        converged=converged,
+        n_iterations=iteration,
+        on=None if moved else (stage, used),
+    )
+
+
+def better_start(
+    stage: Stage, hypothesis: Hypothesis, starts: Sequence[Mapping[str, float]]
+) -> Mapping[str, float]:
+    """Return the start of least cost."""
+    space = hypothesis.space()
+    every = range(len(stage.lines))
+    return min(starts, key=lambda s: _cost(stage, hypothesis, space, space.start(s), every))
+
+
+def _cost(
+    stage: Stage, hypothesis: Hypothesis, space: Space, u: Array, postures: Sequence[int]
+) -> float:
+    """Cost at a point; infinite where there is none."""
+    try:
+        misfit = sum(stage.misfit(hypothesis, space.values(u), postures))
+    except np.linalg.LinAlgError:
+        return float("inf")
+    return misfit + 0.5 * float(u @ u)
+
+
+def _damped_step(
+    space: Space, u: Array, slope: Array, curvature: Array, damping: float
+) -> tuple[Array, float]:
+    """The step within the bounds that is best by the damped quadratic; what it promises undamped.
+
+    Marquardt, J. SIAM 11 (1963) 431: each parameter is damped by its own curvature.
+    """
+    A = curvature + np.eye(len(u))
+    damped = A + damping * np.diag(np.diag(A))
+    step = least_in_box(damped, slope, space.low - u, space.high - u)
+    return step, _promise(A, slope, step)
+
+
+def _promise(A: Array, slope: Array, step: Array) -> float:
+    return -float(slope @ step + 0.5 * step @ (A @ step))
+
+
+def _next_damping(damping: float, kept: float) -> float:
+    """By how much of what a step promised it kept."""
+    if not kept > 0.0:
+        return max(10.0 * damping, _FELT)
+    if kept < _POOR:
+        return 4.0 * damping
+    return max(damping / 10.0, _LEAST_DAMPING) if kept > _GOOD else damping
+
+
+def _resting(space: Space, u: Array, slope: Array) -> npt.NDArray[np.bool_]:
+    low = (u <= space.low + _EDGE) & (slope > 0.0)
+    high = (u >= space.high - _EDGE) & (slope < 0.0)
+    return np.asarray(low | high)

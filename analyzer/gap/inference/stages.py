@@ -1,0 +1,198 @@
+"""The stages of a session: lines of all postures, from the widest to sharp."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from armodal.analyzer.arm.reduced import model_modes, reduce_model
+from armodal.analyzer.arm.same_parts import check_same_parts
+from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.inference.fit import Stage, models_of
+from armodal.analyzer.gap.model.hit_levels import at_levels, has_hits_between, middle_level
+from armodal.analyzer.gap.model.lines import (
+    Annealing,
+    PostureLines,
+    lines_at_levels,
+    own_lines,
+    shifted_lines,
+)
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.records import Session
+
+__all__ = [
+    "FEWEST_POSTURES",
+    "at_three_levels",
+    "of_test",
+    "stages_of",
+    "with_test",
+    "with_tests",
+]
+
+FEWEST_POSTURES = 2
+# Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
+# lines, of which every second frequency or so costs about the same.
+_STAGES = ((40.0, 28.0, 42.0), (16.0, 12.0, 18.0), (6.0, 6.0, 9.0), (2.0, 3.0, 6.0))
+_ROUNDING = 1e-9  # of a frequency
+
+
+def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[float, float]:
+    """From below the lowest believed mode to well above the highest, as far as was measured."""
+    structure = believed_structure(superset.arm)
+    lowest, highest = [], []
+    for frf in frfs:
+        if frf.joints_rad is None:
+            continue
+        modes = model_modes(reduce_model(superset, superset.posture(frf.joints_rad), structure))
+        lowest.append(modes.f_hz[0])
+        highest.append(modes.f_hz[-1])
+    low = max(0.6 * min(lowest), *(float(f.freq_hz[0]) for f in frfs))
+    wanted = min(max(1.3 * max(highest), 150.0), 250.0)
+    return low, min(wanted, *(0.95 * float(f.freq_hz[-1]) for f in frfs))
+
+
+def stages_of(
+    superset: Superset,
+    session: Session,
+    frfs: Sequence[FrequencyResponse],
+    *,
+    models: Sequence[PosedModel] = (),
+    level_about: float | None = None,
+) -> tuple[Stage, ...]:
+    """Return the widest, broad, middle and sharp lines of every posture with known angles.
+
+    Parameters
+    ----------
+    frfs
+        Of its postures: they give the band and, where there are no hits, the lines.
+    models
+        Postures already solved, in order.
+    level_about
+        Soft and hard hits apart, their levels about this (`hit_levels.middle_level`).
+
+    Raises
+    ------
+    EstimateError
+        If fewer than two postures have joint angles.
+    """
+    known = [frf for frf in frfs if frf.joints_rad is not None]
+    if len(known) < FEWEST_POSTURES:
+        raise EstimateError(
+            f"wanted joint angles for at least {FEWEST_POSTURES} postures, got {len(known)}; "
+            "measure with the controller's angles on the bus"
+        )
+    band = _band_hz(superset, known)
+    made: list[Stage] = []
+    for sigma_hz, step_hz, step_by_level_hz in _STAGES:
+        step = step_hz if level_about is None else step_by_level_hz
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
+        lines: tuple[PostureLines, ...]
+        if session.hits:
+            lines = own_lines(superset, session, stage, level_about=level_about)
+        else:
+            mass = session.header.plan.sensor.mass_kg
+            lines = shifted_lines(superset, known, stage, sensor_mass_kg=mass)
+        # Soft and hard hits are of the same posture: they share its geometry.
+        given = [model for model in models for _ in range(2)] if models else None
+        lines = _in_state(lines, session)
+        made.append(
+            Stage(superset, lines, Discrepancy(), models=made[-1].models if made else given)
+        )
+    return tuple(made)
+
+
+def _in_state(lines: Sequence[PostureLines], session: Session) -> tuple[PostureLines, ...]:
+    """Lines with what the laboratory did to the arm in their posture."""
+    planned = {posture.name: posture for posture in session.header.plan.postures}
+    found = []
+    for own in lines:
+        state = planned.get(own.name)
+        brakes, mass = (False, None) if state is None else (state.brakes, state.known_mass)
+        found.append(replace(own, brakes=brakes, known_mass=mass))
+    return tuple(found)
+
+
+def with_test(
+    stages: tuple[Stage, ...],
+    superset: Superset,
+    session: Session,
+    number: int,
+    *,
+    level_about: float | None = None,
+) -> tuple[Stage, ...]:
+    """The stages with a further test's postures; `level_about` as theirs."""
+    if not session.hits:
+        raise EstimateError(
+            "wanted a further test with records of its hits, got one without; give a session "
+            "that was measured with armodal"
+        )
+    check_same_parts(superset.arm, session.header.arm)
+    made: list[Stage] = []
+    models: list[PosedModel] = []
+    for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
+        step = step_hz if level_about is None else step_by_level_hz
+        stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=_band_of(old))
+        tested = own_lines(superset, session, stage, level_about=level_about)
+        lines = [replace(own, name=of_test(own.name, number)) for own in _in_state(tested, session)]
+        models = models or models_of(superset, lines)
+        made.append(
+            Stage(superset, [*old.lines, *lines], Discrepancy(), models=[*old.models, *models])
+        )
+    return tuple(made)
+
+
+def with_tests(
+    stages: tuple[Stage, ...],
+    superset: Superset,
+    more: Sequence[Session],
+    level_about: float | None = None,
+) -> tuple[Stage, ...]:
+    """The stages with the postures of all further tests."""
+    for number, other in enumerate(more, start=2):
+        stages = with_test(stages, superset, other, number, level_about=level_about)
+    return stages
+
+
+def at_three_levels(superset: Superset, sessions: Sequence[Session], sharp: Stage) -> Stage | None:
+    """The sharp lines of soft hits, those between and hard ones, of a session that has all three.
+
+    Their levels are counted from its own middle. None where no session has hits between.
+
+    Parameters
+    ----------
+    sessions
+        The first and its further tests: the first that has hits between counts, since softer and
+        harder hits of others are levels of their own.
+    sharp
+        Lines of all their postures.
+    """
+    chosen = next((n for n, s in enumerate(sessions, start=1) if has_hits_between(s)), 0)
+    if not chosen:
+        return None
+    session = sessions[chosen - 1]
+    sigma_hz, _, step_hz = _STAGES[-1]
+    stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=_band_of(sharp))
+    groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
+    own = lines_at_levels(superset, session, stage, groups, middle_level(session))
+    solved = {lines.name: model for lines, model in zip(sharp.lines, sharp.models, strict=True)}
+    lines = [
+        replace(one, name=one.name if chosen == 1 else of_test(one.name, chosen))
+        for one in _in_state(own, session)
+    ]
+    return Stage(superset, lines, Discrepancy(), models=[solved[one.name] for one in lines])
+
+
+def of_test(posture: str, number: int) -> str:
+    """Return the name of a further test's posture among those of other sessions."""
+    return f"{posture} (test {number})"
+
+
+def _band_of(stage: Stage) -> tuple[float, float]:
+    f_hz = stage.lines[0].s_rad_s.imag / (2.0 * np.pi)
+    return float(f_hz[0]) * (1.0 - _ROUNDING), float(f_hz[-1]) * (1.0 + _ROUNDING)

@@ -1,0 +1,278 @@
+"""Derivatives of solved postures by every parameter, by name.
+
+What an effect adds in a form that is known (`model.assembly`) has its derivative in closed
+form; what is left has one by differences of the equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.gap.model.assembly import BASE, Assembly
+from armodal.analyzer.gap.model.change import Change, by_change
+from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.moved_otherwise import by_motion, by_slopes
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.response import Response, as_single, real_times, respond
+from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.systems import angle_slopes, motion_slopes, systems
+
+__all__ = ["Solved"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_INERTIA_STEP = 1e-6
+_RELATIVE_STEP = 1e-3  # of a parameter's prior deviation
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """Solved postures, and their derivatives (P, m, 3, L) by name."""
+
+    hypothesis: Hypothesis
+    plain: Sequence[Assembly]  # without effects
+    assemblies: Sequence[Assembly]
+    exact: Response
+    values: Mapping[str, float]
+    single: bool = True  # derivatives in single precision where it is wide enough
+
+    @property
+    def found(self) -> Response:
+        """Return what derivatives are made of."""
+        return self.exact.for_derivatives if self.single else self.exact
+
+    @property
+    def ordinary(self) -> Ordinary:
+        """Return the ordinary model."""
+        return self.hypothesis.ordinary
+
+    def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Stiffness with its hysteretic part, damping, and loss."""
+        s = self.found.s_rad_s
+        turn = hysteresis(s)[:, None, None, :]
+        by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
+        for i in self.ordinary.elastic:
+            name = self.ordinary.arm.joints[i].name
+            row = np.stack([own.joint_row(name) for own in self.assemblies])
+            factors = np.array([own.factors.get(name, (1.0, 1.0)) for own in self.assemblies])
+            k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
+            by_stiffness = self.found.by_stretch(row, k * factors[:, :1])
+            by_spring[name] = (
+                (1.0 + self.values[f"loss {name}"] * turn) * by_stiffness,
+                self.found.by_stretch(row, c * factors[:, 1:] * s),
+            )
+            yield f"ln k {name}", by_spring[name][0]
+            yield f"ln c {name}", by_spring[name][1]
+            yield f"loss {name}", turn * by_stiffness
+        for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():
+            slopes = np.array([own.log_slopes[parameter][1:] for own in self.assemblies])
+            by_k, by_c = as_single(slopes).T[:, :, None, None, None]
+            yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
+
+    def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Compliances and their losses."""
+        s, system = self.found.s_rad_s, self.found.system
+        compliances = self.assemblies[0].compliance_of
+        every = [at for parts in compliances.values() for at, _ in parts]
+        row_of = dict(zip(every, self.found.by_compliances(every), strict=True))
+        for name, parts in compliances.items():
+            weights = np.array(
+                [[part for _, part in own.compliance_of[name]] for own in self.assemblies]
+            )
+            yield name, _weighed_sum([row_of[at] for at, _ in parts], weights.T)
+        for name, coordinates in self.assemblies[0].loss_of.items():
+            slower = [
+                -system.compliance[:, at, None]
+                * s
+                / (1.0 + system.compliance_loss_s[:, at, None] * s)
+                for at in coordinates
+            ]
+            yield (
+                name,
+                np.sum(
+                    [
+                        row_of[at] * w[:, None, None, :]
+                        for at, w in zip(coordinates, slower, strict=True)
+                    ],
+                    axis=0,
+                ),
+            )
+
+    def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Masses, centres and tensors of links; what is bolted to them; the base's own."""
+        bolted = self.assemblies[0].inertia_of
+        of_base = {name: slope for name, (at, slope) in bolted.items() if at == BASE}
+        if of_base:
+            by_base = self.found.by_base_inertia(np.array([*of_base.values()]))
+            yield from zip(of_base, by_base, strict=True)
+        for link in range(len(self.ordinary.arm.joints)):
+            names = self.ordinary.inertia_names(link)
+            changes = _inertia_changes(self.ordinary, link, names, self.values)
+            more = {name: slope for name, (at, slope) in bolted.items() if at == link}
+            if more:
+                names, changes = (*names, *more), np.concatenate([changes, [*more.values()]])
+            yield from zip(names, self.found.by_link_inertia(link, changes), strict=True)
+
+    def by_measurement(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Gains, tilts and delay."""
+        found = self.found
+        y = found.values
+        gains, turned = self.ordinary.sensor(self.values)
+        # What effects made of the ordinary sensor's channels.
+        beyond = found.system.mix @ np.linalg.inv(gains[:, None] * turned)
+        for axis, letter in enumerate("xyz"):
+            unit = np.eye(3)[axis]
+            by_gain = unit[:, None] * gains[:, None] * turned
+            by_tilt = gains[:, None] * skew(unit)
+            for what, rows in (("ln gain", by_gain), ("tilt", by_tilt)):
+                mixed = (beyond @ rows).astype(y.real.dtype)
+                yield f"{what} {letter}", real_times(mixed, found.true_axes)
+        yield "ln hammer", -y
+        yield "delay", -found.s_rad_s[:, None, None, :] * y
+
+    def by_aims(self) -> Iterator[tuple[int, str, ComplexArray]]:
+        """Aim of each posture's hits: derivatives (m, 3, L) there, elsewhere they do nothing."""
+        found = self.found
+        if found.system.hit.shape[1] == 1:
+            sides = np.stack(
+                [own.hit_turn @ across(own.lines.hit_direction[0]) for own in self.assemblies]
+            )
+            for side, letter in enumerate("ab"):
+                by_aim = found.by_force(0, sides[..., side])
+                for p, own in enumerate(self.assemblies):
+                    yield p, f"aim {letter} {own.lines.name}", by_aim[p]
+
+    def by_hit_places(self) -> Iterator[tuple[int, str, ComplexArray]]:
+        """Place of the hits at the one point that is hit: derivatives (m, 3, L) of each posture."""
+        found = self.found
+        if found.system.hit.shape[1] == 1:
+            hit = [int(own.lines.hit_point[0]) for own in self.assemblies]
+            for axis in range(3):
+                along = [
+                    own.geometry.point_rotation[point, :, axis]
+                    for own, point in zip(self.assemblies, hit, strict=True)
+                ]
+                by_place = found.by_moment(0, np.cross(along, self.exact.system.force[:, 0]))
+                for p, point in enumerate(hit):
+                    name = self.ordinary.hit_place_names(self.ordinary.arm.points[point].id)[axis]
+                    yield p, name, by_place[p]
+
+    def by_places(self) -> Iterator[tuple[int, npt.NDArray[np.bool_], str, ComplexArray]]:
+        """Places of points: derivatives (k, 3, L) there, at the other mountings they do nothing."""
+        shifts = self.found.by_shift()
+        points = self.ordinary.arm.points
+        for p, own in enumerate(self.assemblies):
+            for point in dict.fromkeys(own.lines.sensor_point.tolist()):
+                rows = own.lines.sensor_point == point
+                names = self.ordinary.place_names(points[point].id)
+                for name, by_shift in zip(names, shifts, strict=True):
+                    yield p, rows, name, by_shift[p, rows]
+
+    def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
+        """Joint angles, by which the encoders are off."""
+        slopes = angle_slopes(self.assemblies, self.exact.system, near)
+        names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
+        return zip(names, by_slopes(self.found, slopes), strict=True)
+
+    def by_terms(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What effects add linearly."""
+        for name, terms in self.assemblies[0].terms_of.items():
+            slopes = np.array([[v for *_, v in own.terms_of[name]] for own in self.assemblies])
+            columns = [self.found.by_term(kind, i, j) for kind, i, j, _ in terms]
+            yield name, _weighed_sum(columns, slopes.T)
+        for name, rows in self.assemblies[0].stretches_of.items():
+            of_all = [own.stretches_of[name] for own in self.assemblies]
+            slopes = np.array([[v for *_, v in own] for own in of_all])
+            columns = [
+                self.found.by_stretch_of(kind, np.stack([own[at][1] for own in of_all]))
+                for at, (kind, _, _) in enumerate(rows)
+            ]
+            yield name, _weighed_sum(columns, slopes.T)
+
+    def by_turns(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What turns the stretch of an effect's spring or damper: r r' changes on both sides."""
+        for name, turns in self.assemblies[0].turns_of.items():
+            for at, (kind, _, _) in enumerate(turns):
+                of_all = [own.turns_of[name][at] for own in self.assemblies]
+                row, change = (np.stack([own[side] for own in of_all]) for side in (1, 2))
+                if row.any() and change.any():
+                    yield name, self.found.by_stretches(row, change, self.found.weight(kind))
+
+    def by_motions(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What coordinates that give way move; nothing where they are locked.
+
+        One on a spring, without a compliance, gives way.
+        """
+        system = self.found.system
+        moves = {
+            name: len(own)
+            for name, own in self.assemblies[0].motion_of.items()
+            if any((system.compliance[:, at] != 0.0).any() for at, _ in own)
+        }
+        if moves:
+            columns = iter(by_motion(self.found, motion_slopes(self.assemblies, system, [*moves])))
+            for name, n in moves.items():
+                yield name, np.sum([next(columns) for _ in range(n)], axis=0)
+
+    def by_sensor_mass(self) -> Iterator[tuple[str, ComplexArray]]:
+        """The accelerometer's mass."""
+        for name in self.assemblies[0].sensor_mass_of:
+            yield name, self.found.by_sensor_mass()
+
+    def by_differences(
+        self, space: Space, s_rad_s: ComplexArray
+    ) -> Iterator[tuple[str, ComplexArray]]:
+        """What is left of effects, by differences of the equations."""
+        first = self.assemblies[0]
+        known = {
+            *first.compliance_of,
+            *first.loss_of,
+            *first.terms_of,
+            *first.stretches_of,
+            *first.inertia_of,
+            *first.turns_of,
+            *first.motion_of,
+            *first.sensor_mass_of,
+            *first.log_slopes,
+        }
+        for instance in self.hypothesis.instances:
+            for parameter in instance.parameters:
+                is_idle = parameter.name in instance.shapes and self.values[instance.size] == 0.0
+                if parameter.name in known or parameter.name not in space.index or is_idle:
+                    continue
+                step = _RELATIVE_STEP * parameter.std
+                if self.values[parameter.name] + step > parameter.high:
+                    step = -step
+                changed = {**self.values, parameter.name: self.values[parameter.name] + step}
+                other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
+                if not np.array_equal(other.decay_rad_s, self.exact.system.decay_rad_s):
+                    there = respond(other, s_rad_s, self.exact.hit)
+                    yield parameter.name, (there.values - self.exact.values) / step
+                    continue
+                change = Change.between(self.exact.system, other, step)
+                yield parameter.name, by_change(self.exact, change)
+
+
+def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArray:
+    """Sum of columns (P, m, 3, L), each with a weight (P,) of every posture."""
+    return np.asarray(
+        sum(c * w[:, None, None, None] for c, w in zip(columns, as_single(weights), strict=True))
+    )
+
+
+def _inertia_changes(
+    ordinary: Ordinary, link: int, names: tuple[str, ...], values: Mapping[str, float]
+) -> Array:
+    """Change (10, 6, 6) of a link's spatial inertia by each parameter."""
+    z = np.array([values[name] for name in names])
+    beside = np.concatenate([z[None], z + _INERTIA_STEP * np.eye(len(names))])
+    inertias, _ = ordinary.link_inertias([link] * len(beside), beside)
+    return np.asarray((inertias[1:] - inertias[0]) / _INERTIA_STEP)

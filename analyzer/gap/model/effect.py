@@ -1,0 +1,167 @@
+"""What an effect is: words for people, parameters, and what it does to the equations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from armodal.analyzer.gap.model.space import Parameter, Space
+
+if TYPE_CHECKING:
+    from armodal.analyzer.gap.model.assembly import Assembly
+
+__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectWords:
+    """What a lab head reads about an effect."""
+
+    name: str  # the key in files and JSON
+    title: str  # in the field's words
+    changes: str  # degrees of freedom released, terms of M, C, K, input, sensors
+    signature: str
+    confused_with: tuple[str, ...] = ()  # names of effects
+    contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
+    # With one of these at one of the same joints it is a single mechanism that nobody listed.
+    one_with: tuple[str, ...] = ()
+    one_such_as: str = ""  # what both together may be instead
+    covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
+    covers_here: tuple[str, ...] = ()  # likewise, at the same place
+    wanted: float | None = None  # nats to be named, where fewer than of other terms do
+    least_shared: float = 0.0  # mountings that must bring it: fewer are hits gone astray
+    own_look: bool = False  # a look of its own seeks it: the common one finds it too late
+    several_starts: bool = False  # each candidate of a place is a place to begin of its own
+    ends_alike: bool = False  # of the two places it reaches between the tests tell the second
+    told_by: str = ""  # which further test tells
+    remedy: str = ""  # what to do in the lab now
+    of_the_test: bool = False  # what was measured otherwise: the arm itself is as without it
+
+
+class Builder(Protocol):
+    """Adds an instance's terms to a posture's equations."""
+
+    def __call__(self, assembly: Assembly, values: Mapping[str, float]) -> None: ...
+
+
+class Describer(Protocol):
+    """Says where and how an instance stands, in the arm file's words."""
+
+    def __call__(self, values: Mapping[str, float]) -> dict[str, object]:
+        """Return entries of a description."""
+        ...
+
+
+class Starts(Protocol):
+    """Where else a fit with an instance begins, from the values of a model without it."""
+
+    def __call__(self, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+        """Return values by name, all of them."""
+        ...
+
+
+class IsAlso(Protocol):
+    """Tells whether another instance is the same thing, by the values of a fit."""
+
+    def __call__(self, values: Mapping[str, float], other: Instance) -> bool:
+        """Return whether it is."""
+        ...
+
+
+class Alternatives(Protocol):
+    """What a fit with an instance may stand for: other instances, and where those begin."""
+
+    def __call__(
+        self, values: Mapping[str, float]
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        """Return instances with values by name, all of them."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instance:
+    """An effect at a place: at one joint, in one link, in one channel."""
+
+    effect: EffectWords
+    place: str
+    parameters: tuple[Parameter, ...] = ()
+    relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
+    builder: Builder | None = None
+    describe: Describer | None = None
+    starts: Starts | None = None
+    alternatives: Alternatives | None = None
+    is_also: IsAlso | None = None
+    at_its_ends: tuple[tuple[str, str], ...] = ()  # keys of instances that patch it there
+    begins_at: tuple[str, ...] = ()  # parameters that count from where a description puts it
+    size: str = ""  # the parameter that says how large
+    shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
+    sizes: tuple[str, ...] = ()  # or the largest of several
+    material: float = 0.0  # below this size it is not worth a name
+    least_certain: float = 0.0  # size over its deviation, below which it is only a patch
+    size_offset: float = 0.0  # of the size: what the null has anyway; only more is an effect
+    # By ordinary parameter: what else it may be, either way, per unit of an own one.
+    reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
+    last: bool = False  # built after the others: reads every coordinate they bring
+    is_term: bool = False  # of the equations, though it only widens priors
+    by_level: bool = False  # soft and hard hits of a posture are answered otherwise
+    side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
+
+    @property
+    def title(self) -> str:
+        """Return effect and place in words."""
+        return f"{self.effect.title} ({self.place})" if self.place else self.effect.title
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Return name and place."""
+        return self.effect.name, self.place
+
+    @property
+    def adds_term(self) -> bool:
+        """Return whether it changes the equations, rather than what was measured."""
+        return bool(self.parameters) or self.is_term
+
+    def relaxed(self, space: Space) -> tuple[Parameter, ...]:
+        """Return the priors it widens, of those the space has."""
+        return tuple(p for name, p in self.relaxes.items() if name in space.index)
+
+    @property
+    def unit(self) -> str:
+        """Return the unit of its size; empty for a pure number."""
+        every = (*self.parameters, *self.relaxes.values())
+        return next((p.unit for p in every if p.name == self.size), "")
+
+    @property
+    def owned(self) -> tuple[str, ...]:
+        """Return the names of all parameters it brings or frees."""
+        return (*(p.name for p in self.parameters), *self.relaxes)
+
+    def is_material(self, values: Mapping[str, float]) -> bool:
+        """Return whether it is large enough to be worth a name."""
+        names = self.sizes or ((self.size,) if self.size else ())
+        if not names:
+            return True
+        if self.size_offset:
+            largest = max(values[name] - self.size_offset for name in names)
+        else:
+            largest = max(abs(values[name]) for name in names)
+        beside = any(abs(values[name]) >= least for name, least in self.side_sizes)
+        return largest >= self.material or beside
+
+    def excludes(self, other: Instance) -> bool:
+        """Return whether one covers the other, or both cut one link's mass, but otherwise."""
+        if self._covers(other) or other._covers(self):
+            return True
+        own, theirs = self.pieces.split(maxsplit=1), other.pieces.split(maxsplit=1)
+        return own[1:] == theirs[1:] != [] and own[0] != theirs[0]
+
+    def _covers(self, other: Instance) -> bool:
+        here = other.place == self.place and other.effect.name in self.effect.covers_here
+        return here or other.effect.name in self.effect.covers
+
+    def add(self, assembly: Assembly, values: Mapping[str, float]) -> None:
+        """Add its terms."""
+        if self.builder is not None:
+            self.builder(assembly, values)

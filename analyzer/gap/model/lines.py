@@ -1,0 +1,333 @@
+"""FRFs of a session on Laplace lines far enough from the poles that a fit finds its way.
+
+On s = sigma + j w with a large sigma every resonance is broad, so that a model whose frequencies
+are off by their width still sees where to go; with a small sigma the fit is sharp. Hits of our own
+are transformed anew for each sigma (an exponential window alike on force and response, exact);
+FRFs that were averaged elsewhere go through time: h(t) e^(-d t) has the transform H(s + d).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.model.hit_levels import has_levels, soft_and_hard, weight_factors
+from armodal.analyzer.given_frfs import complete_points
+from armodal.analyzer.modal.frf import posture_frf
+from armodal.analyzer.modal.noise import smooth_lines
+from armodal.protocols.arrays import frozen_array
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.session.records import Hit, Session
+
+__all__ = [
+    "Annealing",
+    "PostureLines",
+    "lines_at_levels",
+    "own_lines",
+    "scatter",
+    "shifted_lines",
+]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_FEWEST = 4  # lines of a posture
+_LEAD = 24  # samples kept before the trigger, for the offset and the noise
+_NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
+_SMOOTHED = 2  # lines to each side
+_TAPER = 0.1  # of the band, cosine, at its upper end
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Annealing:
+    """A stage of the fit: distance of the lines from the poles, their spacing, their band."""
+
+    sigma_rad_s: float
+    step_hz: float
+    band_hz: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureLines:
+    """A posture's accelerance on the lines of one stage, one mounting a row.
+
+    A mounting is one sensor point with one hit; its three channels are the sensor's axes.
+    """
+
+    name: str
+    joints_rad: Array  # (n_joints,) as read
+    s_rad_s: ComplexArray  # (n_lines,)
+    sensor_point: npt.NDArray[np.int64]  # (n_mountings,) index into the arm's points
+    hit: npt.NDArray[np.int64]  # (n_mountings,) index into the hits below
+    hit_point: npt.NDArray[np.int64]  # (n_hits,)
+    hit_direction: Array  # (n_hits, 3) base frame
+    values: ComplexArray  # (n_mountings, 3, n_lines) m/(N s^2)
+    variance: Array  # (n_mountings, 3, n_lines): E|error of values|^2
+    sensor_mass_kg: float
+    peak_n: float = 0.0  # geometric mean of these hits' peak forces; 0: unknown
+    level: float = 0.0  # ln of these hits' peak force, from the middle of all
+    brakes: bool = False  # on
+    known_mass: KnownMass | None = None  # bolted on
+    widened: float = 1.0  # by how much the variance allows for averaged hits of unequal levels
+
+    def is_hit_as(self, other: PostureLines) -> bool:
+        """Return whether only values, their variance and the hits' level may differ."""
+        plain = ("name", "brakes", "sensor_mass_kg")
+        arrays = ("joints_rad", "s_rad_s", "sensor_point", "hit", "hit_point", "hit_direction")
+        return (
+            self.known_mass is other.known_mass
+            and all(getattr(self, name) == getattr(other, name) for name in plain)
+            and all(np.array_equal(getattr(self, name), getattr(other, name)) for name in arrays)
+        )
+
+    @property
+    def title(self) -> str:
+        """Return the posture, what was done to the arm, and which hits where that matters."""
+        words = [self.name]
+        if self.brakes:
+            words.append("brakes on")
+        if self.known_mass is not None:
+            words.append(f"{self.known_mass.mass_kg:.1f} kg on {self.known_mass.link}")
+        if self.level != 0.0:
+            words.append("soft hits" if self.level < 0.0 else "hard hits")
+        return ", ".join(words)
+
+
+def own_lines(
+    superset: Superset, session: Session, stage: Annealing, *, level_about: float | None = None
+) -> tuple[PostureLines, ...]:
+    """Lines of every posture of a session with records of its own hits.
+
+    Parameters
+    ----------
+    level_about
+        Lines of every posture twice: of its soft and of its hard hits, their levels about this
+        ln of a peak force (`hit_levels.middle_level`). Half of their difference
+        counts as variance: single hits go astray, and a spring of one stiffness a level is only
+        nearly what depends on the level at every moment.
+
+    Raises
+    ------
+    EstimateError
+        If a posture has no joint angles, or a point lacks one of its three axes.
+    """
+    hits = [hit for hit in session.hits if hit.verdict.accepted]
+    if level_about is None:
+        all_hits = _lines_of(superset, session, hits, stage, level=0.0)
+        return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
+    return lines_at_levels(superset, session, stage, soft_and_hard(hits), level_about)
+
+
+def lines_at_levels(
+    superset: Superset,
+    session: Session,
+    stage: Annealing,
+    groups: Sequence[Sequence[Hit]],
+    level_about: float,
+) -> tuple[PostureLines, ...]:
+    """Lines of every posture once for each group of hits; how far they differ is variance too."""
+    sets = [
+        _lines_of(superset, session, own, stage, level=_mean_level(own) - level_about)
+        for own in groups
+    ]
+    result: list[PostureLines] = []
+    for of_posture in zip(*sets, strict=True):
+        more = scatter([own.values for own in of_posture])
+        result += [replace(own, variance=own.variance + more) for own in of_posture]
+    return tuple(result)
+
+
+def _mean_level(hits: Sequence[Hit]) -> float:
+    return float(np.mean([np.log(hit.verdict.peak_n) for hit in hits]))
+
+
+def scatter(values: Sequence[ComplexArray]) -> Array:
+    """Variance (..., n_lines) of each of several about their mean, smoothed."""
+    power = np.var(np.stack(values), axis=0, ddof=1)
+    return smooth_lines(power, _SMOOTHED)
+
+
+def _widened(
+    superset: Superset, of_postures: Sequence[PostureLines], hits: Sequence[Hit]
+) -> tuple[PostureLines, ...]:
+    """Lines whose variance allows for one hit outweighing the others."""
+    factor_of = weight_factors(hits)
+    ids = [point.id for point in superset.arm.points]
+    result = []
+    for lines in of_postures:
+        factors = np.array(
+            [
+                factor_of[lines.name, ids[point], ids[hit_point]]
+                for point, hit_point in zip(
+                    lines.sensor_point, lines.hit_point[lines.hit], strict=True
+                )
+            ]
+        )
+        variance = lines.variance * factors[:, None, None]
+        result.append(replace(lines, variance=variance, widened=float(np.median(factors))))
+    return tuple(result)
+
+
+def _lines_of(
+    superset: Superset, session: Session, chosen: Sequence[Hit], stage: Annealing, *, level: float
+) -> tuple[PostureLines, ...]:
+    plan = session.header.plan
+    hits = tuple(_from_the_hit(hit) for hit in chosen)
+    duration = max((len(hit.counts) for hit in hits), default=0) / float(plan.sampling.rate_hz)
+    windows = replace(plan.windows, exponential_end=float(np.exp(-stage.sigma_rad_s * duration)))
+    header = replace(session.header, plan=replace(plan, windows=windows))
+    changed = replace(session, header=header, hits=hits)
+    result = []
+    for name in dict.fromkeys(hit.posture for hit in chosen):
+        joints_rad = _joints(session, name)  # of all its hits: soft and hard share what they can
+        dynamics = superset.posture(joints_rad)
+
+        def axes(point: str, rotation: Array = dynamics.point_rotation) -> Array:
+            return np.asarray(rotation[superset.point_index[point]])
+
+        frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
+        posed = replace(frf, joints_rad=joints_rad)
+        lines = _thinned(superset, posed, stage, plan.sensor.mass_kg)
+        result.append(replace(lines, level=level, peak_n=float(np.exp(_mean_level(chosen)))))
+    return tuple(result)
+
+
+def shifted_lines(
+    superset: Superset,
+    frfs: Sequence[FrequencyResponse],
+    stage: Annealing,
+    *,
+    sensor_mass_kg: float,
+) -> tuple[PostureLines, ...]:
+    """Lines of FRFs that were averaged elsewhere, moved through the time domain.
+
+    Variance is moved as white noise in time is: it falls as the window's energy does.
+    """
+    return tuple(_thinned(superset, _moved(frf, stage), stage, sensor_mass_kg) for frf in frfs)
+
+
+def _from_the_hit(hit: Hit) -> Hit:
+    """The hit without most of its lead: a strong window would weigh its noise above the answer."""
+    cut = max(int(hit.trigger_sample - hit.first_sample) - _LEAD, 0)
+    return replace(hit, counts=hit.counts[cut:], first_sample=hit.first_sample + cut)
+
+
+def _padded(band_hz: tuple[float, float]) -> tuple[float, float]:
+    return 0.9 * band_hz[0], 1.1 * band_hz[1]
+
+
+def _joints(session: Session, name: str) -> Array:
+    angles = [
+        reading.joints_rad
+        for hit in session.accepted(name)
+        for reading in (hit.before, hit.after)
+        if reading.joints_rad is not None
+    ]
+    if not angles:
+        raise EstimateError(
+            f"posture '{name}' has no measured joint angles, so no model can be set beside it; "
+            "measure it with the controller's angles on the bus"
+        )
+    return np.asarray(np.mean(angles, axis=0))
+
+
+def _moved(frf: FrequencyResponse, stage: Annealing) -> FrequencyResponse:
+    """The same FRFs on the lines sigma + j w."""
+    step = float(np.median(np.diff(frf.freq_hz)))
+    shift = stage.sigma_rad_s - frf.decay_rad_s
+    first = round(float(frf.freq_hz[0]) / step)
+    n_lines = first + frf.freq_hz.size
+    if not np.allclose(frf.freq_hz, step * np.arange(first, n_lines), atol=1e-3 * step):
+        raise EstimateError(
+            f"posture '{frf.posture}': wanted frequency lines that are whole multiples of their "
+            "spacing, got others; export the FRFs on the analyser's own lines"
+        )
+    if shift < 0.0:
+        raise EstimateError(
+            f"posture '{frf.posture}': its exponential window is stronger than this fit wants; "
+            "measure with a longer record"
+        )
+    s = frf.decay_rad_s + 2j * np.pi * frf.freq_hz
+    power = {FrfForm.RECEPTANCE: 2, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 0}[frf.form]
+    values = frf.values * s**power
+    full = np.zeros((*values.shape[:2], n_lines), dtype=np.complex128)
+    full[..., first:] = values
+    # Below the band an arm on springs answers as s^2.
+    low = frf.decay_rad_s + 2j * np.pi * step * np.arange(first)
+    full[..., :first] = values[..., :1] * (low / s[0]) ** 2
+    n_taper = max(int(_TAPER * n_lines), 1)
+    full[..., -n_taper:] *= 0.5 + 0.5 * np.cos(np.pi * (np.arange(n_taper) + 0.5) / n_taper)
+    n = 2 * n_lines
+    impulse = np.fft.irfft(np.concatenate([full, np.zeros_like(full[..., :1])], axis=-1), n)
+    time = np.arange(n) / (n * step)
+    before = time > (1.0 - _NEGATIVE_TIME) / step
+    time = np.where(before, time - 1.0 / step, time)
+    window = np.exp(-shift * time)
+    moved = np.fft.rfft(impulse * window, axis=-1)[..., first:n_lines]
+    energy = float(np.mean(window**2))
+    return replace(
+        frf,
+        form=FrfForm.ACCELERANCE,
+        values=frozen_array(moved, np.complex128),
+        variance=frozen_array(frf.variance * np.abs(s) ** (2 * power) * energy, np.float64),
+        decay_rad_s=stage.sigma_rad_s,
+    )
+
+
+def _thinned(
+    superset: Superset, frf: FrequencyResponse, stage: Annealing, sensor_mass_kg: float
+) -> PostureLines:
+    """Every posture's rows by mounting, and about every `step_hz` one line."""
+    frf = complete_points(frf)
+    if frf.joints_rad is None:
+        raise EstimateError(
+            f"posture '{frf.posture}' has no measured joint angles, so no model can be set beside "
+            "it; measure it with the controller's angles on the bus"
+        )
+    step = float(np.median(np.diff(frf.freq_hz)))
+    inside = np.flatnonzero((frf.freq_hz >= stage.band_hz[0]) & (frf.freq_hz <= stage.band_hz[1]))
+    # A narrow band has the fewest lines nearer to each other.
+    lines = inside[:: max(min(round(stage.step_hz / step), (inside.size - 1) // _FEWEST), 1)]
+    if lines.size < _FEWEST:
+        raise EstimateError(
+            f"posture '{frf.posture}': wanted lines between {stage.band_hz[0]:.0f} and "
+            f"{stage.band_hz[1]:.0f} Hz, got {lines.size}; measure that band"
+        )
+    points = list(dict.fromkeys(dof.point for dof in frf.responses))
+    rows = {(dof.point, dof.label): i for i, dof in enumerate(frf.responses)}
+    missing = [f"{p}{a}" for p in points for a in "xyz" if (p, a) not in rows]
+    if missing:
+        raise EstimateError(
+            f"posture '{frf.posture}' lacks the responses {', '.join(missing[:4])}; a triaxial "
+            "sensor gives x, y and z at each point"
+        )
+    order = np.array([[rows[p, a] for a in "xyz"] for p in points])
+    n_hits = len(frf.references)
+    values = frf.values[order][..., lines]  # (points, 3, hits, lines)
+    variance = frf.variance[order][..., lines]
+    dynamics = superset.posture(frf.joints_rad)
+    sensor = np.array([superset.point_index[p] for p in points])
+    directions = np.array([[frf.responses[i].direction for i in row] for row in order])
+    turn = np.einsum("mji,mkj->mik", dynamics.point_rotation[sensor], directions)
+    values = np.einsum("mij,mjrl->mirl", turn, values)
+    variance = np.einsum("mij,mjrl->mirl", turn**2, variance)
+    shape = (-1, 3, lines.size)
+    return PostureLines(
+        name=frf.posture,
+        joints_rad=frf.joints_rad,
+        s_rad_s=frf.decay_rad_s + 2j * np.pi * frf.freq_hz[lines],
+        sensor_point=np.repeat(sensor, n_hits),
+        hit=np.tile(np.arange(n_hits), len(points)),
+        hit_point=np.array([superset.point_index[dof.point] for dof in frf.references]),
+        hit_direction=np.array([dof.direction for dof in frf.references]),
+        values=np.moveaxis(values, 2, 1).reshape(shape),
+        variance=np.moveaxis(variance, 2, 1).reshape(shape),
+        sensor_mass_kg=sensor_mass_kg,
+    )

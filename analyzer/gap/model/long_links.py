@@ -1,0 +1,85 @@
+"""Links long enough to bend: each a line from its joint to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.model.assembly import Inside
+from armodal.analyzer.gap.model.geometry import skew
+
+__all__ = ["SLICES", "LongLink", "long_links"]
+
+Array = npt.NDArray[np.float64]
+
+_LEAST_M = 0.2  # shorter links are stiff
+SLICES = 3  # three hinges at 1/6, 1/2, 5/6 give a tip wrench's deflection to 3 %
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LongLink:
+    """A link along the line from its joint to the next, in its own frame."""
+
+    link: int
+    name: str
+    along: Array  # (3,) unit
+    length_m: float
+
+    @property
+    def places_m(self) -> tuple[float, ...]:
+        """Return where along the line the hinges stand."""
+        return tuple((i + 0.5) / SLICES * self.length_m for i in range(SLICES))
+
+    def inside(self, superset: Superset, start_m: float, end_m: float, before: int) -> Inside:
+        """How a hinge that stands for an evenly soft stretch moves the link's points.
+
+        One at t from the stretch's start turns by that part of the hinge's yield, about the middle
+        of what is before it: the yields of a beam under an even moment.
+        """
+        ends = np.array([start_m, end_m])
+        points = [i for i, own in enumerate(superset.point_link) if own == self.link]
+        placed = [superset.arm.points[i] for i in points]
+        along = np.clip([point.position_m @ self.along for point in placed], *ends)
+        off = 0.5 * (end_m - along)
+        back = np.array([point.R_link_sensor.T @ self.along for point in placed])
+        partly = along < end_m
+        return Inside(
+            link=self.link,
+            before=before,
+            points=np.array(points, dtype=np.int64)[partly],
+            part=(along[partly] - start_m) / (end_m - start_m),
+            shift_m=(off[:, None] * back)[partly],
+        )
+
+    def twists(self, directions: Sequence[Array]) -> list[tuple[float, Array]]:
+        """Return place and unit twist (6,), linear first, of every hinge."""
+        return [
+            (s, np.concatenate([skew(s * self.along) @ u, u]))
+            for s in self.places_m
+            for u in directions
+        ]
+
+
+def long_links(superset: Superset) -> tuple[LongLink, ...]:
+    """Return the links long enough to bend, with points at two places at least.
+
+    The line goes to the next joint; where that stands at the link's own, to twice the centre.
+    """
+    found = []
+    joints = superset.arm.joints
+    for i, joint in enumerate(joints):
+        if superset.point_link.count(i) < 2:
+            continue
+        reach = np.zeros(3) if i + 1 == len(joints) else joints[i + 1].T_parent_joint[:3, 3]
+        if np.linalg.norm(reach) < _LEAST_M / 4.0:
+            reach = 2.0 * joint.link.center_m
+        length = float(np.linalg.norm(reach))
+        if length >= _LEAST_M:
+            found.append(
+                LongLink(link=i, name=joint.link.name, along=reach / length, length_m=length)
+            )
+    return tuple(found)

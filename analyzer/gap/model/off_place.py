@@ -1,0 +1,38 @@
+"""What errors of one mounting's own change beside gains and tilts: its place, its hits' and aim.
+
+A sensor is put to its point by hand, and every hit has a place and an aim of its own. Each changes
+all lines of a mounting together, as a column, and is integrated out with its gains and tilts
+(`weigh.Weighing`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.priors import PLACE_STD_M
+from armodal.analyzer.gap.model.response import Response
+from armodal.protocols.arm.records import Tolerances
+
+__all__ = ["off_place"]
+
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+
+def off_place(found: Response, tolerances: Tolerances) -> ComplexArray:
+    """Change (P, m, 3, k, L) of each channel by a deviation of each of k errors."""
+    shifts = found.by_shift() * PLACE_STD_M  # (3, P, m, 3, L)
+    columns = [*shifts]
+    hits = found.system.force  # (P, n_hits, 3)
+    for side in range(2):
+        aimed, beside = (np.zeros(shifts.shape[1:], dtype=shifts.dtype) for _ in range(2))
+        for hit in range(hits.shape[1]):
+            lengths = np.linalg.norm(hits[:, hit], axis=1, keepdims=True)
+            sides = np.array([across(own)[:, side] for own in hits[:, hit] / lengths])
+            aimed = aimed + found.by_force(hit, tolerances.hit_direction_rad * sides)
+            beside = beside + found.by_moment(hit, PLACE_STD_M * np.cross(sides, hits[:, hit]))
+        columns += [aimed, beside]
+    return np.stack(columns, axis=3)

@@ -1,0 +1,211 @@
+"""Predictions in postures, and their derivatives by every parameter.
+
+Postures whose lines are alike are solved together: a posture alone has too few lines to keep the
+arithmetic busy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.model.assembly import Assembly, System
+from armodal.analyzer.gap.model.derivatives import Solved
+from armodal.analyzer.gap.model.geometry import GeometryNear, GeometrySlopes, PostureGeometry
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.response import Response, respond
+from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.systems import stacked_slopes, systems
+
+__all__ = ["PosedModel", "Postures"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+
+class PosedModel:
+    """An arm in one posture, with the geometry of the last angles at hand."""
+
+    def __init__(self, superset: Superset, joints_rad: Array) -> None:
+        self._near = GeometryNear(superset, joints_rad)
+
+    def geometry(self, ordinary: Ordinary, values: Mapping[str, float]) -> PostureGeometry:
+        """Geometry at the angles read and the encoders' offsets."""
+        return self._near.at(ordinary.encoder(values))
+
+    def slopes(self) -> GeometrySlopes:
+        """Return how the geometry last asked for changes with the angles."""
+        return self._near.slopes()
+
+    def system(
+        self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
+    ) -> System:
+        """Return the posture's equations."""
+        ordinary = hypothesis.ordinary
+        geometry = self.geometry(ordinary, values)
+        (plain,) = ordinary.assemblies([geometry], [lines], values)
+        return systems([hypothesis.add_to(plain, values)]).alone(0)
+
+    def values(
+        self, hypothesis: Hypothesis, lines: PostureLines, values: Mapping[str, float]
+    ) -> ComplexArray:
+        """Predict the posture's FRFs: (m, 3, L)."""
+        return np.asarray(Postures([self], [lines]).response(hypothesis, values).values[0])
+
+    def derivatives(
+        self,
+        hypothesis: Hypothesis,
+        lines: PostureLines,
+        space: Space,
+        values: Mapping[str, float],
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """FRFs (m, 3, L) and derivatives (n_parameters, m, 3, L), as `Postures.derivatives`."""
+        y, dy = Postures([self], [lines]).derivatives(hypothesis, space, values)
+        return y[0], dy[:, 0]
+
+
+class Postures:
+    """P postures with lines alike: as many mountings, hits and lines.
+
+    `single`: derivatives in single precision where it is wide enough.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[PosedModel],
+        lines: Sequence[PostureLines],
+        *,
+        single: bool = True,
+    ) -> None:
+        self._models, self.lines, self._single = tuple(models), tuple(lines), single
+        self._s_rad_s = np.stack([own.s_rad_s for own in lines])
+        self._hit = np.stack([own.hit for own in lines])
+        self._own_slopes: list[GeometrySlopes] = []
+        self._last: Solved | None = None
+
+    @staticmethod
+    def likeness(lines: PostureLines) -> tuple[object, ...]:
+        """Return what postures that are solved together have in common."""
+        return lines.values.shape, len(lines.hit_point), lines.brakes
+
+    def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
+        """Predict the postures' FRFs."""
+        return self._solved(hypothesis, values).exact
+
+    def derivatives(
+        self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Predict FRFs and their derivatives by a prior deviation of each parameter.
+
+        Returns
+        -------
+        y : (P, m, 3, L) complex128
+        dy : (n_parameters, P, m, 3, L) complex64 if single precision is wide enough, or complex128
+            Rows of parameters that do not act here are zero.
+        """
+        posed = self._solved(hypothesis, values)
+        y = posed.exact.values
+        std = space.std.astype(posed.found.x.real.dtype)
+        dy = np.empty((len(space), *y.shape), dtype=posed.found.x.dtype)
+        idle = set(range(len(space)))
+        for name, derivative in chain(
+            posed.by_joints(),
+            posed.by_compliances(),
+            posed.by_inertias(),
+            posed.by_measurement(),
+            posed.by_angles(self._slopes()),
+            posed.by_terms(),
+            posed.by_turns(),
+            posed.by_motions(),
+            posed.by_sensor_mass(),
+            posed.by_differences(space, self._s_rad_s),
+        ):
+            if name not in space.index:
+                continue
+            i = space.index[name]
+            if i in idle:
+                np.multiply(derivative, std[i], out=dy[i], casting="same_kind")
+                idle.remove(i)
+            else:
+                dy[i] += derivative * std[i]
+        dy[list(idle)] = 0.0
+        for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
+            if name in space.index:
+                dy[space.index[name], p] += own * std[space.index[name]]
+        for p, rows, name, own in posed.by_places():
+            dy[space.index[name], p, rows] += own * std[space.index[name]]
+        return y, dy
+
+    def interface_columns(
+        self,
+        hypothesis: Hypothesis,
+        values: Mapping[str, float],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, P, m, 3, L) by the compliance matrix of some locked coordinates.
+
+        Of an element a, b of that of the coordinates `names`: both triangles' mean.
+        """
+        solved = self._solved(hypothesis, values)
+        found, assemblies = solved.found, solved.assemblies
+        left, right = found.through_compliances(
+            [assemblies[0].compliance_of[name][0][0] for name in names]
+        )
+        right = right[:, :, :, None]
+        return np.stack([0.5 * (left[a] * right[b] + left[b] * right[a]) for a, b in pairs])
+
+    def damping_columns(
+        self,
+        hypothesis: Hypothesis,
+        values: Mapping[str, float],
+        pairs: Sequence[tuple[str, str]],
+    ) -> tuple[ComplexArray, list[PostureGeometry]]:
+        """Derivatives (n_pairs, P, m, 3, L) by a damping between two joints; geometries.
+
+        Of an element of C of two named joints: both triangles' mean.
+        """
+        solved = self._solved(hypothesis, values)
+        found, assemblies = solved.found, solved.assemblies
+        names = assemblies[0].names
+        at = [(names[a], names[b]) for a, b in pairs]
+        columns = [
+            0.5 * (found.by_term("damping", i, j) + found.by_term("damping", j, i)) for i, j in at
+        ]
+        return np.stack(columns), [assembly.geometry for assembly in assemblies]
+
+    def _assemblies(
+        self, hypothesis: Hypothesis, values: Mapping[str, float]
+    ) -> tuple[list[Assembly], list[Assembly]]:
+        """Each posture's equations, without effects and with them."""
+        ordinary = hypothesis.ordinary
+        geometries = [model.geometry(ordinary, values) for model in self._models]
+        plain = ordinary.assemblies(geometries, self.lines, values)
+        return plain, [hypothesis.add_to(own, values) for own in plain]
+
+    def _solved(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Solved:
+        """The last solution is kept: a step is tried first, its derivatives asked for after."""
+        last = self._last
+        if last is None or last.hypothesis is not hypothesis or last.values != values:
+            plain, assemblies = self._assemblies(hypothesis, values)
+            found = respond(systems(assemblies), self._s_rad_s, self._hit)
+            last = self._last = Solved(
+                hypothesis, plain, assemblies, found, dict(values), self._single
+            )
+        return last
+
+    def _slopes(self) -> GeometrySlopes:
+        """Stacked, anew only where a geometry's centre has moved."""
+        own = [model.slopes() for model in self._models]
+        if any(a is not b for a, b in zip(own, self._own_slopes, strict=False)) or not (
+            self._own_slopes
+        ):
+            self._own_slopes, self._stacked = own, stacked_slopes(own)
+        return self._stacked

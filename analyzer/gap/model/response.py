@@ -1,0 +1,382 @@
+"""FRFs of a system on its lines, and their derivatives; several postures at once.
+
+With H(s) the receptance of the coordinates without the accelerometer, b the generalised force of a
+unit hit, U the motion of the accelerometer's place and m its mass, the accelerometer changes the
+motion to
+
+    x = E H b,    E = I - H U S U',    S = m s^2 (I + m s^2 U' H U)^-1 ,
+
+so that one inverse serves all mountings of a posture. o x with o = s^2 o_v + o_g is the recorded
+acceleration, tilt of gravity included, and for any parameter
+
+    d(o x) = do x - (o E H) dZ x + (o E H) db ,        Z = H^-1 + m s^2 U U' .
+
+A loss factor eta is causal, constant at every frequency, and leaves k as it is at a reference:
+
+    k (1 + eta L(s)),    L(s) = (2 / pi) ln(s / w_r),    L(i w) = i + (2 / pi) ln(w / w_r) .
+
+A compliance gamma with loss tau changes H by w w' d(gamma / (1 + tau s)), w the motion per unit
+torque inside that compliance: also at gamma = 0.
+
+Axes of arrays: P postures, m mountings, n coordinates, L lines, which are last wherever single
+lines need no matrix: few long operations instead of many small ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.gap.model.assembly import System
+from armodal.analyzer.gap.model.geometry import skew
+
+__all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
+
+Array = npt.NDArray[np.floating[Any]]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+_SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex64}
+
+_TURN = ((1, 2), (2, 0), (0, 1))  # axes of a cross product's parts
+_SENSIBLE = 1e3  # m/N or rad/N: products of two such, with masses and s^2, are below 1e38
+_AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
+
+
+@dataclass(frozen=True, kw_only=True)
+class Response:
+    """Solution of systems on their lines; what only derivatives need is solved when asked for."""
+
+    system: System  # of P postures
+    s_rad_s: ComplexArray  # (P, L)
+    hit: npt.NDArray[np.int64]  # (P, m) index into the system's hits
+    factor: ComplexArray  # (P, L) of all channels: scale and delay
+    x: ComplexArray  # (P, m, n, L) motion under the hit
+    true_axes: ComplexArray  # (P, m, 3, L) before channels were mixed, factor included
+    inner: ComplexArray  # (P, L, n, n) A^-1: column i is w of coordinate i
+    H: ComplexArray  # (P, L, n, n) receptance without the accelerometer
+    HU: ComplexArray  # (P, m, n, 3, L) columns H U'
+    S: ComplexArray  # (P, m, 3, 3, L)
+
+    @cached_property
+    def under_loads(self) -> ComplexArray:
+        """(P, m, n, 3, L) motion under unit loads on the recorded axes, factor included.
+
+        Along the recorded channels, so that their mixing is inside.
+        """
+        system = self.system
+        P, m, n, L = self.x.shape
+        s2 = (self.s_rad_s**2)[:, :, None, None]
+        seen, tilted = (
+            (system.mix @ of).reshape(P, 1, m * 3, n) for of in (system.seen, system.tilted)
+        )
+        Y0 = _lines_last(np.matmul(s2 * seen + tilted, self.H), m)
+        Y0U = real_times(system.moved, Y0.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
+        for c in range(3):
+            load = sum(Y0U[:, :, b] * self.S[:, :, b, c, None] for b in range(3))  # (P, m, 3, L)
+            Y0 -= self.HU[:, :, :, c, None] * np.asarray(load)[:, :, None]
+        Y0 *= self.factor[:, None, None, None]
+        return Y0
+
+    @cached_property
+    def for_derivatives(self) -> Response:
+        """The same in single precision, enough at half the cost; itself where that is too narrow.
+
+        A trial far from anything believable may lie near a pole, with an answer beyond all sense.
+        """
+        if not np.abs(self.x).max() < _SENSIBLE:
+            return self
+        own = (f.name for f in fields(self) if f.name not in ("system", "hit"))
+        return replace(
+            self, system=_in_single(self.system), **{n: as_single(getattr(self, n)) for n in own}
+        )
+
+    @property
+    def values(self) -> ComplexArray:
+        """(P, m, 3, L) accelerance as recorded."""
+        return real_times(self.system.mix, self.true_axes)
+
+    def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
+        """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.
+
+        `row` (P, n), `weight` (P, L).
+        """
+        load, stretch = self._along(row)
+        weight = weight.astype(self.x.dtype, copy=False)
+        return np.asarray(load * (stretch * -weight[:, None, :])[:, :, None])
+
+    def by_stretches(self, one: Array, other: Array, weight: ComplexArray) -> ComplexArray:
+        """Derivative by an element between two stretches (P, n), both ways."""
+        (load, stretch), (load_other, stretch_other) = self._along(one), self._along(other)
+        weight = weight[:, None, None, :]
+        y = load * stretch_other[:, :, None] + load_other * stretch[:, :, None]
+        return np.asarray(-weight * y)
+
+    def _along(self, row: Array) -> tuple[ComplexArray, ComplexArray]:
+        """(P, m, 3, L) under the loads and (P, m, L) under the hit, along a row (P, n)."""
+        at = np.flatnonzero(np.any(row, axis=0))
+        row = row.astype(self.x.real.dtype, copy=False)
+        load = sum(self.under_loads[:, :, i] * row[:, i, None, None, None] for i in at)
+        stretch = sum(self.x[:, :, i] * row[:, i, None, None] for i in at)
+        return np.asarray(load), np.asarray(stretch)
+
+    def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
+        """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
+        stretch = self.x[:, :, j] * -self.weight(kind)[:, None, :]
+        return np.asarray(self.under_loads[:, :, i] * stretch[:, :, None])
+
+    def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
+        """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
+        return self.by_stretch(row, self.weight(kind))
+
+    def weight(self, kind: str) -> ComplexArray:
+        """Return (P, L) what "mass", "damping", "stiffness" or "loss" is multiplied by in Z."""
+        s = self.s_rad_s
+        return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s), "loss": hysteresis(s)}[
+            kind
+        ]
+
+    def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
+        """Derivatives (k, P, m, 3, L) by the compliances of k coordinates.
+
+        H has the compliance as a factor on both sides: where none is zero that is divided out.
+        """
+        gamma = self.system.compliance[:, list(coordinates)]
+        found = np.empty((len(coordinates), *self._shape), dtype=self.x.dtype)
+        locked = [i for i, column in enumerate(gamma.T) if (column < _AS_LOCKED).any()]
+        if locked:
+            left, right = self.through_compliances([coordinates[i] for i in locked])
+            found[locked] = left * right[:, :, :, None]
+        s, loss_s = self.s_rad_s, self.system.compliance_loss_s
+        for i, at in enumerate(coordinates):
+            if i not in locked:
+                yields = gamma[:, i, None]
+                torque = self.x[:, :, at] * ((1.0 + loss_s[:, at, None] * s) / yields)[:, None, :]
+                load = self.under_loads[:, :, at] * (1.0 / yields)[:, None, None]
+                np.multiply(load, torque[:, :, None], out=found[i])
+        return found
+
+    @property
+    def _shape(self) -> tuple[int, ...]:
+        P, m, _, L = self.x.shape
+        return P, m, 3, L
+
+    def through_compliances(self, coordinates: Sequence[int]) -> tuple[ComplexArray, ComplexArray]:
+        """What is recorded of a unit yield, and the torque that a unit hit puts there.
+
+        Returns
+        -------
+        recorded : (k, P, m, 3, L), torque : (k, P, m, L), the compliance's own lag included
+        """
+        system, s = self.system, self.s_rad_s
+        P, m, n, L = self.x.shape
+        k = len(coordinates)
+        w = np.ascontiguousarray(self.inner[..., list(coordinates)].transpose(0, 2, 3, 1))
+        w = w.reshape(P, 1, n, k * L)
+        HU = self.HU.reshape(P, m, n, 3 * L)
+        s2 = (s**2)[:, None, None, None]
+
+        def through(rows: Array) -> ComplexArray:
+            """(P, m, rows, k, L) motion by a unit yield, the accelerometer left out."""
+            return real_times(rows, w).reshape(P, m, -1, k, L)
+
+        def loaded(rows: Array) -> ComplexArray:
+            """(P, m, rows, 3, L) motion by a unit pull of the accelerometer."""
+            return real_times(rows, HU).reshape(P, m, -1, 3, L)
+
+        Uw = through(system.moved)
+        SUw = [
+            np.asarray(sum(self.S[:, :, a, b, None] * Uw[:, :, b] for b in range(3)))
+            for a in range(3)
+        ]
+
+        def with_sensor(motion: ComplexArray, by_pull: ComplexArray) -> ComplexArray:
+            for a in range(3):
+                motion = motion - by_pull[:, :, :, a, None] * SUw[a][:, :, None]
+            return motion
+
+        o_w = with_sensor(
+            s2 * through(system.seen) + through(system.tilted),
+            s2 * loaded(system.seen) + loaded(system.tilted),
+        )
+        recorded = real_times(system.mix, o_w.reshape(P, m, 3, k * L)).reshape(P, m, 3, k, L)
+        b = self._forces()[:, :, None].astype(self.x.real.dtype, copy=False)  # (P, m, 1, n)
+        w_b = with_sensor(through(b), loaded(b))[:, :, 0]
+        lag = 1.0 / (1.0 + system.compliance_loss_s[:, list(coordinates), None] * s[:, None])
+        torque = w_b * (self.factor[:, None] * lag)[:, None]  # (P, m, k, L)
+        return recorded.transpose(3, 0, 1, 2, 4), torque.transpose(2, 0, 1, 3)
+
+    def _forces(self) -> Array:
+        """(P, m, n) generalised force of the hit of each mounting."""
+        return of_hits(_hit_forces(self.system), self.hit)
+
+    def by_link_inertia(self, link: int, changes: Array) -> ComplexArray:
+        """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
+
+        Gravity's stiffness is taken as it is: its part is far below the inertia's own.
+        """
+        pieces = self.system.pieces.get(link)
+        if pieces is None:
+            return self._by_inertia(self.system.link_motion[:, link], changes)
+        split = np.stack([pieces.split(change) for change in changes], axis=1)
+        motions = pieces.motion.swapaxes(0, 1)  # (pieces, P, 6, n)
+        parts = [self._by_inertia(J, own) for J, own in zip(motions, split, strict=True)]
+        return np.asarray(np.sum(parts, axis=0))
+
+    def by_base_inertia(self, changes: Array) -> ComplexArray:
+        """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of the base's spatial inertia."""
+        return self._by_inertia(self.system.base_motion, changes)
+
+    def _by_inertia(self, J: Array, changes: Array) -> ComplexArray:
+        """`J` (P, 6, n), `changes` (k, 6, 6)."""
+        P, m, n, L = self.x.shape
+        J, changes = (of.astype(self.x.real.dtype, copy=False) for of in (J, changes))
+        V = real_times(J[:, None], self.x)  # (P, m, 6, L)
+        V *= -(self.s_rad_s**2)[:, None, None, :]
+        W = real_times(J[:, None], self.under_loads.reshape(P, m, n, 3 * L))
+        products = W.reshape(P, m, 6, 1, 3, L) * V[:, :, None, :, None]  # (P, m, 6, 6, 3, L)
+        y = real_times(changes.reshape(-1, 36), products.reshape(P, m, 36, 3 * L))
+        return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
+
+    def by_force(self, hit: int, change: Array) -> ComplexArray:
+        """Derivative by the force's components (P, 3) of one hit."""
+        return self._by_load(hit, change[:, None] @ self.system.hit[:, hit])
+
+    def by_moment(self, hit: int, change: Array) -> ComplexArray:
+        """Derivative by a moment (P, 3) beside the force of one hit."""
+        return self._by_load(hit, change[:, None] @ self.system.hit_turned[:, hit])
+
+    def _by_load(self, hit: int, load: Array) -> ComplexArray:
+        """`load` (P, 1, n)."""
+        b = load[:, None]
+        P, m, n, L = self.x.shape
+        b = b.astype(self.x.real.dtype, copy=False)
+        y = real_times(b, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, L)
+        return np.asarray(y * (self.hit == hit)[:, :, None, None])
+
+    def by_sensor_mass(self) -> ComplexArray:
+        """Derivative by the mass of every accelerometer."""
+        P, m, n, L = self.x.shape
+        U = self.system.moved
+        motion = real_times(U, self.x)  # (P, m, 3, L)
+        motion *= -(self.s_rad_s**2)[:, None, None]
+        under = real_times(U, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
+        return np.asarray(sum(under[:, :, b] * motion[:, :, b, None] for b in range(3)))
+
+    def by_shift(self) -> ComplexArray:
+        """Derivatives (3, P, m, 3, L) by a shift of each mounting along its own sensor's axes.
+
+        The accelerometer's mass is taken to stay where it is.
+        """
+        turn = real_times(self.system.turned, self.x)  # (P, m, 3, L)
+        turn = turn * (self.factor * self.s_rad_s**2)[:, None, None]
+        mix = self.system.mix
+        turns = (mix @ skew(axis).astype(mix.dtype) for axis in np.eye(3))
+        return np.stack([-real_times(rows, turn) for rows in turns])
+
+
+def as_single(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Floating-point values in single precision."""
+    return values.astype(_SINGLE[values.dtype])
+
+
+def _in_single(system: System) -> System:
+    arrays = (f.name for f in fields(system) if f.name != "pieces")
+    pieces = {
+        link: replace(own, motion=as_single(own.motion)) for link, own in system.pieces.items()
+    }
+    return replace(
+        system, pieces=pieces, **{name: as_single(getattr(system, name)) for name in arrays}
+    )
+
+
+def real_times(real: Array, z: ComplexArray) -> ComplexArray:
+    """Real (..., k, n) by complex (..., n, L), its lines contiguous: (..., k, L)."""
+    return np.asarray(np.matmul(real, z.view(z.real.dtype)).view(z.dtype))
+
+
+def _lines_last(rows: ComplexArray, m: int) -> ComplexArray:
+    """(P, L, m * 3, n) to (P, m, n, 3, L), contiguous."""
+    P, L, _, n = rows.shape
+    return np.ascontiguousarray(rows.reshape(P, L, m, 3, n).transpose(0, 2, 4, 3, 1))
+
+
+def of_hits(by_hit: npt.NDArray[Any], hit: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
+    """(P, n_hits, ...) to (P, m, ...): each mounting's own hit."""
+    if by_hit.shape[1] == 1:
+        return np.broadcast_to(by_hit, (*hit.shape, *by_hit.shape[2:]))
+    return np.asarray(by_hit[np.arange(len(hit))[:, None], hit])
+
+
+def _hit_forces(system: System) -> Array:
+    """(P, n_hits, n) generalised forces."""
+    return np.asarray((system.force[:, :, None] @ system.hit)[:, :, 0])
+
+
+def _inverse(M: ComplexArray) -> ComplexArray:
+    """Inverses of matrices (..., 3, 3, L), by cross products of their rows."""
+    a, b, c = (M[..., i, :, :] for i in range(3))
+    columns = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-2)
+    return np.asarray(columns / np.sum(a * columns[..., 0, :], axis=-2)[..., None, None, :])
+
+
+def _cross(a: ComplexArray, b: ComplexArray) -> ComplexArray:
+    """(..., 3, L)."""
+    return np.stack(
+        [a[..., i, :] * b[..., j, :] - a[..., j, :] * b[..., i, :] for i, j in _TURN], axis=-2
+    )
+
+
+def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -> Response:
+    """Solve systems of P postures on their lines, as far from them as a hidden window moved them.
+
+    `s_rad_s` (P, L), `hit` (P, m): each mounting's, index into the system's.
+    """
+    s = s_rad_s + system.decay_rad_s[:, None]
+    soft = np.isfinite(system.compliance[0])
+    gamma = np.where(soft, system.compliance, 1.0)[:, None]
+    loss_s = system.compliance_loss_s[:, None]
+    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)  # (P, L, n)
+    by_line = s[..., None, None]
+    Z = (
+        by_line**2 * system.mass[:, None]
+        + by_line * system.damping[:, None]
+        + system.stiffness[:, None]
+        + hysteresis(by_line) * system.loss[:, None]
+    )
+    A = scale[..., None] * Z
+    A[..., soft, soft] += 1.0
+    inner = np.linalg.inv(A)
+    H = inner * scale[:, :, None, :]  # symmetric
+    U = system.moved  # (P, m, 3, n)
+    P, m, _, n = U.shape
+    L = s.shape[1]
+    HU = _lines_last(np.matmul(U.reshape(P, 1, m * 3, n), H), m)
+    ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, None, None, None]
+    UHU = real_times(U, HU.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
+    S = ms2 * _inverse(np.eye(3)[..., None] + ms2 * UHU)
+    by_hit = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
+    x0 = of_hits(np.ascontiguousarray(by_hit.transpose(0, 2, 3, 1)), hit)  # (P, m, n, L)
+    Ux = real_times(U, x0)  # (P, m, 3, L)
+    x = x0.copy()
+    for a in range(3):
+        pull = sum(S[:, :, a, b] * Ux[:, :, b] for b in range(3))
+        x -= HU[:, :, :, a] * np.asarray(pull)[:, :, None]
+    factor = np.exp(system.log_scale[:, None] - s * system.delay_s[:, None])
+    raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
+    return Response(
+        system=system,
+        s_rad_s=s,
+        hit=hit,
+        factor=factor,
+        x=x,
+        true_axes=raw * factor[:, None, None],
+        inner=inner,
+        H=H,
+        HU=HU,
+        S=S,
+    )

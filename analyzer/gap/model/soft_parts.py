@@ -1,0 +1,197 @@
+"""What of an arm gives way a little beside its drives: bearings, long links, the base on its bolts.
+
+No part is rigid, and descriptions of arms say nothing of these. Each is a compliance with a prior
+far below its drive's, up to a limit beyond which it is an effect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.model.assembly import Assembly, Inside
+from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.long_links import LongLink, long_links
+from armodal.analyzer.gap.model.priors import (
+    BASE_LEVER,
+    BEARING_LEVER,
+    BEARING_LIMIT,
+    BEARING_MEAN,
+    BEARING_STD,
+    BEND_LIMIT,
+    BEND_MEAN,
+    BEND_STD,
+    FLOOR_LIMIT,
+    FLOOR_MEAN,
+    FLOOR_STD,
+    INTERFACE_LOSS_MEAN_S,
+    INTERFACE_LOSS_STD_S,
+    NEAR_M,
+    SHIFT_STDS,
+)
+from armodal.analyzer.gap.model.scales import compliance, reach_m, scale
+from armodal.analyzer.gap.model.space import Parameter
+from armodal.protocols.arrays import frozen_array
+
+__all__ = ["BASE_WAYS", "add_soft_parts", "base_lever_m", "soft_part_parameters"]
+
+Array = npt.NDArray[np.float64]
+
+BASE_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
+_BEND_WAYS = ("a", "b", "along")
+
+
+def base_lever_m(superset: Superset) -> float:
+    """Return the root of how much a base shifts over how much it rocks under unit loads."""
+    return BASE_LEVER * reach_m(superset)
+
+
+def soft_part_parameters(superset: Superset) -> Iterator[Parameter]:
+    """Every compliance with its prior; their losses; where bearings stand along their axes."""
+    yield from _of_base(superset)
+    for joint in range(len(superset.arm.joints)):
+        yield from _of_bearing(superset, joint)
+    for line, _, _ in _bends(superset):
+        unit = scale(superset, line.link)
+        for way in _BEND_WAYS:
+            yield _small(f"bend {way} {line.name}", unit, BEND_MEAN, BEND_STD, BEND_LIMIT)
+        yield _loss(f"bend loss {line.name}")
+
+
+def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, float]) -> None:
+    """Add the coordinates that give way, at these values of the parameters."""
+    for number, joint in enumerate(superset.arm.joints):
+        loss = f"bearing loss {joint.name}"
+        for name, column in _bearing(superset, number):
+            assembly.add_compliance(column, values[name], values[loss], name, loss)
+        place = f"bearing place {joint.name}"
+        for side, (tilt, moved) in zip("ab", _tilts(superset)[number], strict=True):
+            name = f"bearing {side} {joint.name}"
+            column = tilt + values[place] * moved
+            at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+            assembly.motion_of.setdefault(place, []).append((at, moved))
+    for line, columns, inside in _bends(superset):
+        loss = f"bend loss {line.name}"
+        for way, column in zip(_BEND_WAYS, columns, strict=True):
+            name = f"bend {way} {line.name}"
+            at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+            assembly.inside[at] = inside
+    for i, way in enumerate(BASE_WAYS):
+        name = f"base {way}"
+        column = assembly.unit(i)
+        assembly.add_compliance(column, values[name], values["base loss"], name, "base loss")
+
+
+def _of_base(superset: Superset) -> Iterator[Parameter]:
+    rocks = compliance(superset)
+    shifts = rocks * base_lever_m(superset) ** 2
+    for way in BASE_WAYS:
+        unit, of = (shifts, "m/N") if way.startswith("shift") else (rocks, "rad/(N m)")
+        yield _small(f"base {way}", unit, FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT, unit=of)
+    yield _loss("base loss")
+
+
+def _of_bearing(superset: Superset, number: int) -> Iterator[Parameter]:
+    joint, tilts = superset.arm.joints[number], scale(superset, number)
+    for side in "ab":
+        yield _small(
+            f"bearing {side} {joint.name}", tilts, BEARING_MEAN, BEARING_STD, BEARING_LIMIT
+        )
+    yield _loss(f"bearing loss {joint.name}")
+    std_m = NEAR_M + 0.5 * _reach_along(superset, number)
+    yield Parameter(name=f"bearing place {joint.name}", unit="m", mean=0.0, std=std_m)
+    shifts = tilts * (BEARING_LEVER * reach_m(superset)) ** 2
+    for way in ("radial", "axial"):
+        name, std = f"bearing {way} {joint.name}", SHIFT_STDS * BEARING_STD
+        yield _small(name, shifts, BEARING_MEAN, std, np.inf, unit="m/N")
+    if joint.stiffness is None:
+        name = f"compliance of {joint.name}"
+        yield _small(name, tilts, BEARING_MEAN, BEARING_STD, BEARING_LIMIT)
+
+
+def _small(
+    name: str, of: float, mean: float, std: float, limit: float, *, unit: str = "rad/(N m)"
+) -> Parameter:
+    """A compliance as a part `of` another."""
+    return Parameter(name=name, unit=unit, mean=mean * of, std=std * of, low=0.0, high=limit * of)
+
+
+def _loss(name: str) -> Parameter:
+    return Parameter(
+        name=name, unit="s", mean=INTERFACE_LOSS_MEAN_S, std=INTERFACE_LOSS_STD_S, low=0.0
+    )
+
+
+def _reach_along(superset: Superset, number: int) -> float:
+    """How far the joints before and behind are along a joint's axis.
+
+    Frames of joints stand where axes cross, and a bearing anywhere along its own.
+    """
+    joints = superset.arm.joints
+    axis = np.asarray(joints[number].axis)
+    T = joints[number].T_parent_joint
+    back = abs(float(T[:3, :3] @ axis @ T[:3, 3]))
+    if number + 1 == len(joints):
+        return back
+    return back + abs(float(axis @ joints[number + 1].T_parent_joint[:3, 3]))
+
+
+def _bearing(superset: Superset, number: int) -> Iterator[tuple[str, Array]]:
+    """What gives way in a joint without turning across its axis."""
+    joint = superset.arm.joints[number]
+    across_it, along = _shifts(superset, number)
+    for column in across_it:
+        yield f"bearing radial {joint.name}", column
+    yield f"bearing axial {joint.name}", along
+    if joint.stiffness is None:
+        column = np.zeros(superset.n)
+        column[superset.joint_column(number)] = 1.0
+        yield f"compliance of {joint.name}", column
+
+
+@lru_cache(maxsize=16)
+def _tilts(superset: Superset) -> Array:
+    """(n_joints, 2, 2, N) motion by each joint's two tilts, and its change by their place.
+
+    A tilt about a point at z along the axis shifts the joint's origin by z axis x tilt.
+    """
+    found = np.zeros((len(superset.arm.joints), 2, 2, superset.n))
+    for i, joint in enumerate(superset.arm.joints):
+        axis, columns = np.asarray(joint.axis), superset.interface_columns(i)
+        tilts = across(axis).T
+        found[i, :, 0, columns][:, 3:] = tilts
+        found[i, :, 1, columns][:, :3] = np.cross(axis, tilts)
+    return frozen_array(found, np.float64)
+
+
+@lru_cache(maxsize=64)
+def _shifts(superset: Superset, number: int) -> tuple[Array, Array]:
+    """(2, N) motion by a joint's shifts across its axis, and (N,) along it."""
+    axis = np.asarray(superset.arm.joints[number].axis)
+    found = np.zeros((3, superset.n))
+    found[:, superset.interface_columns(number)][:, :3] = [*across(axis).T, axis]
+    found = frozen_array(found, np.float64)
+    return found[:2], found[2]
+
+
+@lru_cache(maxsize=16)
+def _bends(superset: Superset) -> tuple[tuple[LongLink, Array, Inside], ...]:
+    """Long links, (3, N) motion by each one's hinge at half its length, and what it moves.
+
+    With what gives way at both of its ends that is Simpson's rule over the link's length.
+    """
+    found = []
+    for line in long_links(superset):
+        middle = 0.5 * line.length_m * line.along
+        turns = np.array([*across(line.along).T, line.along])
+        columns = np.zeros((3, superset.n))
+        columns[:, superset.interface_columns(line.link)] = np.hstack(
+            [np.cross(middle, turns), turns]
+        )
+        inside = line.inside(superset, 0.0, line.length_m, 0)
+        found.append((line, frozen_array(columns, np.float64), inside))
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""The further test that would tell most."""

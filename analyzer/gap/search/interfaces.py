@@ -1,0 +1,167 @@
+"""Where in the arm the motion departs from the model: a linear look at every line of every link.
+
+A rotation about any line of a link's interface is a combination t of its six freedoms, and its
+column is quadratic in t,
+
+    dy(t) = sum_ab t_a t_b (o w_a)(w_b b) ,
+
+so that 21 columns an interface tell the gain of every line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
+from armodal.analyzer.gap.model.weigh import summed
+from armodal.protocols.arrays import frozen_array
+
+__all__ = ["Line", "lines_of_interfaces"]
+
+Array = npt.NDArray[np.float64]
+
+_KEPT = 2  # lines of each link's interface
+_N_DIRECTIONS = 60
+_LEVERS_M = (0.0, 0.1, 0.25)
+_PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """A line of a link's frame that a turn about would explain."""
+
+    link: int
+    direction: Array  # (3,)
+    point_m: Array  # (3,) nearest to the link's origin
+    gain: float  # of cost, linear
+
+
+def lines_of_interfaces(stage: Stage, fit: Fit, *, exclude: Sequence[str] = ()) -> list[Line]:
+    """Return the most promising lines of every link's interface, best first.
+
+    `exclude` names links that are not looked at.
+    """
+    ordinary = fit.hypothesis.ordinary
+    links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
+    found: list[Line] = []
+    for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
+        gains, lines = _best_lines(gram, slope, ordinary, link)
+        found += [
+            Line(link=link, direction=direction, point_m=point, gain=gain)
+            for gain, (direction, point) in list(zip(gains, lines, strict=True))[:_KEPT]
+        ]
+    return sorted(found, key=lambda line: -line.gain)
+
+
+def _probe(ordinary: Ordinary, link: int) -> tuple[Instance, list[str]]:
+    """All six freedoms of an interface, locked."""
+    columns = ordinary.superset.interface_columns(link)
+    names = [f"probe {a} {link}" for a in range(6)]
+
+    def build(assembly: Assembly, values: object) -> None:
+        del values
+        for a, name in enumerate(names):
+            assembly.add_compliance(assembly.unit(columns.start + a), 0.0, 0.0, name)
+
+    words = EffectWords(name="probe", title="probe", changes="", signature="")
+    parameters = tuple(
+        Parameter(
+            name=name,
+            unit="rad/(N m)",
+            mean=0.0,
+            std=compliance_parameter("", ordinary, link).std,
+        )
+        for name in names
+    )
+    return Instance(effect=words, place="", parameters=parameters, builder=build), names
+
+
+def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tuple[Array, Array]]:
+    """Projected Gram matrix (21, 21) and slope (21,) of each interface's columns."""
+    ordinary = fit.hypothesis.ordinary
+    stds = [compliance_parameter("", ordinary, link).std for link in links]
+    probes = [_probe(ordinary, link) for link in links]
+    n = len(fit.space)
+    size = n + len(links) * len(_PAIRS)
+    gradient, curvature = np.zeros(size), np.zeros((size, size))
+    for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
+        y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
+        rows = [dy]
+        for (probe, names), std in zip(probes, stds, strict=True):
+            wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
+            values = {**fit.values, **dict.fromkeys(names, 0.0)}
+            rows.append(std * together.interface_columns(wide, values, names, _PAIRS))
+        own_lines, at = zip(*pairs, strict=True)
+        weighings = [stage.weighings[p] for p in own_lines]
+        part, _ = summed(weighings, y, np.concatenate(rows), at)
+        gradient += part.gradient
+        curvature += part.curvature
+    free = np.flatnonzero(fit.free)
+    A = curvature[np.ix_(free, free)] + np.eye(len(free))
+    left = gradient[free] + fit.u[free]
+    found = []
+    for i in range(len(links)):
+        own = np.arange(n + i * len(_PAIRS), n + (i + 1) * len(_PAIRS))
+        B = curvature[np.ix_(free, own)]
+        solved = np.linalg.solve(A, np.column_stack([B, left]))
+        gram = curvature[np.ix_(own, own)] - B.T @ solved[:, :-1]
+        found.append((gram, gradient[own] - B.T @ solved[:, -1]))
+    return found
+
+
+def _best_lines(
+    gram: Array, slope: Array, ordinary: Ordinary, link: int
+) -> tuple[list[float], list[tuple[Array, Array]]]:
+    """Lines by falling gain, each well apart from the better ones."""
+    q, lines = _lines_tried(tuple(ordinary.arm.joints[link].link.center_m.tolist()))
+    g = q @ slope
+    h = np.einsum("ki,ij,kj->k", q, gram, q) + 1.0
+    gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)
+    chosen: list[int] = []
+    for i in np.argsort(-gain):
+        if all(abs(lines[i][0] @ lines[j][0]) < 0.7 for j in chosen):
+            chosen.append(int(i))
+        if len(chosen) == 3:
+            break
+    return [float(gain[i]) for i in chosen], [lines[i] for i in chosen]
+
+
+@lru_cache(maxsize=64)
+def _lines_tried(center: tuple[float, ...]) -> tuple[Array, list[tuple[Array, Array]]]:
+    """Products (n_lines, 21) of lines' twists, and direction and nearest point of each.
+
+    Through the link's origin and its centre (in its frame), and beside both.
+    """
+    twists, lines = [], []
+    for u in _hemisphere(_N_DIRECTIONS):
+        a, b = across(u).T
+        for around in (np.zeros(3), np.array(center)):
+            for lever in _LEVERS_M:
+                for turn in (a, b, -a, -b) if lever else (a,):
+                    point = around + lever * turn
+                    point = point - u * (u @ point)
+                    twists.append(np.concatenate([np.cross(point, u), u]))
+                    lines.append((u, point))
+    t = np.array(twists)
+    q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS]
+    return frozen_array(np.stack(q, axis=1), np.float64), lines
+
+
+def _hemisphere(n: int) -> Array:
+    """About evenly spread directions, one of each opposite pair: (n, 3)."""
+    i = np.arange(n) + 0.5
+    z = 1.0 - i / n
+    turn = np.pi * (1.0 + np.sqrt(5.0)) * i
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)

@@ -1,0 +1,91 @@
+"""Whether the response depends on the hit's level; only then soft and hard hits are kept apart.
+
+The check of homogeneity without a model (`analyzer.checks.homogeneity`) sees modes move one
+posture at a time. With a model every joint has one column in all postures, odd in the level, and
+what ordinary errors leave is even in it: much smaller changes are seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects.level import any_change
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.lines import PostureLines, scatter
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.scan import scan_instances
+
+__all__ = ["any_level", "told_apart", "weighed_anew"]
+
+_LEAST_GAIN = 12.0  # of cost by the linear look
+
+
+def told_apart(
+    superset: Superset,
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    start: Mapping[str, float],
+    discrepancy: Discrepancy,
+) -> tuple[tuple[Stage, ...], float] | None:
+    """Keep soft and hard hits apart, if the hits' level tells something.
+
+    First all of the difference between soft and hard hits counts as variance; then, once every
+    joint may change with the level, only what that leaves: aims of single hits, and what a spring
+    and a damper at each level are not.
+
+    Parameters
+    ----------
+    stages
+        Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
+    present
+        A hypothesis about levelled lines (`Ordinary.level_span`).
+
+    Returns
+    -------
+    The stages with soft and hard hits weighed anew, and the nats of cost that a common change of
+    one joint with the level promises; None where those are too few to tell anything.
+    """
+    _, broad, middle, _ = stages
+    fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
+    fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
+    changes = any_change(present.ordinary)
+    gain = scan_instances(middle, fit, changes)[0].gain
+    if gain < _LEAST_GAIN:
+        return None
+    free = any_level(middle, present, fit.values)
+    anew = tuple(
+        Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
+        for stage in stages
+    )
+    return anew, gain
+
+
+def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:
+    """Fit a hypothesis with every joint free to change with the hit's level."""
+    wider = replace(present, instances=(*present.instances, *any_change(present.ordinary)))
+    return fit_hypothesis(stage, wider, start=start, max_iterations=8)
+
+
+def weighed_anew(stage: Stage, free: Fit) -> list[PostureLines]:
+    """Lines of a posture's levels with what a fit leaves of their differences as variance."""
+    hypothesis, values = free.hypothesis, free.values
+    of_posture: dict[str, list[int]] = {}
+    for i, lines in enumerate(stage.lines):
+        of_posture.setdefault(lines.name, []).append(i)
+    found: list[PostureLines] = []
+    for own in of_posture.values():
+        measured = [stage.lines[i].values for i in own]
+        foretold = [stage.models[i].values(hypothesis, stage.lines[i], values) for i in own]
+        less = scatter(measured)
+        more = scatter([a - b for a, b in zip(measured, foretold, strict=True)])
+        # All were added to: what is left is positive but for rounding.
+        found += [
+            replace(lines, variance=np.maximum(lines.variance - less, 0.0) + more)
+            for lines in (stage.lines[i] for i in own)
+        ]
+    return found

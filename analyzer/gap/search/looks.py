@@ -1,0 +1,66 @@
+"""A linear look at every effect at every place, and which of them deserve a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.library import all_instances, hooks
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.search.scan import Candidate, scan_instances
+
+__all__ = ["goes_with", "look_at_all", "look_at_others"]
+
+
+def look_at_others(stage: Stage, base: Fit) -> list[Candidate]:
+    """Every effect at every place that a hypothesis has not, as it stands, best first."""
+    taken = {instance.key for instance in base.hypothesis.instances}
+    every = all_instances(base.hypothesis.ordinary)
+    return scan_instances(stage, base, [i for i in every if i.key not in taken])
+
+
+def look_at_all(
+    stage: Stage,
+    base: Fit,
+    start: Mapping[str, float],
+    *,
+    from_start: bool,
+    others: Sequence[Candidate] | None = None,
+) -> list[Candidate]:
+    """Every effect at every place by its linear gain; sensors also beside the first guess.
+
+    `others` is what `look_at_others` saw, if that is at hand.
+    """
+    hypothesis = base.hypothesis
+    taken = {instance.key for instance in hypothesis.instances}
+    instances = [
+        i
+        for i in all_instances(hypothesis.ordinary)
+        if i.key not in taken and goes_with(i, hypothesis)
+    ]
+    plain = [i for i in instances if not i.effect.own_look]
+    if others is None:
+        found = scan_instances(stage, base, plain)
+    else:
+        keys = {i.key for i in plain}
+        found = [c for c in others if c.instance.key in keys]
+    found += [c for look in hooks("look") for c in look(stage, base, instances)]
+    guesses: list[Mapping[str, float]] = [base.values]
+    if from_start:
+        first = hypothesis.space()
+        guesses.append(first.values(first.start(start)))
+    for look in hooks("look_at_channels"):
+        found += [c for guess in guesses for c in look(stage, hypothesis, guess)]
+    best: dict[tuple[str, str], list[Candidate]] = {}
+    for candidate in sorted(found, key=lambda c: -c.gain):
+        same = best.setdefault(candidate.instance.key, [])
+        if not same or candidate.instance.effect.several_starts:
+            same.append(candidate)
+    every = [c for group in best.values() for c in group if c.instance.key not in taken]
+    return sorted(every, key=lambda c: -c.gain)
+
+
+def goes_with(instance: Instance, present: Hypothesis) -> bool:
+    """Return whether an effect can stand beside those of a hypothesis."""
+    return not any(instance.excludes(other) for other in present.instances)

@@ -1,0 +1,250 @@
+"""Rivals for what the present hypothesis does not explain: one search for all effects.
+
+Every effect at every place is looked at linearly, where the present hypothesis stands and where
+nothing is fitted yet. Where something is to be explained the most promising are fitted on the
+widest lines, from their several beginnings; the better part of them goes on to sharper lines,
+beside what each may stand for, until a few are fitted sharply. On wide lines nearly every start
+finds its way, and a fit there costs a fifth of one on sharp lines; so as many are kept as cost
+about the same at every stage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from armodal.analyzer.gap.inference.fit import Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.search.looks import goes_with, look_at_all, look_at_others
+from armodal.analyzer.gap.search.scan import Candidate
+
+__all__ = ["Rivals", "find_rivals"]
+
+# Candidates fitted on the widest, broad, middle and sharp lines, and steps of each.
+_KEPT = (28, 12, 6, 4)
+_STEPS = (3, 3, 3, 4)
+_LEADING = 2  # of each stage, whose alternatives are fitted beside them
+_FIRST = 2  # steps of a fit that only tells whether to go on
+_NEAR = 8  # most promising about the present fit on the sharp lines
+_LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
+_SOMETHING = 50.0  # of evidence: more than what ordinary errors leave by chance
+_ORDINARY = 0.45  # misfit a residual above which something is to be explained
+_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
+_BLOCK, _MOST_STEPS = 4, 28  # steps of a finalist at a time, and in all
+_NULL_STEPS = (8, 5, 5, _MOST_STEPS)  # of the present hypothesis; on sharp lines as a finalist has
+# A fit goes on while so many times what it still promises could bring it beside the best: within
+# what tells two apart.
+_PATIENCE, _BESIDE = 3.0, 25.0
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rivals:
+    """The hypothesis so far and its rivals on the sharp lines, best evidence first."""
+
+    present: Fit
+    rivals: tuple[Fit, ...]
+    others: tuple[Candidate, ...] | None = None  # all effects by a linear look about the present
+
+    def with_standing(self, standing: Sequence[Fit]) -> tuple[Fit, ...]:
+        """The rivals and those that stand though no search led to them; best evidence first.
+
+        Judging may set one effect beside its twin of another file.
+        """
+        size = len(self.present.hypothesis.instances)
+        more = [
+            fit
+            for fit in standing
+            if len(fit.hypothesis.instances) > size
+            and all(fit is not other for other in self.rivals)
+        ]
+        return tuple(sorted([*self.rivals, *more], key=lambda fit: fit.evidence))
+
+
+def find_rivals(
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    *,
+    start: Mapping[str, float] | None = None,
+    fitted: Fit | None = None,
+    tell: Progress = lambda _: None,
+) -> Rivals:
+    """Fit the present hypothesis and the effects that could improve on it.
+
+    Parameters
+    ----------
+    stages
+        Widest, broad, middle and sharp lines of the same postures.
+    start
+        Where its effects begin.
+    fitted
+        A sharp fit of the present hypothesis to all postures, if there is one.
+    """
+    *_, sharp = stages
+    start = dict(start or {})
+    tell("the arm as believed" if not present.instances else present.name)
+    base = _annealed(stages, present, start, fitted)
+    others = look_at_others(sharp, base[-1])
+    looked = look_at_all(sharp, base[-1], start, from_start=False, others=others)
+    promising = [c for c in looked if c.gain > _LOOK][:_NEAR]
+    finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
+    gained = max((base[-1].evidence - f.evidence for f in finals), default=0.0)
+    if gained > _SOMETHING or misfit_per_line(sharp, base[-1]) > _ORDINARY:
+        finals = _one_each([*finals, *_far(stages, base, present, start, tell)])
+        finals = _hopeful([*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])])
+    ended: list[Fit] = []
+    for fit in finals:
+        tell(f"sharply: {fit.hypothesis.name}")
+        ended.append(_while_hopeful(sharp, fit, ended))
+    return Rivals(present=base[-1], rivals=tuple(_one_each(ended)), others=tuple(others))
+
+
+def _annealed(
+    stages: Sequence[Stage],
+    present: Hypothesis,
+    start: Mapping[str, float],
+    fitted: Fit | None,
+) -> list[Fit]:
+    """The present hypothesis on the lines of each stage."""
+    if fitted is not None:
+        near = [
+            fit_hypothesis(stage, present, resumed=fitted, max_iterations=2)
+            for stage in stages[:-1]
+        ]
+        return [*near, fitted]
+    found: list[Fit] = []
+    for stage, steps in zip(stages, _NULL_STEPS, strict=True):
+        values = found[-1].values if found else start
+        found.append(fit_hypothesis(stage, present, start=values, max_iterations=steps))
+    return found
+
+
+def _far(
+    stages: Sequence[Stage],
+    base: Sequence[Fit],
+    present: Hypothesis,
+    start: Mapping[str, float],
+    tell: Progress,
+) -> list[Fit]:
+    """What wide lines lead to, whatever the sharp fit made of it."""
+    widest = stages[0]
+    # Ordinary errors begin anew: they may have taken on what is missing.
+    own = {name for instance in present.instances for name in instance.owned}
+    begin = {**start, **{k: v for k, v in base[-1].values.items() if k in own}}
+    unfitted = fit_hypothesis(widest, present, start=begin, max_iterations=0)
+    pool: list[tuple[float, Fit, Candidate]] = []
+    for about in (unfitted, base[0]):
+        looked = look_at_all(widest, about, begin, from_start=about is unfitted)
+        pool += [(c.gain, about, c) for c in looked]
+    tell(f"{len(pool)} looks on wide lines")
+    fits = _one_each(
+        [
+            _begun(widest, unfitted, c, begin, _STEPS[0], also=about)
+            for about, c in _chosen(pool, _KEPT[0])
+        ]
+    )
+    for before, stage, steps, kept in zip(stages, stages[1:], _STEPS[1:], _KEPT[1:], strict=False):
+        fits = _hopeful([*fits, *_alternatives(before, fits[:_LEADING], _FIRST)])[:kept]
+        tell(fits[0].hypothesis.name if fits else "nothing")
+        fits = _hopeful([_further(stage, f, steps) for f in fits])
+    return fits
+
+
+def _chosen(pool: Sequence[tuple[float, Fit, Candidate]], most: int) -> list[tuple[Fit, Candidate]]:
+    """The best place of every effect, then the best of all."""
+    kinds: set[tuple[str, bool]] = set()
+    first: list[tuple[Fit, Candidate]] = []
+    rest: list[tuple[Fit, Candidate]] = []
+    for _, about, c in sorted(pool, key=lambda entry: -entry[0]):
+        kind = c.instance.effect.name, bool(c.instance.relaxes)
+        (rest if kind in kinds else first).append((about, c))
+        kinds.add(kind)
+    return [*first, *rest][: max(most, len(first))]
+
+
+def _begun(
+    stage: Stage,
+    about: Fit,
+    candidate: Candidate,
+    start: Mapping[str, float],
+    steps: int,
+    *,
+    also: Fit | None = None,
+) -> Fit:
+    """Some steps of a candidate from the best of its beginnings."""
+    present = about.hypothesis
+    richer = replace(present, instances=(*present.instances, candidate.instance))
+    values = about.values
+    starts: list[Mapping[str, float]] = [values, start]
+    if also is not None and also is not about:
+        starts.append(also.values)
+    for base in [values] if also is None else [values, also.values]:
+        if candidate.begin:
+            starts += [_part_of_the_way(base, candidate, part) for part in _PARTS]
+        if candidate.instance.starts is not None:
+            starts += candidate.instance.starts(base)
+    begin = better_start(stage, richer, starts)
+    return fit_hypothesis(stage, richer, start=begin, max_iterations=steps)
+
+
+def _part_of_the_way(
+    values: Mapping[str, float], candidate: Candidate, part: float
+) -> dict[str, float]:
+    """Values between the present ones and what the linear look promises; places at once."""
+    sizes = (candidate.instance.size, *candidate.instance.sizes)
+    start = dict(candidate.begin)
+    for name, reached in candidate.begin.items():
+        if name in values:
+            start[name] = values[name] + part * (reached - values[name])
+        elif name in sizes:
+            start[name] = part * reached
+    return start
+
+
+def _alternatives(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
+    """What leading fits may stand for."""
+    found = []
+    for fit in fits:
+        *others, last = fit.hypothesis.instances
+        if last.alternatives is None:
+            continue
+        rest = replace(fit.hypothesis, instances=tuple(others))
+        for instance, begin in last.alternatives(fit.values):
+            if goes_with(instance, rest) and all(instance.key != i.key for i in others):
+                richer = replace(rest, instances=(*others, instance))
+                found.append(fit_hypothesis(stage, richer, start=begin, max_iterations=steps))
+    return found
+
+
+def _one_each(fits: Sequence[Fit]) -> list[Fit]:
+    """By evidence, the best of each effect and place."""
+    kept: dict[tuple[tuple[str, str], ...], Fit] = {}
+    for fit in sorted(fits, key=lambda f: f.evidence):
+        kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
+    return list(kept.values())
+
+
+def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
+    """One of each effect and place, by evidence, that may still come beside the best."""
+    each = _one_each(fits)
+    return [f for f in each if f.evidence - _PATIENCE * f.promised < each[0].evidence + _BESIDE]
+
+
+def _further(stage: Stage, fit: Fit, steps: int) -> Fit:
+    if fit.converged and fit.on is not None and fit.on[0] is stage:
+        return fit
+    return fit_hypothesis(stage, fit.hypothesis, resumed=fit, max_iterations=steps)
+
+
+def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit]) -> Fit:
+    """Some steps more at a time, while they could still bring a fit beside the best of others."""
+    best = min((f.evidence for f in others), default=float("inf"))
+    for _ in range(0, _MOST_STEPS, _BLOCK):
+        further = _further(stage, fit, _BLOCK)
+        hopeless = further.evidence - _PATIENCE * further.promised > best + _BESIDE
+        if further is fit or further.converged or hopeless:
+            return further
+        fit = further
+    return fit

@@ -1,0 +1,175 @@
+"""Which effects could explain what the present hypothesis does not: a linear look at all of them.
+
+About the present best point every effect is a few more columns beside the ordinary ones. The gain
+of an effect is what those columns take off the cost after the ordinary parameters have moved too,
+priors and signs included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.space import Space
+
+__all__ = ["Candidate", "scan_instances"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """An instance, and what it promises."""
+
+    instance: Instance
+    gain: float  # of cost, linear
+    size: float = float("nan")  # what a linear look makes of its size parameter
+    size_std: float = float("nan")
+    begin: Mapping[str, float] = field(default_factory=dict)  # values a fit begins with
+    # What each ordinary parameter does, in its own unit, per unit of the size.
+    follow: Mapping[str, float] = field(default_factory=dict)
+
+
+def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
+    """Linear gain of every instance on top of a fit, best first."""
+    space, gradient, curvature = _wide(stage, fit, instances)
+    ordinary = np.array([p.name in fit.space.index for p in space.parameters])
+    free = np.flatnonzero(ordinary)[fit.free]
+    left = gradient[free] + fit.u[fit.free]  # where the fit has not converged
+    found = []
+    for instance in instances:
+        if not instance.parameters or instance.relaxes:
+            found.append(_relaxed(fit, instance))
+            continue
+        names = [p.name for p in instance.parameters]
+        own = np.array([space.index[n] for n in names])
+        sizes = (instance.size, *instance.sizes)
+        one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
+        gain, step, stds, follow, along = _gain(gradient, curvature, free, own, one_sided, left)
+        at = names.index(instance.size)
+        unit = space.std[own]
+        reached = dict(zip(names, (space.mean[own] + step * unit).tolist(), strict=True))
+        u = np.clip(fit.u[fit.free] + follow, fit.space.low[fit.free], fit.space.high[fit.free])
+        moved = fit.u.copy()
+        moved[fit.free] = u
+        found.append(
+            Candidate(
+                instance=instance,
+                gain=gain,
+                size=float(step[at] * unit[at]),
+                size_std=float(stds[at] * unit[at]),
+                begin={**fit.space.values(moved), **reached},
+                follow=dict(
+                    zip(
+                        np.array(list(fit.space.index))[fit.free].tolist(),
+                        (along[:, at] * fit.space.std[fit.free] / unit[at]).tolist(),
+                        strict=True,
+                    )
+                ),
+            )
+        )
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space, Array, Array]:
+    """Space, gradient and curvature of a fit's hypothesis with all of the instances at no size."""
+    new = [_small(i) for i in instances if i.parameters and not i.relaxes]
+    wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *new))
+    space = wide.space()
+    values = {**{p.name: p.first for p in space.parameters}, **fit.values}
+    whole, _ = stage.whole_quadratic(wide, space, values, range(len(stage.lines)))
+    return space, whole.gradient, whole.curvature
+
+
+def _small(instance: Instance) -> Instance:
+    """The instance with its size at zero, so that it changes nothing yet."""
+    if not instance.size or instance.size_offset:
+        return instance
+    parameters = tuple(
+        replace(p, start=0.0) if p.name in (instance.size, *instance.sizes) else p
+        for p in instance.parameters
+    )
+    return replace(instance, parameters=parameters)
+
+
+def _gain(
+    gradient: Array,
+    curvature: Array,
+    free: npt.NDArray[np.int64],
+    own: npt.NDArray[np.int64],
+    one_sided: npt.NDArray[np.bool_],
+    left: Array,
+) -> tuple[float, Array, Array, Array, Array]:
+    """Cost that the own columns take off when the free ones follow; one-sided ones only grow.
+
+    `left` (n_free,) is the free ones' slope: what they gain without the own ones does not count.
+
+    Returns the gain, the step (n_own,), its standard deviation, each alone, how the free ones
+    follow (n_free,), and how they do per unit of each (n_free, n_own).
+    """
+    A = curvature[np.ix_(free, free)] + np.eye(len(free))
+    B = curvature[np.ix_(free, own)]
+    along = np.linalg.solve(A, B)
+    S = curvature[np.ix_(own, own)] + np.eye(len(own)) - B.T @ along
+    own_way = np.linalg.solve(A, left)
+    slope = gradient[own] - B.T @ own_way
+    std: Array = 1.0 / np.sqrt(S.diagonal())
+    active = ~(one_sided & (slope >= 0.0))
+    whole: Array = np.zeros(len(own))
+    for _ in range(3):
+        if not active.any():
+            break
+        step = -np.linalg.solve(S[np.ix_(active, active)], slope[active])
+        wrong = one_sided[active] & (step < 0.0)
+        if not wrong.any():
+            whole[active] = step
+            gain = -0.5 * float(step @ slope[active])
+            follow: Array = np.asarray(-along @ whole - own_way)
+            return gain, whole, std, follow, np.asarray(-along)
+        active[np.flatnonzero(active)[wrong]] = False
+    return 0.0, whole, std, np.asarray(-own_way), np.asarray(-along)
+
+
+def _relaxed(fit: Fit, instance: Instance) -> Candidate:
+    """What is gained when priors become wide; size, its deviation, what follows it.
+
+    The fit's own slope, where it has not converged or rests at a limit, counts with both priors.
+    """
+    A = fit.curvature + np.eye(len(fit.u))
+    wide, slope = A.copy(), fit.slope.copy()
+    free = fit.free.copy()
+    gain = 0.0
+    for name, prior in instance.relaxes.items():
+        i = fit.space.index[name]
+        narrow = fit.space.std[i]
+        keep = (narrow / prior.std) ** 2
+        u = fit.u[i] + (fit.space.mean[i] - prior.mean) / narrow
+        wide[i, i] += keep - 1.0
+        slope[i] += keep * u - fit.u[i]
+        free[i] = True
+        gain += 0.5 * (fit.u[i] ** 2 - keep * u**2)
+    was = np.flatnonzero(fit.free)
+    gain -= 0.5 * float(fit.slope[was] @ np.linalg.solve(A[np.ix_(was, was)], fit.slope[was]))
+    now = np.flatnonzero(free)
+    inverse = np.linalg.inv(wide[np.ix_(now, now)])
+    step = -inverse @ slope[now]
+    gain -= 0.5 * float(step @ slope[now])
+    if instance.size not in fit.space.index:
+        return Candidate(instance=instance, gain=gain)
+    i = fit.space.index[instance.size]
+    at = int(np.flatnonzero(now == i)[0])
+    unit = float(fit.space.std[i])
+    follow = inverse[:, at] / inverse[at, at] * fit.space.std[now] / unit
+    names = np.array(list(fit.space.index))[now].tolist()
+    return Candidate(
+        instance=instance,
+        gain=gain,
+        size=float(fit.space.mean[i]) + unit * float(fit.u[i] + step[at]),
+        size_std=unit * float(np.sqrt(inverse[at, at])),
+        follow=dict(zip(names, follow.tolist(), strict=True)),
+    )
