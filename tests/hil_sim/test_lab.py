@@ -160,5 +160,5 @@ def test_a_process_that_is_no_laboratory_is_told():
 
 
 def test_a_plant_that_does_not_exist_is_refused(tmp_path):
-    with pytest.raises(PlantError, match="cannot be read"):
+    with pytest.raises(PlantError, match="found none; check the path"):
         start_laboratory(tmp_path / "none.toml", directory=tmp_path / "lab")

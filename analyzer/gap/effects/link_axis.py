@@ -13,7 +13,7 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across, skew
-from armodal.analyzer.gap.model.long_links import long_links
+from armodal.analyzer.gap.model.long_links import SPREAD, SPREAD_STD, long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -63,7 +63,10 @@ def at_axis(
     """
     name = ordinary.arm.joints[link].link.name
     sides = across(direction)
-    gamma, loss, part = (f"axis {what} {name}" for what in ("compliance", "loss", "mass before"))
+    gamma, loss, part, spread = (
+        f"axis {what} {name}" for what in ("compliance", "loss", "mass before", "mass spread")
+    )
+    middles = 0.5 * reach_m(ordinary.superset, link)
     moves = [f"axis {what} {name}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
     still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
     inside = Inside(
@@ -90,8 +93,10 @@ def at_axis(
         for move, slope in zip(moves, slopes, strict=True):
             assembly.motion_of[move] = [(at, slope)]
         if before:
+            # Both pieces lie one behind the other along the link, their common centre the link's.
             shares = np.array([values[part], 1.0 - values[part]])
-            assembly.pieces[link] = shares, np.zeros((2, 3))
+            offsets = values[spread] * np.outer([-shares[1], shares[0]], middles)
+            assembly.pieces[link] = shares, offsets
             assembly.inside[at] = inside
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
@@ -126,7 +131,8 @@ def at_axis(
 
     freedoms = [("", _TILT_STD)] * 2 + [("m", _SHIFT_STD_M)] * 2
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
-    own = {gamma, loss, part, *moves}
+    spreads = Parameter(name=spread, unit="", mean=SPREAD, std=SPREAD_STD, low=0.0, high=1.0)
+    own = {gamma, loss, part, spread, *moves}
     return Instance(
         effect=WORDS,
         place=name,
@@ -137,7 +143,7 @@ def at_axis(
                 Parameter(name=move, unit=unit, mean=0.0, std=std)
                 for move, (unit, std) in zip(moves, freedoms, strict=True)
             ),
-            *((split,) if before else ()),
+            *((split, spreads) if before else ()),
         ),
         builder=build,
         describe=describe,
@@ -148,7 +154,7 @@ def at_axis(
         ),
         begins_at=tuple(moves),
         size=gamma,
-        shapes=(*moves, part) if before else tuple(moves),
+        shapes=(*moves, part, spread) if before else tuple(moves),
         material=_MATERIAL * ordinary.scale(link),
         least_certain=_LEAST_CERTAIN,
         pieces=f"axis {name}" if before else "",

@@ -12,11 +12,12 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Inside
 from armodal.analyzer.gap.model.geometry import skew
 
-__all__ = ["SLICES", "LongLink", "long_links"]
+__all__ = ["SLICES", "SPREAD", "SPREAD_STD", "LongLink", "long_links", "reach_m"]
 
 Array = npt.NDArray[np.float64]
 
 _LEAST_M = 0.2  # shorter links are stiff
+SPREAD, SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
 SLICES = 3  # three hinges at 1/6, 1/2, 5/6 give a tip wrench's deflection to 3 %
 
 
@@ -65,21 +66,29 @@ class LongLink:
 
 
 def long_links(superset: Superset) -> tuple[LongLink, ...]:
-    """Return the links long enough to bend, with points at two places at least.
-
-    The line goes to the next joint; where that stands at the link's own, to twice the centre.
-    """
+    """Return the links long enough to bend, with points at two places at least."""
     found = []
     joints = superset.arm.joints
     for i, joint in enumerate(joints):
         if superset.point_link.count(i) < 2:
             continue
-        reach = np.zeros(3) if i + 1 == len(joints) else joints[i + 1].T_parent_joint[:3, 3]
-        if np.linalg.norm(reach) < _LEAST_M / 4.0:
-            reach = 2.0 * joint.link.center_m
+        reach = reach_m(superset, i)
         length = float(np.linalg.norm(reach))
         if length >= _LEAST_M:
             found.append(
                 LongLink(link=i, name=joint.link.name, along=reach / length, length_m=length)
             )
     return tuple(found)
+
+
+def reach_m(superset: Superset, link: int) -> Array:
+    """Return how far a link goes, (3,) in its frame: to the next joint.
+
+    Where that stands at the link's own, or there is none, to twice the centre.
+    """
+    joints = superset.arm.joints
+    last = link + 1 == len(joints)
+    reach = np.zeros(3) if last else np.asarray(joints[link + 1].T_parent_joint[:3, 3])
+    if np.linalg.norm(reach) < _LEAST_M / 4.0:
+        reach = 2.0 * np.asarray(joints[link].link.center_m)
+    return reach

@@ -41,8 +41,8 @@ BY_NAME = {
 
 def axis_beyond_a_part():
     effect = axis("upper_arm", points_before=POINT)
-    (share,) = added("", "", axis_mass_before=0.3).parameters
-    return replace(effect, parameters=(*effect.parameters, share))
+    pieces = added("", "", axis_mass_before=0.3, axis_mass_spread=0.5).parameters
+    return replace(effect, parameters=(*effect.parameters, *pieces))
 
 
 EFFECTS = {name: (effect,) for name, effect in BY_NAME.items()} | {

@@ -32,6 +32,7 @@ from armodal.analyzer.gap.effects import (
 )
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter, Space
@@ -192,27 +193,30 @@ def judged(*rivals):
     return judge(OF_1000, PRESENT, rivals, Thresholds())
 
 
+def axis(cost):
+    """An axis in the link between joints 1 and 2, whose bearings are at its ends."""
+    ends = (("bearing", "j1"), ("bearing", "j2"))
+    return with_changed(rival(link_axis.WORDS, "l1", cost), at_its_ends=ends)
+
+
 @pytest.mark.parametrize("joint", ["j1", "j2"])
 def test_while_much_else_is_missing_the_bearing_at_an_axis_s_end_is_the_name(joint):
     # 100 times the ordinary misfit: the axis is better by 1 % of its gain, 50 % beyond "apart".
-    axis, bearing_ = (
-        rival(link_axis.WORDS, "l1", 50_000.0),
-        rival(bearing.WORDS, joint, 51_500.0),
-    )
-    assert judged(axis, bearing_).named is bearing_
+    bearing_ = rival(bearing.WORDS, joint, 51_500.0)
+    assert judged(axis(50_000.0), bearing_).named is bearing_
 
 
 def test_an_axis_that_explains_more_or_elsewhere_keeps_its_name():
-    axis = rival(link_axis.WORDS, "l1", 50_000.0)
-    assert judged(axis, rival(bearing.WORDS, "j1", 54_500.0)).named is axis
-    assert judged(axis, rival(bearing.WORDS, "j0", 53_500.0)).named is axis
+    best = axis(50_000.0)
+    assert judged(best, rival(bearing.WORDS, "j1", 54_500.0)).named is best
+    assert judged(best, rival(bearing.WORDS, "j0", 53_500.0)).named is best
 
 
 def test_where_nothing_else_is_missing_an_axis_keeps_its_name():
     # 0.6 a residual is what ordinary errors leave: 290 of 30 000 are no hundredth, but certain.
-    axis, beside = rival(link_axis.WORDS, "l1", 250.0), rival(bearing.WORDS, "j1", 290.0)
+    best, beside = axis(250.0), rival(bearing.WORDS, "j1", 290.0)
     present = rival(coupling.WORDS, "before", 30_000.0)
-    assert judge(OF_1000, present, (axis, beside), Thresholds()).named is axis
+    assert judge(OF_1000, present, (best, beside), Thresholds()).named is best
 
 
 @pytest.mark.parametrize(("better", "stands"), [(10.0, False), (300.0, True)])
@@ -325,24 +329,34 @@ def test_two_sensor_faults_alike_stand_only_where_either_would_be_clear(gain, n_
     assert judge(OF_1000, ORDINARY, alike[:1], Thresholds()).named is alike[0]
 
 
+@pytest.mark.parametrize("is_joint", [True, False])
+def test_what_is_another_thing_told_better_stands_no_longer(is_joint):
+    line = with_changed(
+        axis(100.0), is_also=lambda _values, other: is_joint and other.place == "j1"
+    )
+    joint = rival(released_joint.WORDS, "j1", 105.0)
+    found = judge(OF_1000, ORDINARY, [line, joint], Thresholds())
+    assert found.named is (joint if is_joint else None)
+    assert found.standing == ((joint,) if is_joint else (line, joint))
+
+
 @pytest.mark.parametrize(
     ("link", "degrees", "off_m", "is_joint"),
-    [
-        ("l1", 10.0, 0.02, True),
-        ("l1", 12.0, 0.0, False),
-        ("l1", 0.0, 0.04, False),
-        ("l2", 0.0, 0.0, False),
-    ],
+    [(1, 10.0, 0.02, True), (1, 12.0, 0.0, False), (1, 0.0, 0.04, False), (2, 0.0, 0.0, False)],
 )
 def test_an_axis_is_the_released_joint_only_where_it_lies_on_it(link, degrees, off_m, is_joint):
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    joint = ordinary.arm.joints[1]
+    own = np.asarray(joint.axis)
+    aside, beside = across(own).T
     tilt = np.deg2rad(degrees)
-    line = {
-        "link": link,
-        "direction": [0.0, -np.sin(tilt), np.cos(tilt)],
-        "point_m": [off_m, 0.0, 0.3],  # anywhere along the joint's own axis
-    }
-    axis = with_changed(rival(link_axis.WORDS, link, 100.0), describe=lambda _: line)
-    joint = rival(released_joint.WORDS, "j1", 105.0)
-    found = judge(OF_1000, ORDINARY, [axis, joint], Thresholds())
-    assert found.named is (joint if is_joint else None)
-    assert found.standing == ((joint,) if is_joint else (axis, joint))
+    line = link_axis.at_axis(
+        ordinary,
+        link,
+        np.cos(tilt) * own + np.sin(tilt) * aside,
+        off_m * beside,
+    )
+    values = {p.name: p.first for p in line.parameters}
+    released = Instance(effect=released_joint.WORDS, place=joint.name)
+    assert line.is_also(values, released) is is_joint
+    assert not line.is_also(values, Instance(effect=bearing.WORDS, place=joint.name))

@@ -111,7 +111,9 @@ def test_a_further_test_is_checked_as_the_session_is(hidden):
 def test_what_was_not_judged_and_what_closed_the_levels_is_said(hidden):
     _, session, _ = hidden
     averaged = SimpleNamespace(posture="averaged")
-    mixed = SimpleNamespace(hits=session.hits, frfs=(averaged,), complete=True)
+    mixed = SimpleNamespace(
+        hits=session.hits, frfs=(averaged,), complete=True, header=session.header
+    )
     assert any("were not judged: averaged" in note for note in notes_on(mixed, ()))
     levels = make_case(seed=4, arm="rv4frl", ladder=True).session()
     assert not any("softly and hard" in note for note in notes_on(levels, [levels]))
