@@ -11,8 +11,10 @@ import pytest
 from support.command import armodal
 from support.robot_files import box_stl, five_joints, scara, seven_joints, six_joints
 
+from armodal.analyzer.planning import search, selective
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.plan import load_plan
 
 
 def refused(said, *parts):
@@ -30,7 +32,7 @@ def refused(said, *parts):
 def test_an_arm_is_made_that_loads_and_stands_as_described(robot, joints, tmp_path):
     text = robot()
     path = text.write(tmp_path / "robot.urdf")
-    said = armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine", "--json")
+    said = armodal("arm", "new", path, "--yes", "--no-plan", "--out", tmp_path / "mine", "--json")
     assert said.returncode == 0, said.stderr
     told = json.loads(said.stdout)
     arm = load_arm(tmp_path / "mine" / "robot.toml")
@@ -58,7 +60,7 @@ def made(tmp_path_factory):
     """A new arm's folder."""
     folder = tmp_path_factory.mktemp("made")
     path = six_joints().write(folder / "robot.urdf")
-    said = armodal("arm", "new", path, "--yes", "--out", folder / "mine")
+    said = armodal("arm", "new", path, "--yes", "--no-plan", "--out", folder / "mine")
     assert said.returncode == 0, said.stderr
     return folder / "mine"
 
@@ -75,7 +77,8 @@ def test_mounting_mass_and_missing_inertials_are_taken_and_said(tmp_path):
     robot.with_inertials = False
     path = robot.write(tmp_path / "robot.urdf")
     said = armodal(
-        "arm", "new", path, "--yes", "--mass", 28, "--mount", "ceiling", "--name", "up there",
+        "arm", "new", path, "--yes", "--no-plan", "--mass", 28,
+        "--mount", "ceiling", "--name", "up there",
         "--out", tmp_path / "mine",
     )  # fmt: skip
     assert said.returncode == 0, said.stderr
@@ -95,7 +98,10 @@ def test_every_fault_is_in_one_message_and_nothing_is_written(tmp_path):
     robot.links[3].mesh = "broken.stl"
     path = robot.write(tmp_path / "robot.urdf")
     before = sorted(tmp_path.iterdir())
-    for command in (("new", path, "--yes", "--out", tmp_path / "mine"), ("check", path)):
+    for command in (
+        ("new", path, "--yes", "--no-plan", "--out", tmp_path / "mine"),
+        ("check", path),
+    ):
         refused(
             armodal("arm", *command),
             "link shoulder: wanted the mesh 'nowhere.stl', found no such file",
@@ -126,14 +132,20 @@ def test_an_open_mesh_serves_by_its_hull(tmp_path):
 )
 def test_options_that_cannot_be_meant_are_refused(options, words, tmp_path):
     path = six_joints().write(tmp_path / "robot.urdf")
-    refused(armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine", *options), words)
+    refused(
+        armodal("arm", "new", path, "--yes", "--no-plan", "--out", tmp_path / "mine", *options),
+        words,
+    )
     assert not (tmp_path / "mine").exists()
 
 
 def test_a_folder_that_is_there_is_never_replaced(tmp_path):
     path = six_joints().write(tmp_path / "robot.urdf")
     (tmp_path / "mine").mkdir()
-    refused(armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine"), "exists already")
+    refused(
+        armodal("arm", "new", path, "--yes", "--no-plan", "--out", tmp_path / "mine"),
+        "exists already",
+    )
 
 
 def test_doubts_end_a_check_and_the_new_arm_replaces_them(tmp_path):
@@ -145,12 +157,14 @@ def test_doubts_end_a_check_and_the_new_arm_replaces_them(tmp_path):
         )
     path = robot.write(tmp_path / "robot.urdf")
     refused(armodal("arm", "check", path), "looks like a placeholder", "correct the description")
-    said = armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine")
+    said = armodal("arm", "new", path, "--yes", "--no-plan", "--out", tmp_path / "mine")
     assert said.returncode == 0
     arm = load_arm(tmp_path / "mine" / "robot.toml")
     assert max(np.linalg.eigvalsh(j.link.inertia_kg_m2)[2] for j in arm.joints) < 0.5
     assert "placeholder" in arm.text
-    kept = armodal("arm", "new", path, "--yes", "--keep-inertials", "--out", tmp_path / "kept")
+    kept = armodal(
+        "arm", "new", path, "--yes", "--no-plan", "--keep-inertials", "--out", tmp_path / "kept"
+    )
     assert kept.returncode == 0
     assert load_arm(tmp_path / "kept" / "robot.toml").joints[0].link.mass_kg == 1.0
 
@@ -169,3 +183,24 @@ def test_shipped_arms_are_checked_by_capsules():
     assert said.returncode == 0, said.stderr
     rows = json.loads(said.stdout)["links"]
     assert {row["shape"] for row in rows} == {"capsule"}
+
+
+def test_a_new_arm_comes_with_a_plan_that_its_file_can_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(search, "N_RANDOM", 3000)
+    monkeypatch.setattr(search, "ROUNDS", 2)
+    monkeypatch.setattr(selective, "N_OTHERS", 10)
+    path = five_joints().write(tmp_path / "robot.urdf")
+    said = armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine", "--json")
+    assert said.returncode == 0, said.stderr
+    told = json.loads(said.stdout)
+    arm = load_arm(tmp_path / "mine" / "robot.toml")
+    plan = load_plan(tmp_path / "mine" / "plan.toml", arm)
+    assert plan.trigger.level_n == told["plan"]["equipment"]["trigger_n"]
+    assert told["plan"]["minutes"] > 0
+    (box,) = arm.keep_outs
+    assert box.high_m[2] == 0.0  # the base stands on it
+    # What was made is planned again from its own files, and needs no folder of the description.
+    path.unlink()
+    again = armodal("plan", tmp_path / "mine" / "robot.toml", "--tests", 3, "--json")
+    assert again.returncode == 0, again.stderr
+    assert json.loads(again.stdout)["by_capsules"] is False
