@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+import numpy.typing as npt
 import typer
 
 from armodal.analyzer.own_arm.draft import (
@@ -18,6 +19,7 @@ from armodal.analyzer.own_arm.draft import (
     looked_at,
 )
 from armodal.analyzer.own_arm.of_arm import checked_bodies
+from armodal.analyzer.own_arm.picture import points_page
 from armodal.analyzer.own_arm.plausible import doubted
 from armodal.analyzer.own_arm.readme import readme_text
 from armodal.analyzer.planning.made import MadePlan, made_plan
@@ -34,6 +36,8 @@ from armodal.tui.commands.plan_tables import made_lines
 from armodal.tui.console import Json, err, out, print_json, progress, say
 
 __all__ = ["app"]
+
+Array = npt.NDArray[np.float64]
 
 app = typer.Typer(
     add_completion=False,
@@ -94,7 +98,7 @@ def new_command(
     check_new_folder(folder)
     equipment = CATALOGUE if sensors is None else load_equipment(sensors)
     wanted = _wanted(tip, mass, mount, packages, arg, no_meshes, keep_inertials)
-    if not yes and sys.stdin.isatty():
+    if not yes and on_terminal():
         wanted = _asked(robot, wanted, mount)
     draft = draft_arm(robot, arm_name, wanted, said, seed=seed)
     made = None if no_plan else _planned(draft, equipment, said, seed)
@@ -102,6 +106,7 @@ def new_command(
         f"{arm_name}.toml": draft.arm.text.encode(),
         draft.urdf_name: (draft.arm.urdf_text or "").encode(),
         "README.md": readme_text(draft, said).encode(),
+        "points.html": points_page(draft.arm, draft.bodies, _shown(draft, made)).encode(),
         **draft.meshes,
     }
     if made is not None:
@@ -161,6 +166,18 @@ def check_command(
             "correct the description, or let `armodal arm new` put hulls of plausible mass there"
         )
     err.print("nothing to doubt; next: `armodal arm new` or `armodal plan`")
+
+
+def _shown(draft: Draft, made: MadePlan | None) -> Array:
+    """The posture that the points are shown in: the plan's first, else the middle of the ranges."""
+    if made is not None:
+        return made.plan.tests[0].joints_rad
+    return np.array([0.5 * (low + high) for low, high in (j.range_rad for j in draft.arm.joints)])
+
+
+def on_terminal() -> bool:
+    """Whether somebody can be asked."""
+    return sys.stdin.isatty()
 
 
 def _planned(draft: Draft, equipment: Equipment, said: Remarks, seed: int) -> MadePlan | None:

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 from support.command import armodal
 from support.robot_files import box_stl, five_joints, scara, seven_joints, six_joints
+from typer.testing import CliRunner
 
 from armodal.analyzer.planning import search, selective
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.plan import load_plan
+from armodal.tui.cli import app
 
 
 def refused(said, *parts):
@@ -48,6 +50,9 @@ def test_an_arm_is_made_that_loads_and_stands_as_described(robot, joints, tmp_pa
     counts = [len(ids) for ids in told["points"].values()]
     assert counts[0] == 2
     assert min(counts[1:]) >= 3
+    page = (tmp_path / "mine" / "points.html").read_text()
+    assert all(f'"{point.id}"' in page for point in arm.points)
+    assert "Content-Security-Policy" in page
     readme = (tmp_path / "mine" / "README.md").read_text()
     assert all(guess in readme for guess in told["guesses"])
     assert all(guess in arm.text for guess in told["guesses"])
@@ -204,3 +209,24 @@ def test_a_new_arm_comes_with_a_plan_that_its_file_can_run(tmp_path, monkeypatch
     again = armodal("plan", tmp_path / "mine" / "robot.toml", "--tests", 3, "--json")
     assert again.returncode == 0, again.stderr
     assert json.loads(again.stdout)["by_capsules"] is False
+
+
+def test_on_a_terminal_it_asks_what_only_the_user_knows(tmp_path, monkeypatch):
+    monkeypatch.setattr("armodal.tui.commands.arm.on_terminal", lambda: True)
+    robot = six_joints()
+    robot.links[4].inertial = (
+        '<inertial><mass value="1.2"/><inertia ixx="0.1" iyy="0.1" izz="0.2" ixy="0" ixz="0" '
+        'iyz="0"/></inertial>'
+    )
+    path = robot.write(tmp_path / "robot.urdf")
+    answers = "wrist\n0\nceiling\ny\n"  # tip, mass unknown, mounting, replace doubted inertials
+    asked = CliRunner().invoke(
+        app, ["arm", "new", str(path), "--no-plan", "--out", str(tmp_path / "mine")], input=answers
+    )
+    assert asked.exit_code == 0, asked.output
+    assert asked.stderr.count("[") >= 4  # each question shows its default
+    arm = load_arm(tmp_path / "mine" / "robot.toml")
+    assert len(arm.joints) == 5
+    assert arm.gravity_m_s2[2] > 0
+    assert arm.joints[4].link.mass_kg == pytest.approx(1.2)
+    assert np.linalg.eigvalsh(arm.joints[4].link.inertia_kg_m2)[2] < 0.01
