@@ -29,6 +29,7 @@ from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, Equipment, load_equipment
 from armodal.tui.commands.arm_links import link_rows, link_table
+from armodal.tui.commands.arm_move import move_command
 from armodal.tui.commands.new_folder import check_new_folder, write_new_folder
 from armodal.tui.commands.options import Seed, comma_numbers
 from armodal.tui.commands.plan_json import made_json
@@ -60,6 +61,9 @@ XacroArguments = Annotated[
 NoMeshes = Annotated[bool, typer.Option("--no-meshes", help="Capsules between the joints instead.")]
 N_TESTS = 6
 _DESCRIBED = {".urdf", ".xacro", ".xml"}
+
+
+app.command("move")(move_command)
 
 
 @app.command("new")

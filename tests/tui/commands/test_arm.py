@@ -230,3 +230,62 @@ def test_on_a_terminal_it_asks_what_only_the_user_knows(tmp_path, monkeypatch):
     assert arm.gravity_m_s2[2] > 0
     assert arm.joints[4].link.mass_kg == pytest.approx(1.2)
     assert np.linalg.eigvalsh(arm.joints[4].link.inertia_kg_m2)[2] < 0.01
+
+
+@pytest.fixture
+def mine(made, tmp_path):
+    """A new arm's file that may be changed."""
+    return shutil.copytree(made, tmp_path / "mine") / "robot.toml"
+
+
+def points_of(arm, link):
+    return [point for point in arm.points if point.link == link]
+
+
+def test_a_point_is_moved_along_its_face_by_an_offset(mine):
+    first = points_of(load_arm(mine), "upper_arm")[0]
+    axis = int(np.argmax(np.abs(first.R_link_sensor[:, 2])))
+    along = 2 if axis != 2 else 0
+    step = np.zeros(3)
+    step[along] = -0.02 if first.position_m[along] > {0: 0.0, 2: 0.2}[along] else 0.02
+    said = armodal("arm", "move", mine, first.id, "--by", ",".join(map(str, step)), "--json")
+    assert said.returncode == 0, said.stderr
+    moved = load_arm(mine).point(first.id)
+    # The file keeps five decimals of a metre.
+    np.testing.assert_allclose(moved.position_m, first.position_m + step, atol=2e-5)
+    np.testing.assert_allclose(moved.R_link_sensor[:, 2], first.R_link_sensor[:, 2], atol=1e-5)
+    assert json.loads(said.stdout)["moved_m"] == pytest.approx(0.02, abs=2e-5)
+
+
+def test_a_point_is_found_by_three_distances(mine):
+    points = points_of(load_arm(mine), "upper_arm")
+    target, others = points[0], points[1:4]
+    lines = mine.read_text()
+    measured = ",".join(
+        f"{one.id}:{np.linalg.norm(one.position_m - target.position_m):.4f}" for one in others
+    )
+    # The point is somewhere else in the file, and is measured where it was.
+    armodal("arm", "move", mine, target.id, "--towards", f"{others[0].id}:0.01")
+    assert mine.read_text() != lines
+    said = armodal("arm", "move", mine, target.id, "--distances", measured)
+    assert said.returncode == 0, said.stderr
+    found = load_arm(mine).point(target.id).position_m
+    # A tape read to 0.1 mm; three in a plane with the point tell its place in it as well as that.
+    np.testing.assert_allclose(found, target.position_m, atol=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((), "wanted one of --by, --towards and --distances"),
+        (("--by", "0.4,0.4,0"), "mm off its surface"),
+        (("--by", "1"), "--by: wanted 3 numbers"),
+        (("--towards", "1"), "--towards: wanted POINT:METRES"),
+        (("--towards", "24:0.1"), "wanted another point of link flange"),
+        (("--distances", "2:0.01,3:0.01"), "--distances: wanted 3 of POINT:METRES, got 2"),
+    ],
+)
+def test_a_move_that_cannot_be_meant_changes_nothing(options, words, mine):
+    before = mine.read_text()
+    refused(armodal("arm", "move", mine, "1", *options), words)
+    assert mine.read_text() == before
