@@ -10,7 +10,9 @@ from support.robot_files import LinkText, RobotText, six_joints
 
 from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
-from armodal.analyzer.own_arm.solids import touches, triangle_solid
+from armodal.analyzer.own_arm.meshes import coal
+from armodal.analyzer.own_arm.solids import hull_solid, touches, triangle_solid
+from armodal.analyzer.own_arm.surface import Surface
 from armodal.analyzer.planning.room import Room
 from armodal.analyzer.planning.route import route, wound
 from armodal.protocols.arm.kinematics import link_pose
@@ -74,6 +76,20 @@ def test_hulls_that_are_apart_are_meshes_that_are_apart(tmp_path):
             for j in range(i + 2, len(solids)):
                 T = np.linalg.inv(poses[i]) @ poses[j]
                 assert not any(touches(a, b, T) for a in solids[i] for b in solids[j])
+
+
+def test_a_disc_of_hundreds_of_corners_is_a_hull_too():
+    angles = np.linspace(0.0, 2.0 * np.pi, 600, endpoint=False)
+    ring = np.column_stack([0.1 * np.cos(angles), 0.1 * np.sin(angles), np.zeros(600)])
+    disc = Surface(
+        np.concatenate([ring, [[0.0, 0.0, 0.05], [0.0, 0.0, -0.05]]]),
+        np.array([[i, (i + 1) % 600, 600] for i in range(600)]),
+    )
+    solid, ball = hull_solid(disc), coal().Sphere(0.01)
+    for height, meets in ((0.059, True), (0.061, False)):
+        T = np.eye(4)
+        T[2, 3] = height
+        assert touches(solid, ball, T) == meets
 
 
 def test_a_hand_does_not_reach_a_face_that_another_body_covers(draft):
