@@ -20,7 +20,7 @@ from armodal.analyzer.identification.frf_fit import FrfFit, line_weights
 from armodal.analyzer.identification.frf_model import PostureData, predict, predict_with_derivatives
 from armodal.protocols.arm.records import Arm, InertialLink
 
-__all__ = ["STEP", "ModelMove", "model_error_std", "model_moves"]
+__all__ = ["STEP", "ModelMove", "model_error_std", "model_moves", "moved_arms"]
 
 Array = npt.NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def model_moves(
         base.append(y.ravel())
         weighted_J.append(weighted)
     moves = []
-    for perturbed, angles in _perturbations(superset.arm):
+    for perturbed, angles in moved_arms(superset.arm):
         other = Superset(perturbed)
         gradient = np.zeros(len(H))
         for i, data in enumerate(postures):
@@ -67,7 +67,7 @@ def model_moves(
     return tuple(moves)
 
 
-def _perturbations(arm: Arm) -> Iterator[tuple[Arm, Array]]:
+def moved_arms(arm: Arm) -> Iterator[tuple[Arm, Array]]:
     """Arms and encoder offsets, each with one quantity off by `STEP` standard deviations."""
     tolerances = arm.tolerances
     still = np.zeros(len(arm.joints))

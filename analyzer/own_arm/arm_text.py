@@ -12,7 +12,7 @@ import numpy.typing as npt
 from armodal.analyzer.own_arm.drives import SOURCE, STD, Drive
 from armodal.analyzer.own_arm.guess import BelievedLinks
 from armodal.analyzer.own_arm.points import FoundPoint
-from armodal.protocols.arm.records import InertialLink
+from armodal.protocols.arm.records import InertialLink, KeepOut
 from armodal.protocols.robot.chain import CutChain
 from armodal.protocols.robot.remarks import Remarks
 
@@ -74,6 +74,7 @@ def arm_text(
     drives: Sequence[Drive | None],
     points: Sequence[FoundPoint],
     gravity_m_s2: Sequence[float],
+    keep_outs: Sequence[KeepOut],
     said: Remarks,
 ) -> str:
     """The arm file; every guess stands in it, with its source."""
@@ -109,6 +110,15 @@ def arm_text(
             f"position_m = {_list(point.position_m, 5)}",
             f"normal = {_list(point.normal, 6)}",
             f"x_axis = {_list(point.x_axis, 6)}",
+        ]
+    for box in keep_outs:
+        rows += [
+            "",
+            "# A box along the base's axes to stay out of; add pedestal, cables, fences likewise.",
+            "[[keep_outs]]",
+            f"name = {json.dumps(box.name)}",
+            f"low_m = {_list(box.low_m, 4)}",
+            f"high_m = {_list(box.high_m, 4)}",
         ]
     rows += [
         "",

@@ -10,6 +10,7 @@ the pair is left out and named.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from functools import cached_property
 from importlib import import_module
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.own_arm.bodies import ArmBody
+from armodal.analyzer.own_arm.floor import reach_of
 from armodal.analyzer.own_arm.meshes import coal
 from armodal.analyzer.own_arm.points import probe
 from armodal.analyzer.own_arm.solids import hull_solid, touches, triangle_solid
@@ -31,6 +33,7 @@ STEP_RAD = 0.05  # of the fastest joint along a path: 3 degrees
 HAND_M = 0.15  # free before a face for a sensor with its cable, or for a hammer's head
 _N_ALWAYS = 200  # random postures that tell what always touches
 _ALWAYS = 0.97
+_N_SAMPLED = 16
 
 
 class Collisions:
@@ -54,7 +57,7 @@ class Collisions:
     ) -> None:
         self._pin: Any = import_module("pinocchio")
         self._arm, self._bodies, self._keep_outs = arm, tuple(bodies), tuple(keep_outs)
-        self.margin_m = MARGIN_OF_REACH * _reach(arm)
+        self.margin_m = MARGIN_OF_REACH * reach_of(arm)
         self._model = self._kinematics()
         self._data = self._model.createData()
         self._solids = [[triangle_solid(shell) for shell in body.shells] for body in bodies]
@@ -104,8 +107,7 @@ class Collisions:
 
     def reachable(self, joints_rad: Array, points: Sequence[Point]) -> frozenset[str]:
         """Ids of points before whose face a hand and a hammer have room in a posture."""
-        self._pin.forwardKinematics(self._model, self._data, np.asarray(joints_rad, dtype=float))
-        poses = [self._data.oMi[i].homogeneous for i in range(len(self._bodies))]
+        poses = self._poses(joints_rad)
         names = {body.name: i for i, body in enumerate(self._bodies)} | {"base": 0}
         found = set()
         for point in points:
@@ -115,6 +117,26 @@ class Collisions:
             if not self._hits(rod, T_base_rod, own, poses):
                 found.add(point.id)
         return frozenset(found)
+
+    def often_free(self, body: int, place_m: Array, normal: Array) -> bool:
+        """Whether a hand reaches a place of a body in half of the free postures or more."""
+        rod, T = probe(place_m, normal, free_m=HAND_M)
+        poses = self._sampled
+        hit = sum(self._hits(rod, each[body] @ T, body, each) for each in poses)
+        return hit <= 0.5 * len(poses)
+
+    @cached_property
+    def _sampled(self) -> list[list[Array]]:
+        """Poses of all bodies in some free postures; in any where none was free."""
+        rng = np.random.default_rng(1)
+        low, high = np.array([joint.range_rad for joint in self._arm.joints]).T
+        q = rng.uniform(low, high, size=(_N_ALWAYS, len(low)))
+        free = q[self.clear(q)]
+        return [self._poses(one) for one in (free if len(free) else q)[:_N_SAMPLED]]
+
+    def _poses(self, joints_rad: Array) -> list[Array]:
+        self._pin.forwardKinematics(self._model, self._data, np.asarray(joints_rad, dtype=float))
+        return [np.array(self._data.oMi[i].homogeneous) for i in range(len(self._bodies))]
 
     def _hits(self, rod: Any, T_base_rod: Array, own: int, poses: Sequence[Array]) -> bool:
         for number, solids in enumerate(self._solids):
@@ -209,7 +231,3 @@ class Collisions:
 def _box(keep_out: KeepOut) -> tuple[Array, Array]:
     low, high = keep_out.low_m, keep_out.high_m
     return high - low, 0.5 * (low + high)
-
-
-def _reach(arm: Arm) -> float:
-    return float(sum(np.linalg.norm(joint.T_parent_joint[:3, 3]) for joint in arm.joints))

@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from armodal.analyzer.own_arm.arm_text import arm_text, urdf_text
-from armodal.analyzer.own_arm.bodies import ArmBody, arm_bodies
+from armodal.analyzer.own_arm.bodies import ArmBody, arm_bodies, reach_m
+from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.drives import Drive, guessed_drives
+from armodal.analyzer.own_arm.floor import floor_below
 from armodal.analyzer.own_arm.guess import BelievedLinks, believed_links
 from armodal.analyzer.own_arm.plausible import Doubts, doubted
 from armodal.analyzer.own_arm.points import FoundPoint, body_points
@@ -22,9 +24,9 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.chain import CutChain, cut_chain
 from armodal.protocols.robot.read import read_robot
-from armodal.protocols.robot.remarks import Remarks
+from armodal.protocols.robot.remarks import Remarks, refuse_faults
 
-__all__ = ["GRAVITY", "Draft", "Wanted", "draft_arm", "looked_at", "refuse_faults", "stl_bytes"]
+__all__ = ["GRAVITY", "Draft", "Wanted", "draft_arm", "looked_at", "stl_bytes"]
 
 G_M_S2 = 9.80665
 # In the base's frame. On a wall the base's x points up.
@@ -95,22 +97,32 @@ def draft_arm(path: Path, name: str, wanted: Wanted, said: Remarks, *, seed: int
     if wanted.keep_inertials:
         doubts = Doubts(mass=frozenset(), spread=frozenset())
     believed = believed_links(bodies, doubts, said, total_kg=wanted.total_kg)
-    rng = np.random.default_rng(seed)
-    points = body_points(bodies, rng, said)
     refuse_faults(path.name, said)
     if believed is None:  # a fault says why
         raise ArmError(f"{path.name}: cannot be used")
+    rng = np.random.default_rng(seed)
     meshes, shapes = _meshes(bodies)
     urdf = urdf_text(chain, believed.links, shapes)
     urdf_name = f"{name}.urdf"
+    lowest = min(float(shell.vertices_m[:, 2].min()) for shell in bodies[0].shells)
+    floor = floor_below(reach_m(chain), lowest if bodies[0].drawn else 0.0)
 
-    def built(drives: Sequence[Drive | None]) -> Arm:
-        text = arm_text(name, urdf_name, chain, believed, drives, points, wanted.gravity_m_s2, said)
+    def built(drives: Sequence[Drive | None], points: Sequence[FoundPoint]) -> Arm:
+        text = arm_text(
+            name, urdf_name, chain, believed, drives, points, wanted.gravity_m_s2, [floor], said
+        )
         return arm_from_texts(text, urdf_text=urdf, database_text=None, origin=f"{name}.toml")
 
-    stiff = built([None] * len(chain.bodies))
+    # A first arm without springs and points of its own, for what is to be found with its joints.
+    here = FoundPoint(
+        id="1", body=0, position_m=np.zeros(3), normal=np.eye(3)[2], x_axis=np.eye(3)[0]
+    )
+    bare = built([None] * len(chain.bodies), [here])
+    reached = Collisions(bare, bodies, bare.keep_outs).often_free
+    points = body_points(bodies, rng, said, reached)
+    refuse_faults(path.name, said)
     return Draft(
-        arm=built(guessed_drives(stiff, rng)),
+        arm=built(guessed_drives(bare, rng), points),
         chain=chain,
         bodies=bodies,
         believed=believed,
@@ -118,14 +130,6 @@ def draft_arm(path: Path, name: str, wanted: Wanted, said: Remarks, *, seed: int
         urdf_name=urdf_name,
         meshes=meshes,
     )
-
-
-def refuse_faults(name: str, said: Remarks) -> None:
-    """Raise ArmError with every fault that was said."""
-    faults = said.of("fault")
-    if faults:
-        rows = "\n".join(f"  {fault}" for fault in faults)
-        raise ArmError(f"{name} cannot be used, {len(faults)} fault(s):\n{rows}")
 
 
 def stl_bytes(surface: Surface) -> bytes:

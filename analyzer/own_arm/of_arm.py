@@ -8,18 +8,20 @@ from pathlib import Path
 import numpy as np
 
 from armodal.analyzer.own_arm.bodies import ArmBody, arm_bodies
+from armodal.analyzer.own_arm.floor import reach_of
 from armodal.protocols.arm.files import BASE
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.chain import Body, CutChain, Part
 from armodal.protocols.robot.records import Inertial, RobotJoint, RobotLink
-from armodal.protocols.robot.remarks import Remarks
+from armodal.protocols.robot.remarks import Remarks, refuse_faults
 from armodal.protocols.robot.urdf_tree import read_tree
 
-__all__ = ["bodies_of_arm", "off_their_links"]
+__all__ = ["bodies_of_arm", "checked_bodies", "off_their_links"]
 
 # Farther than this from its link a point is a mistake: calipers and rulers are better.
 _OFF_M = 0.03
-_OFF_CAPSULE = 0.25  # of the arm's reach, where a capsule stands for the link
+_OFF_CAPSULE = 0.5  # of the arm's reach, where a capsule stands for the link
 
 
 def bodies_of_arm(arm: Arm, folder: Path | None, said: Remarks) -> tuple[ArmBody, ...] | None:
@@ -85,9 +87,26 @@ def bodies_of_arm(arm: Arm, folder: Path | None, said: Remarks) -> tuple[ArmBody
     return arm_bodies(chain, said)
 
 
+def checked_bodies(arm: Arm, folder: Path | None, said: Remarks) -> tuple[ArmBody, ...]:
+    """The bodies of an arm whose points are on them, base first.
+
+    Raises
+    ------
+    ArmError
+        With every fault of its shapes and points.
+    """
+    bodies = bodies_of_arm(arm, folder, said)
+    if bodies is not None:
+        off_their_links(arm, bodies, said)
+    refuse_faults(f"arm '{arm.name}'", said)
+    if bodies is None:  # a fault says why
+        raise ArmError(f"arm '{arm.name}': cannot be used")
+    return bodies
+
+
 def off_their_links(arm: Arm, bodies: Sequence[ArmBody], said: Remarks) -> None:
     """Say a fault for every point that lies far off the link it is said to be on."""
-    reach = max(body.seen.size_m for body in bodies)
+    reach = reach_of(arm)
     by_name = {body.name: body for body in bodies}
     for point in arm.points:
         body = by_name[point.link]

@@ -8,7 +8,7 @@ of Optimal Experiments, 1972), lengths in parts of the body's own size.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,14 +45,31 @@ class FoundPoint:
 
 
 def body_points(
-    bodies: Sequence[ArmBody], rng: np.random.Generator, said: Remarks
+    bodies: Sequence[ArmBody],
+    rng: np.random.Generator,
+    said: Remarks,
+    reached: Callable[[int, Array, Array], bool] | None = None,
 ) -> tuple[FoundPoint, ...]:
-    """Three to five points a moving body and two on the base, numbered from the flange inwards."""
+    """Three to five points a moving body and two on the base, numbered from the flange inwards.
+
+    Parameters
+    ----------
+    reached
+        Tells of a body's number, a place and its normal whether a hand gets there; where too few
+        are reached, others serve.
+    """
     found: list[FoundPoint] = []
     for number in [*range(len(bodies) - 1, 0, -1), 0]:
         surface = bodies[number].seen
         wanted = _ON_BASE if number == 0 else _wanted(surface)
         places = _places(surface, rng)
+        if reached is not None:
+            near = [one for one in places if reached(number, *one)]
+            places = (
+                near
+                if len(near) >= 2 * wanted
+                else near + [one for one in places if not any(one is other for other in near)]
+            )
         if len(places) < wanted:
             said.fault(
                 f"link {bodies[number].name}",

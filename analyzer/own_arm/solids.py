@@ -26,7 +26,11 @@ def hull_solid(surface: Surface) -> Any:
     number = {int(old): new for new, old in enumerate(hull.vertices)}
     triangles = np.array([[number[int(i)] for i in face] for face in hull.simplices])
     model = _model(surface.vertices_m[hull.vertices], triangles)
-    model.buildConvexHull(True, "Qt")
+    try:
+        model.buildConvexHull(True, "Qt")
+    except RuntimeError:
+        # A corner with more than 255 neighbours, as a fine disc's: the hull's triangles serve.
+        return model
     return model.convex
 
 

@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.planning.equipment import Chosen
+from armodal.analyzer.planning.route import Leg
 from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
 from armodal.protocols.plan import plan_from_text
 
 __all__ = ["plan_text"]
 
 TOLERANCE_DEG = 0.5
+TRIGGER_N, SENSOR_KG = 10.0, 0.01  # where nothing is known of the equipment
 
 
-def plan_text(plan: SelectivePlan, name: str) -> str:
+def plan_text(
+    plan: SelectivePlan,
+    name: str,
+    *,
+    equipment: Chosen | None = None,
+    legs: Sequence[Leg] | None = None,
+) -> str:
     """A plan file of the tests.
+
+    Parameters
+    ----------
+    equipment
+        What the plan is measured with; else a light hammer and sensor.
+    legs
+        The ways from test to test, which stand as comments.
 
     Raises
     ------
@@ -22,8 +41,11 @@ def plan_text(plan: SelectivePlan, name: str) -> str:
     """
     top_hz = max(float(test.modes.f_hz.max()) for test in plan.tests)
     rate_hz = next((rate for rate in (1024, 2048, 4096, 8192) if rate > 4 * top_hz), 16384)
+    trigger = TRIGGER_N if equipment is None else equipment.trigger_n
+    sensor = SENSOR_KG if equipment is None else equipment.accelerometer.mass_kg
+    told = "" if equipment is None else _told(equipment)
     head = f"""# Made by `armodal plan`. Format: docs/plan-file.md
-format = "armodal-plan-1"
+{told}format = "armodal-plan-1"
 name = "{name}"
 arm = "{plan.arm.name}"
 mode = "roving-response"
@@ -31,25 +53,58 @@ fixed_point = "{plan.hit_point}"
 hits_per_point = 3
 max_attempts = 10
 sampling = {{ rate_hz = {rate_hz}, samples = {2 * rate_hz}, pretrigger = {rate_hz // 16} }}
-trigger = {{ level_n = 10.0, slope = "rising" }}
-sensor = {{ mass_kg = 0.01 }}
+trigger = {{ level_n = {trigger}, slope = "rising" }}
+sensor = {{ mass_kg = {sensor} }}
 """
-    moving = [point.id for point in plan.arm.points if point.link != "base"]
-    text = head + "".join(
-        _posture_table(number, test, moving) for number, test in enumerate(plan.tests, start=1)
-    )
+    text = head
+    for number, test in enumerate(plan.tests, start=1):
+        if legs is not None and number > 1:
+            text += _way(legs[number - 2], number)
+        text += _posture_table(number, test, _points(plan, test))
     plan_from_text(text, plan.arm, origin="plan made")
     return text
 
 
+def _told(equipment: Chosen) -> str:
+    hammer, sensor = equipment.hammer, equipment.accelerometer
+    return (
+        f"# Hammer: {hammer.name}, head {hammer.head_kg:g} kg; tip with a pulse of "
+        f"{1e3 * equipment.pulse_s:.2g} ms; hits of some {equipment.told_peak_n} N.\n"
+        f"# Accelerometer: {sensor.name}, {1e3 * sensor.mass_kg:g} g, to {sensor.range_m_s2:g} "
+        f"m/s².\n# Of: {equipment.source}.\n"
+    )
+
+
+def _points(plan: SelectivePlan, test: PlannedTest) -> list[str]:
+    """Points on what moves, then those that watch the base; only such as a hand reaches."""
+    moving = [point.id for point in plan.arm.points if point.link != "base"]
+    if test.reachable is None:
+        return moving
+    base = [point.id for point in plan.arm.points if point.link == "base"]
+    return [point for point in (*moving, *base) if point in test.reachable]
+
+
+def _way(leg: Leg, number: int) -> str:
+    if leg.stops_rad is None:
+        return (
+            f"\n# To test {number} no free way was found that turns all joints at once: move joint "
+            "by joint, and look."
+        )
+    stops = ", then by ".join(_angles(stop) for stop in leg.stops_rad)
+    return f"\n# To test {number} go by {stops} degrees." if stops else ""
+
+
+def _angles(joints_rad: npt.NDArray[np.float64]) -> str:
+    return "[" + ", ".join(f"{angle:.2f}" for angle in np.rad2deg(joints_rad)) + "]"
+
+
 def _posture_table(number: int, test: PlannedTest, points: list[str]) -> str:
-    angles = ", ".join(f"{angle:.2f}" for angle in np.rad2deg(test.joints_rad))
     direction = ", ".join(f"{value:.4f}" for value in test.hit.direction_base)
     listed = ", ".join(f'"{point}"' for point in points)
     return f"""
 [[postures]]
 name = "test {number}"
-joints_deg = [{angles}]
+joints_deg = {_angles(test.joints_rad)}
 tolerance_deg = {TOLERANCE_DEG}
 points = [{listed}]
 hit_direction = [{direction}]

@@ -14,11 +14,14 @@ from armodal.analyzer.workspace.postures import random_postures
 from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.errors import EstimateError
 
-__all__ = ["isolating_postures"]
+__all__ = ["Free", "isolating_postures"]
 
 Array = npt.NDArray[np.float64]
 
+Free = Callable[[Array], npt.NDArray[np.bool_]]
+
 N_RANDOM = 60_000
+CHECKED_AT_ONCE = 32
 N_KEPT = 24
 ROUNDS = 10
 CHILDREN = 100
@@ -35,10 +38,18 @@ def isolating_postures(
     clearance: Clearance,
     rng: np.random.Generator,
     progress: Callable[[int, int], None] | None = None,
+    *,
+    free: Free | None = None,
 ) -> list[Array]:
     """For every elastic joint, postures in which its couplings are smallest.
 
     Random postures first; then the best are moved by ever smaller random steps.
+
+    Parameters
+    ----------
+    free
+        Tells which postures (n, n_joints) the arm's bodies leave free, (n,); asked for the best
+        ones alone, since it takes long.
 
     Returns
     -------
@@ -55,7 +66,7 @@ def isolating_postures(
     low, high = np.array([joint.range_rad for joint in batch.arm.joints]).T
     start = random_postures(batch.arm, N_RANDOM, rng, still=(0,))
     start = start[clear_postures(batch, start, clearance)]
-    if not len(start):
+    if not len(start) or not len(_first_free(start, free, 1)):
         raise EstimateError(
             f"no posture of arm '{batch.arm.name}' within its joint ranges is clear of floor and "
             "base; check the ranges, the points' positions and the clearance"
@@ -67,27 +78,45 @@ def isolating_postures(
     first = measure(start)
     found = []
     for i in range(len(chosen)):
-        best = start[np.argsort(first[i])[:N_KEPT]]
+        ranked = start[np.argsort(first[i])]
+        best = _first_free(ranked, free, N_KEPT)
         step = FIRST_STEP * (high - low)
         step[0] = 0.0
         for _ in range(ROUNDS):
             moved = np.repeat(best, CHILDREN, axis=0)
             moved = np.clip(moved + step * rng.normal(size=moved.shape), low, high)
             moved = np.concatenate([best, moved[clear_postures(batch, moved, clearance)]])
-            best = moved[np.argsort(measure(moved)[i], kind="stable")[:N_KEPT]]
+            moved = moved[np.argsort(measure(moved)[i], kind="stable")]
+            best = _first_free(moved, free, N_KEPT)
             step = step / 2
-        found.append(np.concatenate([best[:N_LIKE], _various(start[np.argsort(first[i])])]))
+        found.append(np.concatenate([best[:N_LIKE], _various(ranked, free)]))
         if progress:
             progress(i + 1, len(chosen))
     return found
 
 
-def _various(postures: Array) -> Array:
-    """The first postures of a list that lie apart from one another."""
+def _first_free(postures: Array, free: Free | None, wanted: int) -> Array:
+    """The first free postures of a list, at most `wanted`."""
+    if free is None:
+        return postures[:wanted]
+    kept: list[Array] = []
+    found = 0
+    for begin in range(0, len(postures), CHECKED_AT_ONCE):
+        some = postures[begin : begin + CHECKED_AT_ONCE]
+        kept.append(some[free(some)])
+        found += len(kept[-1])
+        if found >= wanted:
+            break
+    return np.concatenate(kept)[:wanted] if kept else postures[:0]
+
+
+def _various(postures: Array, free: Free | None) -> Array:
+    """The first free postures of a list that lie apart from one another."""
     kept: list[Array] = []
     for q in postures[:AMONG]:
-        if all(np.abs(q - other).max() > APART_RAD for other in kept):
+        apart = all(np.abs(q - other).max() > APART_RAD for other in kept)
+        if apart and (free is None or free(q[None])[0]):
             kept.append(q)
         if len(kept) == N_VARIOUS:
             break
-    return np.array(kept)
+    return np.array(kept).reshape(-1, postures.shape[1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from armodal.analyzer.planning.excitation import (
     seeing_points,
 )
 from armodal.analyzer.planning.expected import Instruments, expected_std, information
+from armodal.analyzer.planning.room import Room
 from armodal.analyzer.planning.search import isolating_postures
 from armodal.analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
 from armodal.analyzer.workspace.batch import ArmBatch
@@ -34,6 +35,8 @@ Array = npt.NDArray[np.float64]
 DOMINATED = 0.8  # of a mode's strain energy: the joint's own mode
 N_OTHERS = 40  # random postures from which further tests are taken
 ANOTHER_RAD = 0.35  # 20 degrees of any joint
+# Where the arm's bodies are looked at themselves.
+ANYWHERE = Clearance(floor_m=-np.inf, margin_m=0.0, base_radius_m=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,6 +62,7 @@ class PlannedTest:
     mode: int  # that the hit is chosen for
     points: tuple[str, ...]  # that see it
     gravity: GravityCheck
+    reachable: frozenset[str] | None = None  # points a hand reaches; None where not looked at
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,11 +94,19 @@ def plan_tests(
     rng: np.random.Generator,
     *,
     clearance: Clearance | None = None,
+    room: Room | None = None,
     instruments: Instruments | None = None,
     n_tests: int = 6,
     progress: Callable[[int, int], None] | None = None,
 ) -> SelectivePlan:
     """Find a selective test plan.
+
+    Parameters
+    ----------
+    clearance
+        What joint origins and points have to stay clear of, where `room` is not given.
+    room
+        Which postures the arm's bodies leave free, and which points can be reached in them.
 
     Raises
     ------
@@ -102,9 +114,12 @@ def plan_tests(
         If no posture is clear of floor and base, or no point takes a hit for every joint.
     """
     superset, batch = Superset(arm), ArmBatch(arm)
-    tools, room = instruments or Instruments(), clearance or Clearance()
-    found = isolating_postures(batch, elastic, room, rng, progress)
-    by_point = _candidates(superset, elastic, found, tools.least_mass_kg)
+    tools = instruments or Instruments()
+    if clearance is None:
+        clearance = Clearance() if room is None else ANYWHERE
+    free = None if room is None else room.free
+    found = isolating_postures(batch, elastic, clearance, rng, progress, free=free)
+    by_point = _candidates(superset, elastic, found, tools.least_mass_kg, room)
     covers = {
         point: _fewest(tests, elastic.joints)
         for point, tests in by_point.items()
@@ -134,12 +149,14 @@ def plan_tests(
 
     known = [told(test) for test in tests]
     others = random_postures(arm, N_OTHERS, rng, still=(0,))
-    others = others[clear_postures(batch, others, room)]
+    others = others[clear_postures(batch, others, clearance)]
+    if room is not None:
+        others = others[room.free(others)]
     rest = [
         (test, told(test))
         for q in others
         for joint in elastic.joints
-        for test in describe_tests(superset, elastic, q, joint, least_mass_kg=tools.least_mass_kg)
+        for test in _tests_in(superset, elastic, q, joint, tools.least_mass_kg, room)
         if test.hit.point == hit_point
     ]
     while len(tests) < n_tests:
@@ -214,15 +231,40 @@ def describe_tests(
 
 
 def _candidates(
-    superset: Superset, elastic: ElasticJoints, found: list[Array], least_mass_kg: float
+    superset: Superset,
+    elastic: ElasticJoints,
+    found: list[Array],
+    least_mass_kg: float,
+    room: Room | None,
 ) -> dict[str, list[PlannedTest]]:
     """Tests by the point they hit: one plan hits one point."""
     by_point: dict[str, list[PlannedTest]] = {}
     for joint, postures in zip(elastic.joints, found, strict=True):
         for q in postures:
-            for test in describe_tests(superset, elastic, q, joint, least_mass_kg=least_mass_kg):
+            for test in _tests_in(superset, elastic, q, joint, least_mass_kg, room):
                 by_point.setdefault(test.hit.point, []).append(test)
     return by_point
+
+
+def _tests_in(
+    superset: Superset,
+    elastic: ElasticJoints,
+    joints_rad: Array,
+    target: int,
+    least_mass_kg: float,
+    room: Room | None,
+) -> list[PlannedTest]:
+    """Tests of a posture whose hit a hammer can reach, with the points a hand can."""
+    tests = describe_tests(superset, elastic, joints_rad, target, least_mass_kg=least_mass_kg)
+    if room is None:
+        return tests
+    near = room.reachable(joints_rad)
+    tests = [
+        replace(test, points=tuple(point for point in test.points if point in near), reachable=near)
+        for test in tests
+        if test.hit.point in near
+    ]
+    return [test for test in tests if test.points]
 
 
 def _cost(tests: list[PlannedTest], joints: tuple[int, ...]) -> tuple[int, int, float]:

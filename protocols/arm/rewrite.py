@@ -9,10 +9,10 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import InlineTable, Table
 
 from armodal.protocols.arm.files import arm_from_texts
-from armodal.protocols.arm.records import AddedEffect, Arm, Estimate, InertialLink
+from armodal.protocols.arm.records import AddedEffect, Arm, Estimate, InertialLink, Point
 from armodal.protocols.errors import ArmError
 
-__all__ = ["text_with_effects", "text_with_inertials"]
+__all__ = ["text_with_effects", "text_with_inertials", "text_with_point"]
 
 _DIGITS = 6
 
@@ -113,6 +113,29 @@ def text_with_effects(
     )
     if changed.effects != tuple(effects):
         raise ArmError(f"arm {arm.name!r}: wanted effects as an array of tables, [[effects]]")
+    return text
+
+
+def text_with_point(arm: Arm, point: Point) -> str:
+    """Return an arm's text with one of its points moved; the rest keeps its lines.
+
+    Raises
+    ------
+    ArmError
+        If the text cannot be rewritten, or would not be an arm file.
+    """
+    try:
+        document = tomlkit.parse(arm.text)
+        for table in document["points"]:
+            if table["id"] == point.id:
+                table["position_m"] = [round(float(value), 5) for value in point.position_m]
+                table["normal"] = [round(float(value), 6) for value in point.R_link_sensor[:, 2]]
+                table["x_axis"] = [round(float(value), 6) for value in point.R_link_sensor[:, 0]]
+        text = tomlkit.dumps(document)
+    except TOMLKitError as problem:
+        raise ArmError(f"arm {arm.name!r}: its text cannot be rewritten: {problem}") from problem
+    database = None if arm.can is None else arm.can.database_text
+    arm_from_texts(text, urdf_text=arm.urdf_text, database_text=database, origin=f"arm {arm.name}")
     return text
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-__all__ = ["Remark", "Remarks"]
+from armodal.protocols.errors import ArmError
+
+__all__ = ["Remark", "Remarks", "refuse_faults"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,3 +55,11 @@ class Remarks:
         remark = Remark(kind=kind, where=where, text=text)
         if remark not in self.made:
             self.made.append(remark)
+
+
+def refuse_faults(name: str, said: Remarks) -> None:
+    """Raise ArmError with every fault that was said."""
+    faults = said.of("fault")
+    if faults:
+        rows = "\n".join(f"  {fault}" for fault in faults)
+        raise ArmError(f"{name} cannot be used, {len(faults)} fault(s):\n{rows}")

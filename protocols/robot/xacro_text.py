@@ -15,6 +15,8 @@ from armodal.protocols.errors import ArmError, MissingPackageError
 __all__ = ["expand_xacro"]
 
 _LONGEST = 300
+_ERRNO = re.compile(r"\[Errno -?\d+\] ?")
+_ARGUMENT = re.compile(r"""<xacro:arg\b(?=[^>]*?\bname\s*=\s*["']([^"']+))([^>]*)>""")
 _HIGHEST = 6  # folders above the file whose packages are taken
 
 
@@ -67,13 +69,25 @@ def expand_xacro(
             )
             return str(document.to_urdf_string())
     except Exception as problem:
-        text = " ".join(str(problem).split())[:_LONGEST] or type(problem).__name__
+        text = " ".join(_ERRNO.sub("", str(problem)).split())[:_LONGEST] or type(problem).__name__
         raise ArmError(
             f"{path.name}: wanted a xacro file that can be expanded, got: {text}; packages it "
             "includes are looked for beside its folders, and in those given with --packages"
+            f"{_unset(path, arguments or {})}"
         ) from problem
     finally:
         packages.reset()
+
+
+def _unset(path: Path, arguments: dict[str, str]) -> str:
+    """Tell which arguments of the file have no value."""
+    text = path.read_text("utf-8", "replace")
+    names = [
+        name
+        for name, rest in _ARGUMENT.findall(text)
+        if name not in arguments and not re.search(r"""default\s*=\s*["'][^"']""", rest)
+    ]
+    return f"; without a value: {', '.join(names)}, give it with --arg NAME:=VALUE" if names else ""
 
 
 def _robot_name(path: Path) -> str:

@@ -353,3 +353,14 @@ def test_any_value_in_any_place_is_read_or_refused(data: st.DataObject) -> None:
     else:
         told = f"arm file: {arm.name}"
     assert told.startswith("arm file: ")
+
+
+def test_keep_outs_are_boxes_and_one_inside_out_is_refused():
+    text = (ARMS_DIRECTORY / "ur5.toml").read_text(encoding="utf-8")
+    box = '\n[[keep_outs]]\nname = "post"\nlow_m = [0.1, 0.2, 0.3]\nhigh_m = [0.4, 0.5, {}]\n'
+    kept = arm_from_texts(text + box.format("0.6"), urdf_text=None, database_text=None).keep_outs
+    assert [(one.name, one.low_m.tolist(), one.high_m.tolist()) for one in kept] == [
+        ("post", [0.1, 0.2, 0.3], [0.4, 0.5, 0.6])
+    ]
+    with pytest.raises(ArmError, match=r"keep_outs\[0\]: wanted low_m below high_m"):
+        arm_from_texts(text + box.format("0.2"), urdf_text=None, database_text=None)

@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
+import numpy.typing as npt
 import typer
 
 from armodal.analyzer.own_arm.draft import (
@@ -15,20 +17,28 @@ from armodal.analyzer.own_arm.draft import (
     Wanted,
     draft_arm,
     looked_at,
-    refuse_faults,
 )
-from armodal.analyzer.own_arm.of_arm import bodies_of_arm, off_their_links
+from armodal.analyzer.own_arm.of_arm import checked_bodies
+from armodal.analyzer.own_arm.picture import points_page
 from armodal.analyzer.own_arm.plausible import doubted
 from armodal.analyzer.own_arm.readme import readme_text
+from armodal.analyzer.planning.made import MadePlan, made_plan
+from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
-from armodal.protocols.errors import ArmError
+from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.robot.remarks import Remarks
+from armodal.protocols.sensors_file import CATALOGUE, Equipment, load_equipment
 from armodal.tui.commands.arm_links import link_rows, link_table
+from armodal.tui.commands.arm_move import move_command
 from armodal.tui.commands.new_folder import check_new_folder, write_new_folder
 from armodal.tui.commands.options import Seed, comma_numbers
-from armodal.tui.console import Json, err, out, print_json, say
+from armodal.tui.commands.plan_json import made_json
+from armodal.tui.commands.plan_tables import made_lines
+from armodal.tui.console import Json, err, out, print_json, progress, say
 
 __all__ = ["app"]
+
+Array = npt.NDArray[np.float64]
 
 app = typer.Typer(
     add_completion=False,
@@ -49,7 +59,11 @@ XacroArguments = Annotated[
     typer.Option("--arg", help="Argument of a xacro file, NAME:=VALUE; may be given repeatedly."),
 ]
 NoMeshes = Annotated[bool, typer.Option("--no-meshes", help="Capsules between the joints instead.")]
+N_TESTS = 6
 _DESCRIBED = {".urdf", ".xacro", ".xml"}
+
+
+app.command("move")(move_command)
 
 
 @app.command("new")
@@ -71,6 +85,10 @@ def new_command(
     packages: Packages = None,
     arg: XacroArguments = None,
     no_meshes: NoMeshes = False,
+    sensors: Annotated[
+        Path | None, typer.Option(help="Your hammers and accelerometers, sensors.toml.")
+    ] = None,
+    no_plan: Annotated[bool, typer.Option("--no-plan", help="Make the arm alone.")] = False,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -82,24 +100,34 @@ def new_command(
     arm_name = _name(name or robot.name.split(".")[0])
     folder = out_folder or Path(arm_name)
     check_new_folder(folder)
+    equipment = CATALOGUE if sensors is None else load_equipment(sensors)
     wanted = _wanted(tip, mass, mount, packages, arg, no_meshes, keep_inertials)
-    if not yes and sys.stdin.isatty():
+    if not yes and on_terminal():
         wanted = _asked(robot, wanted, mount)
     draft = draft_arm(robot, arm_name, wanted, said, seed=seed)
+    made = None if no_plan else _planned(draft, equipment, said, seed)
     files: dict[str, bytes] = {
         f"{arm_name}.toml": draft.arm.text.encode(),
         draft.urdf_name: (draft.arm.urdf_text or "").encode(),
         "README.md": readme_text(draft, said).encode(),
+        "points.html": points_page(draft.arm, draft.bodies, _shown(draft, made)).encode(),
         **draft.meshes,
     }
+    if made is not None:
+        files["plan.toml"] = made.text.encode()
     write_new_folder(folder, files)
     if as_json:
-        print_json(_told(draft, said) | {"folder": str(folder), "files": sorted(files)})
+        told = _told(draft, said) | {"folder": str(folder), "files": sorted(files)}
+        print_json(told | {"plan": None if made is None else made_json(made)})
         return
     _print(said)
     out.print(link_table(link_rows(draft.bodies, draft.believed.guessed)))
+    if made is not None:
+        for line in made_lines(made):
+            out.print(line)
+        out.print(f"plan {folder / 'plan.toml'}")
     out.print(f"arm file {folder / arm_name}.toml")
-    err.print(f"next: read {folder / 'README.md'}, then `armodal plan {folder / arm_name}.toml`")
+    err.print(f"next: read {folder / 'README.md'} and check what it lists")
 
 
 @app.command("check")
@@ -126,11 +154,7 @@ def check_command(
         the_arm = load_arm(arm)
         shown_name = the_arm.name
         home = ARMS_DIRECTORY if arm in shipped_arms() else path.parent
-        found = bodies_of_arm(the_arm, home, said)
-        if found is not None:
-            off_their_links(the_arm, found, said)
-        refuse_faults(arm, said)
-        bodies = found or ()
+        bodies = checked_bodies(the_arm, home, said)
         doubted(bodies, said, total_kg=mass)
     rows = link_rows(bodies, ())
     doubts = said.of("doubt")
@@ -146,6 +170,37 @@ def check_command(
             "correct the description, or let `armodal arm new` put hulls of plausible mass there"
         )
     err.print("nothing to doubt; next: `armodal arm new` or `armodal plan`")
+
+
+def _shown(draft: Draft, made: MadePlan | None) -> Array:
+    """The posture that the points are shown in: the plan's first, else the middle of the ranges."""
+    if made is not None:
+        return made.plan.tests[0].joints_rad
+    return np.array([0.5 * (low + high) for low, high in (j.range_rad for j in draft.arm.joints)])
+
+
+def on_terminal() -> bool:
+    """Whether somebody can be asked."""
+    return sys.stdin.isatty()
+
+
+def _planned(draft: Draft, equipment: Equipment, said: Remarks, seed: int) -> MadePlan | None:
+    """A plan for the new arm; why there is none is said."""
+    try:
+        return made_plan(
+            draft.arm,
+            elastic_joints(draft.arm),
+            np.random.default_rng(seed),
+            name=f"{draft.arm.name[:58]}-tests",
+            bodies=draft.bodies,
+            floor_m=None,
+            equipment=equipment,
+            n_tests=N_TESTS,
+            progress=progress("plan"),
+        )
+    except (ArmError, EstimateError, PlanError) as problem:
+        said.note("plan", f"none was made: {problem}")
+        return None
 
 
 def _wanted(

@@ -8,17 +8,19 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.planning.beside import other_plan
-from armodal.analyzer.planning.clearance import Clearance
-from armodal.analyzer.planning.plan_text import plan_text
-from armodal.analyzer.planning.selective import plan_tests
+from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.protocols.arm.files import ARMS_DIRECTORY, shipped_arms
 from armodal.protocols.errors import PlanError
+from armodal.protocols.robot.remarks import Remarks
+from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
 from armodal.tui.commands.options import ArmName, Seed
 from armodal.tui.commands.plain_arm import plain_arm
-from armodal.tui.commands.plan_json import plan_json
-from armodal.tui.commands.plan_tables import plan_tables
+from armodal.tui.commands.plan_json import made_json, plan_json
+from armodal.tui.commands.plan_tables import made_lines, plan_tables
 from armodal.tui.console import Json, out, print_json, progress
 
 __all__ = ["app"]
@@ -34,8 +36,13 @@ def plan_command(
         Path | None, typer.Option("--out", help="Plan file to write, never replaced.")
     ] = None,
     name: Annotated[str, typer.Option(help="Name of the plan in that file.")] = "selective",
-    floor: Annotated[float, typer.Option(help="Height of the floor, m in base.")] = 0.0,
-    base_radius: Annotated[float, typer.Option(min=0, help="Kept clear round the base, m.")] = 0.12,
+    floor: Annotated[
+        float | None,
+        typer.Option(help="Height of the floor, m in base; else the arm file's keep-outs, or 0."),
+    ] = None,
+    sensors: Annotated[
+        Path | None, typer.Option(help="Your hammers and accelerometers, sensors.toml.")
+    ] = None,
     beside: Annotated[
         str | None,
         typer.Option(help="Plan to compare with; else the arm's shipped plan, if it has one."),
@@ -50,21 +57,29 @@ def plan_command(
     the_arm = plain_arm(arm)
     elastic = elastic_joints(the_arm)
     other = other_plan(the_arm, elastic, beside)
-    found = plan_tests(
+    home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
+    made = made_plan(
         the_arm,
         elastic,
         np.random.default_rng(seed),
-        clearance=Clearance(floor_m=floor, base_radius_m=base_radius),
+        name=name,
+        bodies=checked_bodies(the_arm, home, Remarks()),
+        floor_m=floor,
+        equipment=CATALOGUE if sensors is None else load_equipment(sensors),
         n_tests=tests,
         progress=progress("search"),
     )
+    found = made.plan
     if out_path is not None:
-        write_new_text(out_path, plan_text(found, name), error=PlanError)
+        write_new_text(out_path, made.text, error=PlanError)
     if as_json:
-        print_json(plan_json(found, other) | {"plan": None if out_path is None else str(out_path)})
+        told = plan_json(found, other) | made_json(made)
+        print_json(told | {"plan": None if out_path is None else str(out_path)})
         return
-    for table in plan_tables(found, other):
+    for table in plan_tables(found, other, made.inertia_std):
         out.print(table)
+    for line in made_lines(made):
+        out.print(line)
     if found.not_isolated:
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
         out.print(f"no test shows {names} alone: identify by the fit of all modes")

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from armodal.analyzer.planning.beside import Beside
+from armodal.analyzer.planning.made import MadePlan
 from armodal.analyzer.planning.selective import SelectivePlan
 
-__all__ = ["plan_json"]
+__all__ = ["made_json", "plan_json"]
 
 
 def plan_json(plan: SelectivePlan, beside: Beside | None = None) -> dict[str, Any]:
@@ -81,5 +82,32 @@ def plan_json(plan: SelectivePlan, beside: Beside | None = None) -> dict[str, An
                 ],
             }
             for test, expected in zip(plan.tests, plan.expected_std, strict=True)
+        ],
+    }
+
+
+def made_json(made: MadePlan) -> dict[str, Any]:
+    """What is to be known before the plan is run, as plain values."""
+    chosen = made.equipment
+    names = [made.plan.arm.joints[joint].name for joint in made.plan.elastic.joints]
+    return {
+        "equipment": {
+            "hammer": chosen.hammer.name,
+            "head_kg": chosen.hammer.head_kg,
+            "pulse_s": chosen.pulse_s,
+            "peak_n": chosen.peak_n,
+            "trigger_n": chosen.trigger_n,
+            "accelerometer": chosen.accelerometer.name,
+            "sensor_kg": chosen.accelerometer.mass_kg,
+            "mass_met_kg": chosen.mass_met_kg,
+            "source": chosen.source,
+        },
+        "minutes": made.minutes,
+        "k_std_of_inertias": dict(zip(names, made.inertia_std.tolist(), strict=True)),
+        "by_capsules": made.by_capsules,
+        "not_checked": list(made.touching),
+        "ways": [
+            None if leg.stops_rad is None else [np.rad2deg(stop).tolist() for stop in leg.stops_rad]
+            for leg in made.legs
         ],
     }

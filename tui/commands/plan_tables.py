@@ -7,22 +7,23 @@ import numpy.typing as npt
 from rich.table import Table
 
 from armodal.analyzer.planning.beside import Beside
+from armodal.analyzer.planning.made import MadePlan
 from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
 
-__all__ = ["plan_tables"]
+__all__ = ["made_lines", "plan_tables"]
 
 Array = npt.NDArray[np.float64]
 
 SEEN = 1.0  # relative: a k no better known than to its own size is not seen
 
 
-def plan_tables(plan: SelectivePlan, beside: Beside | None) -> list[Table]:
+def plan_tables(plan: SelectivePlan, beside: Beside | None, inertia_std: Array) -> list[Table]:
     """The tests as tables for people."""
     return [
         _selective(plan, beside),
         _tests(plan),
         _modes(plan),
-        _expected(plan),
+        _expected(plan, inertia_std),
         _gravity(plan),
     ]
 
@@ -80,7 +81,7 @@ def _modes(plan: SelectivePlan) -> Table:
     return table
 
 
-def _expected(plan: SelectivePlan) -> Table:
+def _expected(plan: SelectivePlan, inertia_std: Array) -> Table:
     names = [joint.name for joint in plan.arm.joints]
     table = Table(title="Least standard deviation of k to expect after each test, %")
     table.add_column("tests", justify="right")
@@ -91,7 +92,35 @@ def _expected(plan: SelectivePlan) -> Table:
             str(number),
             *(f"{100 * std:.2g}" if std < SEEN else "not seen" for std in row),
         )
+    both = np.hypot(plan.expected_std[-1], inertia_std)
+    table.add_section()
+    table.add_row("inertias", *(f"{100 * std:.2g}" for std in inertia_std))
+    table.add_row("both", *(f"{100 * std:.2g}" if std < SEEN else "not seen" for std in both))
     return table
+
+
+def made_lines(made: MadePlan) -> list[str]:
+    """What is to be known before the plan is run."""
+    chosen = made.equipment
+    hammer, sensor = chosen.hammer, chosen.accelerometer
+    pulse = f"pulse of {1e3 * chosen.pulse_s:.2g} ms, hits of some {chosen.told_peak_n} N"
+    trigger = f"trigger {chosen.trigger_n:g} N"
+    lines = [
+        f"hammer: {hammer.name}, head {hammer.head_kg:g} kg, {pulse}, {trigger}",
+        f"accelerometer: {sensor.name}, {1e3 * sensor.mass_kg:g} g, to {sensor.range_m_s2:g} m/s²",
+        f"time: some {made.minutes:.0f} minutes",
+    ]
+    if made.by_capsules:
+        lines.append("collisions: by capsules between the joints; look before you move")
+    if made.touching:
+        lines.append(f"not checked, they meet in all postures: {'; '.join(made.touching)}")
+    for number, leg in enumerate(made.legs, start=2):
+        if leg.stops_rad is None:
+            lines.append(f"to test {number}: no free straight way found, move joint by joint")
+        elif leg.stops_rad:
+            by = "; ".join(_angles(stop) for stop in leg.stops_rad)
+            lines.append(f"to test {number}: go by {by} degrees")
+    return lines
 
 
 def _gravity(plan: SelectivePlan) -> Table:

@@ -104,7 +104,7 @@ def test_the_first_further_test_leaves_the_smallest_deviations_of_all(
     others = random_postures(arm, 12, np.random.default_rng(4), still=(0,))
     others = others[clear_postures(ArmBatch(arm), others, Clearance())]
     papers = [q[None] for q in np.deg2rad(PAPER_DEG)]
-    monkeypatch.setattr(selective, "isolating_postures", lambda *_: papers)
+    monkeypatch.setattr(selective, "isolating_postures", lambda *_, **__: papers)
     monkeypatch.setattr(selective, "random_postures", lambda *_, **__: others)
     plan = plan_tests(arm, elastic, np.random.default_rng(1), instruments=tools, n_tests=6)
     needed = plan.tests[: plan.n_needed]

@@ -117,6 +117,21 @@ def test_a_broken_xacro_is_one_fault_with_its_reason(inside, tmp_path):
     assert "Traceback" not in fault.text
 
 
+def test_a_broken_xacro_names_its_arguments_without_a_value(tmp_path):
+    pytest.importorskip("xacrodoc")
+    path = tmp_path / "a.xacro"
+    path.write_text(
+        '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="file" '
+        'default=""/><xacro:arg name="set" default="1"/><xacro:property name="v" '
+        "value=\"${xacro.load_yaml('$(arg file)')}\"/><link name=\"${v['x']}\"/></robot>"
+    )
+    said = Remarks()
+    assert read_robot(path, said) is None
+    (fault,) = said.of("fault")
+    assert "without a value: file, give it with --arg" in fault.text
+    assert "Errno" not in fault.text
+
+
 def test_a_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "a.step"
     path.write_text("ISO-10303-21;")

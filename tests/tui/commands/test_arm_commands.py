@@ -96,7 +96,7 @@ def test_a_plan_is_written_beside_the_papers_postures_and_a_session_can_run_it(
 ):
     path = tmp_path / "plan.toml"
     value, shown = told_to_machines_and_people(
-        monkeypatch, "plan", "plan_tests", "plan", "viper_s650", "--tests", "3", "--out", str(path)
+        monkeypatch, "plan", "made_plan", "plan", "viper_s650", "--tests", "3", "--out", str(path)
     )
     assert "Tests for viper_s650: the first " in " ".join(shown.split())
     for mode in value["tests"][0]["modes"]:

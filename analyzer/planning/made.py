@@ -1,0 +1,128 @@
+"""A plan that can be run: free postures, ways between them, equipment, time, what it tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.own_arm.bodies import ArmBody
+from armodal.analyzer.own_arm.room_of_arm import room_of_arm
+from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.duration import minutes
+from armodal.analyzer.planning.equipment import Chosen, chosen_equipment
+from armodal.analyzer.planning.plan_text import plan_text
+from armodal.analyzer.planning.room import Room
+from armodal.analyzer.planning.route import Leg, route, wound
+from armodal.analyzer.planning.selective import SelectivePlan, plan_tests
+from armodal.analyzer.planning.tolerance import inertia_std
+from armodal.analyzer.workspace.postures import random_postures
+from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import EstimateError
+from armodal.protocols.plan import plan_from_text
+from armodal.protocols.sensors_file import Equipment
+
+__all__ = ["MadePlan", "made_plan"]
+
+Array = npt.NDArray[np.float64]
+
+_N_LOOKED = 400  # random postures of which the free ones tell the arm's scale
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MadePlan:
+    """A plan with everything that is to be known before it is run."""
+
+    plan: SelectivePlan
+    text: str
+    equipment: Chosen
+    legs: tuple[Leg, ...]
+    minutes: float
+    inertia_std: Array  # (n,) relative, of each elastic joint's k, by the arm's tolerances alone
+    touching: tuple[str, ...]  # pairs of bodies that meet in all postures, not checked
+    by_capsules: bool  # whether capsules stand for links of which nothing is drawn
+
+
+def made_plan(
+    arm: Arm,
+    elastic: ElasticJoints,
+    rng: np.random.Generator,
+    *,
+    name: str,
+    bodies: Sequence[ArmBody],
+    floor_m: float | None,
+    equipment: Equipment,
+    n_tests: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> MadePlan:
+    """Find a plan that can be run.
+
+    Parameters
+    ----------
+    bodies
+        The arm's, base first (`bodies_of_arm`).
+    floor_m
+        Height of the floor; where it is None the arm's keep-outs, and without any a floor at 0.
+
+    Raises
+    ------
+    EstimateError
+        If no posture is free, or no point takes a hit for every joint.
+    PlanError
+        If no accelerometer fits.
+    """
+    floor = floor_m if floor_m is not None or arm.keep_outs else 0.0
+    found = room_of_arm(arm, bodies, floor_m=floor)
+    room: Room = found.room
+    postures = random_postures(arm, _N_LOOKED, rng)
+    postures = postures[room.free(postures)]
+    if not len(postures):
+        met = found.collisions.met(random_postures(arm, 1, rng)[0])
+        raise EstimateError(
+            f"no posture of arm '{arm.name}' is free: in one tried {', '.join(met)} meet; check "
+            "the joints' ranges, the keep-outs and the floor"
+        )
+    chosen = chosen_equipment(Superset(arm), elastic, postures, equipment)
+    clearance = None
+    if not found.base_drawn:
+        clearance = Clearance(floor_m=0.0 if floor is None else floor)
+    plan = plan_tests(
+        arm,
+        elastic,
+        rng,
+        clearance=clearance,
+        room=room,
+        instruments=chosen.instruments,
+        n_tests=n_tests,
+        progress=progress,
+    )
+    plan = _wound(plan)
+    legs = route(arm, [test.joints_rad for test in plan.tests], room, rng)
+    text = plan_text(plan, name, equipment=chosen, legs=legs)
+    collisions = found.collisions
+    return MadePlan(
+        plan=plan,
+        text=text,
+        equipment=chosen,
+        legs=legs,
+        minutes=minutes(plan_from_text(text, arm)),
+        inertia_std=inertia_std(plan),
+        touching=tuple(
+            f"{collisions.name(a)} and {collisions.name(b)}" for a, b in collisions.touching
+        ),
+        by_capsules=not found.drawn,
+    )
+
+
+def _wound(plan: SelectivePlan) -> SelectivePlan:
+    """The same postures, each with its joints turned as near to the one before as can be."""
+    near = np.array([0.5 * (low + high) for low, high in (j.range_rad for j in plan.arm.joints)])
+    tests = []
+    for test in plan.tests:
+        near = wound(plan.arm, test.joints_rad, near)
+        tests.append(replace(test, joints_rad=near))
+    return replace(plan, tests=tuple(tests))
