@@ -56,7 +56,7 @@ def acquire_command(
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
     the_arm = load_arm(arm)
-    if operator is not None and not resume:
+    if operator is not None and can and not resume:
         the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
     told_rad = told_tolerance_rad(by_hand, can)
