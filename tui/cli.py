@@ -44,6 +44,7 @@ MODULES = {
     "gap": "gap",
     "gap-study": "gap_study",
     "check": "check",
+    "can": "can",
 }
 OF_DEVICES = frozenset({"demo", "sim", "acquire", "run"})
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import multiprocessing
+import select
 import socket
 import time
 from collections.abc import Callable
@@ -181,6 +182,13 @@ class ScriptedOperator:
         if prompt.kind is PromptKind.POSTURE and self._tells_posture:
             return ToldPosture()
         return Ready() if prompt.kind is PromptKind.POINT else None
+
+    @property
+    def listens(self) -> bool:
+        """Whether its laboratory is still there."""
+        readable, _, _ = select.select([self._socket], [], [], 0.0)
+        # Between requests nothing comes but the end.
+        return not readable
 
     def close(self) -> None:
         """Hang up."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from armodal.analyzer.calibration.calibrate import Calibration
+from armodal.analyzer.reproduce.file_002_errors import errors_of_table_4, workspace_radius
 from armodal.analyzer.reproduce.file_002_mass import couplings, figure_3, gravity
-from armodal.analyzer.reproduce.file_002_tables import PAPER, table_2, table_4
+from armodal.analyzer.reproduce.file_002_tables import PAPER, VALIDATION, table_2, table_4
 from armodal.analyzer.reproduce.file_002_workspace import figures_12_13, figures_14_16
 from armodal.analyzer.reproduce.records import Figure, not_derivable
 from armodal.protocols.arm.records import Arm
@@ -31,6 +32,8 @@ def figures_002(
     return [
         *table_2(calibrated),
         *table_4(calibrated, predicting, calibration),
+        *errors_of_table_4(VALIDATION),
+        workspace_radius(calibrated),
         *couplings(predicting),
         *gravity(calibrated),
         *figure_3(calibrated, n_postures),

@@ -13,7 +13,7 @@ from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.spectrum import elastic_joints, spectrum, spectrum_of_mass
 from armodal.protocols.arm.records import Arm
 
-__all__ = ["PAPER", "TESTS_DEG", "table_2", "table_4"]
+__all__ = ["PAPER", "TESTS_DEG", "VALIDATION", "table_2", "table_4"]
 
 PAPER = "002"
 # Table 1, degrees.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-__all__ = ["Figure", "Status", "compared", "not_derivable", "statement"]
+__all__ = ["Figure", "FittedModel", "Status", "compared", "not_derivable", "statement"]
 
 
 class Status(StrEnum):
@@ -13,10 +13,22 @@ class Status(StrEnum):
 
     PREDICTED = "predicted"  # from a model that never saw it
     CALIBRATED_TO = "calibrated-to"  # it was a target of the model
+    SISTER = "sister paper"  # from a model made of another paper's figures of the same arm
+    GEOMETRY = "by geometry"  # a statement that holds whatever the inertias and stiffnesses are
     RECOMPUTED = "recomputed"  # from other figures of the same print, by its own equation
     ERRATUM = "erratum"  # the print is wrong; ours is shown with the reason
     NOT_DERIVABLE = "not derivable"  # the print does not hold what it would take
     DIFFERS = "differs"  # further off than the margin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FittedModel:
+    """What a model was fitted to: how many parameters to how many figures."""
+
+    arm: str
+    parameters: int
+    figures: int
+    words: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.workspace.batch import ArmBatch
-from armodal.analyzer.workspace.meridian import ELBOWS, meridian_plane
+from armodal.analyzer.workspace.meridian import ELBOWS, MeridianPlane, meridian_plane
 from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum
 from armodal.protocols.arm.records import Arm
 
@@ -29,12 +29,13 @@ class FrequencyMap:
     joints_rad: Array  # (2, n_vertical, n_horizontal, n_joints)
     f_hz: Array  # (2, n_vertical, n_horizontal, n_modes)
     damping_ratio: Array  # as f_hz
+    notes: tuple[str, ...]  # where the wrist's centre is, and what is held
 
 
 def map_frequencies(
     arm: Arm, elastic: ElasticJoints, *, n_lines: int = 121, batch: ArmBatch | None = None
 ) -> FrequencyMap:
-    """Map frequencies and damping over the wrist's reach, joints 1 and 4 on at zero.
+    """Map frequencies and damping over the wrist's reach, all but shoulder and elbow held.
 
     Parameters
     ----------
@@ -64,4 +65,24 @@ def map_frequencies(
         joints_rad=q,
         f_hz=f_hz,
         damping_ratio=damping,
+        notes=_notes(plane),
     )
+
+
+def _notes(plane: MeridianPlane) -> tuple[str, ...]:
+    arm, moved = plane.arm, (plane.shoulder, plane.elbow)
+    notes = [plane.wrist.words(arm)]
+    turned = [i for i in range(plane.shoulder + 1, plane.elbow) if i not in moved]
+    if turned:
+        names = ", ".join(arm.joints[i].name for i in turned)
+        notes.append(
+            f"maps are over {arm.joints[plane.shoulder].name} and {arm.joints[plane.elbow].name}: "
+            f"{names} can turn the elbow out of the plane, and is held"
+        )
+    away = [i for i in range(len(arm.joints)) if plane.held_rad[i] != 0.0]
+    if away:
+        told = ", ".join(
+            f"{arm.joints[i].name} at {np.degrees(plane.held_rad[i]):.0f} deg" for i in away
+        )
+        notes.append(f"in the maps, since zero is out of their range: {told}")
+    return tuple(notes)

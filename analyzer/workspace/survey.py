@@ -73,6 +73,7 @@ def survey_workspace(
         )
     try:
         mapped = map_frequencies(arm, elastic, batch=batch)
+        notes += mapped.notes
     except ArmError as problem:
         notes.append(str(problem))
     return WorkspaceSurvey(study=study, sweep=sweep, mapped=mapped, notes=tuple(notes))

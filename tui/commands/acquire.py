@@ -14,7 +14,7 @@ from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.daq.events import Event
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.errors import SessionError
+from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
 from armodal.tui.commands.options import ByHand, told_tolerance_rad
@@ -56,7 +56,7 @@ def acquire_command(
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
     the_arm = load_arm(arm)
-    if operator is not None and not resume:
+    if operator is not None and can and not resume:
         the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
     told_rad = told_tolerance_rad(by_hand, can)
@@ -89,7 +89,15 @@ def acquire_command(
             )
             keep.callback(script.close)
             person = script
-        finished = acquire(settings, person, show_event)
+        try:
+            finished = acquire(settings, person, show_event)
+        except ArmodalError as error:
+            if not isinstance(person, ScriptedOperator) or person.listens:
+                raise
+            raise DeviceLostError(
+                f"the simulated laboratory of {operator} has ended; armodal sim says why where it "
+                f"ran. Accepted hits are in {journal}: start it again, and go on with --resume"
+            ) from error
     session_path = journal.with_suffix(".h5")
     superset = Superset(the_arm)
     rebuild(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
@@ -11,11 +12,12 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from armodal.analyzer.calibration.calibrate import Calibration
 from armodal.analyzer.calibration.from_file import calibrate_from_file
 from armodal.analyzer.reproduce.file_000 import figures_000
-from armodal.analyzer.reproduce.file_001 import figures_001
+from armodal.analyzer.reproduce.file_001 import figures_001, own_inertias
 from armodal.analyzer.reproduce.file_002 import figures_002
-from armodal.analyzer.reproduce.records import Figure, Status
+from armodal.analyzer.reproduce.records import Figure, FittedModel, Status
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
 from armodal.protocols.inertia_targets import load_inertia_targets
 from armodal.tui.console import Json, out, print_json, say
@@ -28,19 +30,57 @@ TARGETS = ARMS_DIRECTORY.parent / "targets"
 STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
 
 
-def reproduce_papers(n_postures: int, tell: Callable[[str], None]) -> list[Figure]:
-    """Compute every figure of the three papers on the shipped arms."""
+def reproduce_papers(
+    n_postures: int, tell: Callable[[str], None]
+) -> tuple[list[Figure], list[FittedModel]]:
+    """Compute every figure of the three papers, and tell what the arms were fitted to."""
     calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
     bare = load_arm(TARGETS / "viper_s650-uncalibrated.toml")
     targets = load_inertia_targets(TARGETS / "viper_s650-without-table4.toml", bare)
     tell("file 000: three joints and a structural compliance of the RV-4FRL")
     figures = [*figures_000(load_arm("rv4frl"))]
     tell("file 001: three joints of the Viper and its Mozzi axis")
-    figures += figures_001(predicting)
+    own = own_inertias(bare, targets)
+    figures += figures_001(predicting, own)
     tell("the Viper's inertias from the figures of file 002")
     calibration = calibrate_from_file(bare, targets)
     tell(f"file 002: five joints of the Viper, {n_postures} postures")
-    return figures + figures_002(calibrated, predicting, calibration, n_postures=n_postures)
+    figures += figures_002(calibrated, predicting, calibration, n_postures=n_postures)
+    more = load_inertia_targets(TARGETS / "viper_s650-with-table4.toml", bare)
+    n_more = sum(len(modes.f_hz) + len(modes.damping_percent) for modes in more.modes)
+    met = _n_figures(calibration)
+    with_priors = "numbers of the links' inertias, each with a prior, fitted to the total mass"
+    models = [
+        FittedModel(
+            arm="rv4frl",
+            parameters=1,
+            figures=3,
+            words="one density of all links, fitted to the three inertias of file 000, Table 4",
+        ),
+        FittedModel(
+            arm="viper_s650-without-table4",
+            parameters=calibration.u.size,
+            figures=met,
+            words=f"{with_priors}, five inertias and two zeros of file 002",
+        ),
+        FittedModel(
+            arm="viper_s650",
+            parameters=calibration.u.size,
+            figures=met + n_more,
+            words="the same, fitted to file 002's Table 4 as well",
+        ),
+        FittedModel(
+            arm="viper_s650 by file 001",
+            parameters=own.u.size,
+            figures=_n_figures(own),
+            words=f"{with_priors} and the three inertias of file 001, Table 2",
+        ),
+    ]
+    return figures, models
+
+
+def _n_figures(calibration: Calibration) -> int:
+    return sum(pull.size for _, pull in calibration.pulls)
 
 
 def figure_json(figure: Figure) -> dict[str, Any]:
@@ -110,10 +150,15 @@ def reproduce_command(
 
     Example: armodal reproduce --json
     """
-    figures = reproduce_papers(postures, say)
+    figures, models = reproduce_papers(postures, say)
     if as_json:
         rows: list[dict[str, Any]] = [figure_json(figure) for figure in figures]
-        print_json({"figures": rows})
+        print_json({"figures": rows, "models": [asdict(model) for model in models]})
         return
     for table in figure_tables(figures):
         out.print(table)
+    for model in models:
+        out.print(
+            f"{model.arm}: {model.parameters} parameter(s) fitted to {model.figures} figures: "
+            f"{model.words}"
+        )

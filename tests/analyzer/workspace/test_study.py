@@ -105,7 +105,7 @@ def test_a_place_out_of_reach_is_said_with_the_reach(arm):
 def test_an_arm_without_parallel_joints_has_no_meridian_plane(arm):
     joints = list(arm.joints)
     joints[2] = replace(joints[2], axis=np.array([1.0, 0.0, 0.0]))
-    with pytest.raises(ArmError, match="not parallel"):
+    with pytest.raises(ArmError, match="joint_2 of arm 'rv4frl' and none of joint_3 are parallel"):
         meridian_plane(replace(arm, joints=tuple(joints)))
 
 

@@ -66,6 +66,11 @@ def test_every_published_figure_has_a_status_and_only_denied_statements_differ(m
     figures, shown = told_to_machines_and_people(
         monkeypatch, "reproduce", "reproduce_papers", "reproduce", "--postures", "20000"
     )
+    models = {model["arm"]: model for model in figures["models"]}
+    assert (models["rv4frl"]["parameters"], models["rv4frl"]["figures"]) == (1, 3)
+    # Six links of ten numbers and the base's mass; Table 4 has 20 figures.
+    two = [models[name] for name in ("viper_s650-without-table4", "viper_s650")]
+    assert [(m["parameters"], m["figures"]) for m in two] == [(61, 8), (61, 28)]
     figures = figures["figures"]
     for status, number in Counter(figure["status"] for figure in figures).items():
         assert re.search(rf"^ *{status} +{number} *$", shown, re.MULTILINE)
@@ -83,7 +88,15 @@ def test_every_published_figure_has_a_status_and_only_denied_statements_differ(m
         "erratum",
         "not derivable",
         "differs",
+        "sister paper",
+        "by geometry",
     }
+    fitted = [f for f in figures if f["paper"] == "000" and f["status"] == "calibrated-to"]
+    assert len(fitted) == 9  # six of Table 4 by one density, three of Table 3 by all joints
+    assert not [f for f in figures if f["paper"] == "000" and f["status"] == "predicted"]
+    of_001 = [f for f in figures if f["paper"] == "001" and f["table"] == "Table 3"]
+    # The three numerical frequencies from the paper's own three inertias.
+    assert [round(f["ours"], 1) for f in of_001] == [15.2, 15.9, 39.2]
     predicted = [f for f in figures if f["table"] == "Table 4" and f["status"] == "predicted"]
     # Two standard deviations hold 95 %: 19 of 20; two damping ratios are printed to 0.1 points.
     pulls = [abs(f["ours"] - f["published"]) / f["ours_std"] for f in predicted if f["ours_std"]]
