@@ -82,7 +82,7 @@ class _LabWatch:
     """Board and bus as far as they are there."""
 
     def __init__(self, settings: AcquisitionSettings, outbox: Outbox, clock: Clock) -> None:
-        if settings.told_tolerance_rad is None:
+        if settings.told_tolerance_rad is None and not settings.ur_address:
             can_mapping(settings.arm)
         self._settings = settings
         self._outbox = outbox
@@ -147,8 +147,7 @@ class _LabWatch:
                 self._tell_trouble("board", str(error))
             else:
                 self._tell_trouble("board", None)
-        told = self._settings.told_tolerance_rad is not None
-        if self._joints is None and (told or self._settings.can_channel):
+        if self._joints is None and self._settings.has_joint_source:
             try:
                 self._joints = open_joints(self._settings, Surroundings.of(self._settings))
             except ArmodalError as error:

@@ -10,6 +10,7 @@ __all__ = [
     "ArmodalError",
     "BoardRefusedError",
     "CanError",
+    "ControllerError",
     "DeviceLostError",
     "DeviceTimeoutError",
     "EstimateError",
@@ -51,6 +52,10 @@ class BoardRefusedError(ArmodalError, ValueError):
 
 class CanError(ArmodalError, ValueError):
     """A CAN database, adapter or frame that cannot be used."""
+
+
+class ControllerError(ArmodalError, ValueError):
+    """A robot's controller that cannot be listened to."""
 
 
 class ArmError(ArmodalError, ValueError):
