@@ -26,9 +26,9 @@ from armodal.daq.losses import LossTally
 from armodal.daq.open_joints import can_mapping, open_joints
 from armodal.daq.outbox import Outbox
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
-from armodal.daq.serial_port import SerialPort
+from armodal.daq.serial_port import BytePort
 from armodal.daq.settings import AcquisitionSettings
-from armodal.daq.surroundings import Surroundings
+from armodal.daq.surroundings import Surroundings, open_board
 from armodal.protocols.errors import ArmodalError
 
 __all__ = ["run_lab_watch"]
@@ -88,7 +88,7 @@ class _LabWatch:
         self._outbox = outbox
         self._clock = clock
         self._losses = LossTally()
-        self._port: SerialPort | None = None
+        self._port: BytePort | None = None
         self._board: BoardSession | None = None
         self._joints: JointSource | None = None
         self._trouble: dict[str, str | None] = {}
@@ -158,7 +158,7 @@ class _LabWatch:
 
     def _open_board(self) -> None:
         settings = self._settings
-        self._port = SerialPort(settings.board_port, baud=settings.board_baud)
+        self._port = open_board(settings)
         link = BoardLink(
             self._port,
             self._clock,

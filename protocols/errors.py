@@ -16,6 +16,7 @@ __all__ = [
     "EstimateError",
     "ForeignFileError",
     "FrameError",
+    "FrontEndError",
     "JournalError",
     "MissingPackageError",
     "PlanError",
@@ -56,6 +57,10 @@ class CanError(ArmodalError, ValueError):
 
 class ControllerError(ArmodalError, ValueError):
     """A robot's controller that cannot be listened to."""
+
+
+class FrontEndError(ArmodalError, ValueError):
+    """A front-end file, or what it names, that cannot be used."""
 
 
 class ArmError(ArmodalError, ValueError):
