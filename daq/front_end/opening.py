@@ -7,13 +7,19 @@ from pathlib import Path
 
 from armodal.daq.clock import Clock
 from armodal.daq.front_end.board import FrontEndPort
+from armodal.daq.front_end.ni import NiModule
 from armodal.daq.front_end.replay import Replay
+from armodal.daq.front_end.sound import SoundCard
 from armodal.daq.front_end.source import SampleSource
 from armodal.protocols.front_end import FrontEnd, load_front_end
 
 __all__ = ["is_front_end", "open_front_end", "open_source"]
 
-_SOURCES: dict[str, Callable[[FrontEnd], SampleSource]] = {"replay": Replay}
+_SOURCES: dict[str, Callable[[FrontEnd], SampleSource]] = {
+    "replay": Replay,
+    "sound": SoundCard,
+    "ni": NiModule,
+}
 
 
 def is_front_end(port: str) -> bool:

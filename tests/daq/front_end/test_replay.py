@@ -103,7 +103,9 @@ def test_a_session_is_captured_from_a_file(lab, fakes, tmp_path):
     hit = run.judged()
     run.end()
     assert hit.verdict.reasons == ()
-    assert hit.verdict.peak_n == pytest.approx(200.0 * math.cos(math.pi / 10), abs=20.0)  # half a sample off the top
+    assert hit.verdict.peak_n == pytest.approx(
+        200.0 * math.cos(math.pi / 10), abs=20.0
+    )  # half a sample off the top
     (kept,) = load_journal(lab.journal).hits[:1]
     lead = kept.trigger_sample - kept.first_sample
     assert lead == lab.plan.sampling.pretrigger
