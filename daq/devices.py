@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from armodal.daq.front_end.ni import ni_package
+from armodal.daq.front_end.opendaq import opendaq_package
 from armodal.daq.front_end.sound import sound_package
 from armodal.daq.ports import FoundPort, find_ports
 from armodal.protocols.c.build import compilers, is_current
@@ -23,7 +24,7 @@ CAN_NETWORK = "280"  # ARPHRD_CAN of Linux, linux/if_arp.h
 class FoundDevice:
     """A device, the address it is given by, and its own words."""
 
-    kind: str  # "serial", "can", "sound", "ni"
+    kind: str  # "serial", "can", "sound", "ni", "opendaq"
     address: str
     description: str
 
@@ -41,7 +42,7 @@ def find_devices(
     serial: Callable[[], tuple[FoundPort, ...]] = find_ports,
     networks: Path = NETWORKS,
 ) -> tuple[tuple[FoundDevice, ...], tuple[MissingDevice, ...]]:
-    """Look for devices; nothing is opened, nothing is sent.
+    """Look for devices; none is opened. openDAQ asks its network who is there.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def find_devices(
     ]
     found += _can_networks(networks)
     missing = []
-    for kind, look in (("sound", _sound_cards), ("ni", _ni_modules)):
+    for kind, look in (("sound", _sound_cards), ("ni", _ni_modules), ("opendaq", _opendaq_devices)):
         try:
             found += look()
         except MissingPackageError as error:
@@ -94,6 +95,14 @@ def _sound_cards() -> list[FoundDevice]:
         )
         for i, card in enumerate(cards)
         if card["max_input_channels"] > 0
+    ]
+
+
+def _opendaq_devices() -> list[FoundDevice]:
+    instance = opendaq_package().Instance()
+    return [
+        FoundDevice(kind="opendaq", address=device.connection_string, description=device.name)
+        for device in instance.available_devices
     ]
 
 

@@ -28,6 +28,11 @@ __all__ = ["FrontEnd", "front_end_from_text", "load_front_end"]
 
 _LIMIT = 128 * 1024
 _UNITS = {"force": "N", "acceleration": "m/s^2"}
+_SOURCES = {
+    "replay": "the file to replay",
+    "ni": "a module, such as cDAQ1Mod1",
+    "opendaq": "a connection string, such as daq.nd://192.168.1.20",
+}
 _OF_NUMBERS = ("replay", "sound")  # devices whose inputs are counted, and which know no volts
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -48,7 +53,7 @@ class _ChannelTable(FileModel):
 
 class _FrontEndTable(FileModel):
     format: Literal["armodal-front-end-1"]
-    device: Literal["replay", "sound", "ni"]
+    device: Literal["replay", "sound", "ni", "opendaq"]
     source: Annotated[str, Field(max_length=256)] = ""
     range_v: Positive | None = None
     filter_group_delay_samples: Annotated[float, Field(ge=0.0)] = 0.0
@@ -133,12 +138,11 @@ def front_end_from_text(text: str, *, name: str, origin: str) -> FrontEnd:
 def _check_devices(table: _FrontEndTable, origin: str) -> None:
     """Refuse what the device has not."""
     if table.device != "sound" and not table.source:
-        what = "the file to replay" if table.device == "replay" else "a module, such as cDAQ1Mod1"
-        refuse(FrontEndError, origin, "source", wanted=what, got=table.source)
+        refuse(FrontEndError, origin, "source", wanted=_SOURCES[table.device], got=table.source)
     for i, channel in enumerate(table.channels):
         counted = table.device in _OF_NUMBERS
         if isinstance(channel.input, int) != counted:
-            wanted = "a number, 1 for the first" if counted else "a name of the module's, as ai0"
+            wanted = "a number, 1 for the first" if counted else "a name of the device's, as ai0"
             refuse(FrontEndError, origin, f"channels[{i}].input", wanted=wanted, got=channel.input)
         if table.device == "ni" and channel.sensitivity_mv is None:
             path = f"channels[{i}].sensitivity_mv"

@@ -8,6 +8,7 @@ from pathlib import Path
 from armodal.daq.clock import Clock
 from armodal.daq.front_end.board import FrontEndPort
 from armodal.daq.front_end.ni import NiModule
+from armodal.daq.front_end.opendaq import OpenDaqDevice
 from armodal.daq.front_end.replay import Replay
 from armodal.daq.front_end.sound import SoundCard
 from armodal.daq.front_end.source import SampleSource
@@ -19,6 +20,7 @@ _SOURCES: dict[str, Callable[[FrontEnd], SampleSource]] = {
     "replay": Replay,
     "sound": SoundCard,
     "ni": NiModule,
+    "opendaq": OpenDaqDevice,
 }
 
 

@@ -50,7 +50,12 @@ def test_a_sensitivity_and_the_range_make_the_scale():
 @pytest.mark.parametrize(
     ("text", "change", "to", "words"),
     [
-        (REPLAY, 'device = "replay"', 'device = "hbk"', "device: wanted 'replay', 'sound' or 'ni'"),
+        (
+            REPLAY,
+            'device = "replay"',
+            'device = "hbk"',
+            "device: wanted 'replay', 'sound', 'ni' or 'opendaq'",
+        ),
         (REPLAY, 'source = "hits.wav"', "", "source: wanted the file to replay"),
         (REPLAY, "input = 2", "input = 1", r"channels\[1\].input: wanted each once, got 1"),
         (REPLAY, "input = 2", 'input = "ai0"', "wanted a number, 1 for the first, got 'ai0'"),
@@ -59,7 +64,7 @@ def test_a_sensitivity_and_the_range_make_the_scale():
         (REPLAY, "full_scale = 838.8607", "full_scale = 0.0", "that is not 0"),
         (REPLAY, "2026-03-02", "in March", "wanted a date, as 2026-03-02, got 'in March'"),
         (REPLAY, "full_scale = 838.8607", "sensitivity_mv = 2.0", "range_v: wanted the inputs'"),
-        (NI, 'input = "ai0"', "input = 1", "wanted a name of the module's, as ai0, got 1"),
+        (NI, 'input = "ai0"', "input = 1", "wanted a name of the device's, as ai0, got 1"),
         (NI, "sensitivity_mv = 2.25", "full_scale = 2.0", "sensitivity_mv: wanted mV per N"),
         (NI, "sensitivity_mv = 2.25", "sensitivity = 2.0", "unknown key 'sensitivity' .*_mv"),
     ],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 import typer
-from rich.table import Table
+from rich.table import Column, Table
 
 from armodal.daq.devices import find_devices
 from armodal.tui.console import Json, err, out, print_json
@@ -19,14 +19,15 @@ _USES = {
     "can": "--can",
     "sound": "source of a front-end file",
     "ni": "source of a front-end file",
+    "opendaq": "source of a front-end file",
 }
 
 
 @app.command("devices")
 def devices_command(as_json: Json = False) -> None:
-    """List boards, CAN adapters, sound cards and NI modules; say what is missing for others.
+    """List boards, CAN adapters, sound cards, NI and openDAQ devices, and what is missing.
 
-    Nothing is opened. A Universal Robots controller is given by its address (--ur), a file to
+    None is opened. A Universal Robots controller is given by its address (--ur), a file to
     replay by its front-end file.
 
     Example: armodal devices
@@ -35,7 +36,9 @@ def devices_command(as_json: Json = False) -> None:
     if as_json:
         print_json({"found": [asdict(d) for d in found], "missing": [asdict(m) for m in missing]})
         return
-    table = Table("device", "address", "given as", "what it says of itself")
+    table = Table(
+        "device", Column("address", overflow="fold"), "given as", "what it says of itself"
+    )
     for device in found:
         table.add_row(device.kind, device.address, _USES[device.kind], device.description)
     if found:
