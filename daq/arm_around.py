@@ -47,7 +47,7 @@ class ArmAround:
         if reading.joints_rad is None:
             return None
         off_rad = largest_difference_rad(reading.joints_rad, posture.joints_rad)
-        return off_rad > self._allowed_rad(posture)
+        return bool(off_rad > self._allowed_rad(posture))
 
     def is_still(self, posture: PlannedPosture, now_s: float) -> bool:
         """Whether the arm has not moved for as long as it must stand still."""

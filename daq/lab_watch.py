@@ -26,9 +26,9 @@ from armodal.daq.losses import LossTally
 from armodal.daq.open_joints import can_mapping, open_joints
 from armodal.daq.outbox import Outbox
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
-from armodal.daq.serial_port import SerialPort
+from armodal.daq.serial_port import BytePort
 from armodal.daq.settings import AcquisitionSettings
-from armodal.daq.surroundings import Surroundings
+from armodal.daq.surroundings import Surroundings, open_board
 from armodal.protocols.errors import ArmodalError
 
 __all__ = ["run_lab_watch"]
@@ -82,13 +82,13 @@ class _LabWatch:
     """Board and bus as far as they are there."""
 
     def __init__(self, settings: AcquisitionSettings, outbox: Outbox, clock: Clock) -> None:
-        if settings.told_tolerance_rad is None:
+        if settings.told_tolerance_rad is None and not settings.ur_address:
             can_mapping(settings.arm)
         self._settings = settings
         self._outbox = outbox
         self._clock = clock
         self._losses = LossTally()
-        self._port: SerialPort | None = None
+        self._port: BytePort | None = None
         self._board: BoardSession | None = None
         self._joints: JointSource | None = None
         self._trouble: dict[str, str | None] = {}
@@ -147,8 +147,7 @@ class _LabWatch:
                 self._tell_trouble("board", str(error))
             else:
                 self._tell_trouble("board", None)
-        told = self._settings.told_tolerance_rad is not None
-        if self._joints is None and (told or self._settings.can_channel):
+        if self._joints is None and self._settings.has_joint_source:
             try:
                 self._joints = open_joints(self._settings, Surroundings.of(self._settings))
             except ArmodalError as error:
@@ -159,7 +158,7 @@ class _LabWatch:
 
     def _open_board(self) -> None:
         settings = self._settings
-        self._port = SerialPort(settings.board_port, baud=settings.board_baud)
+        self._port = open_board(settings)
         link = BoardLink(
             self._port,
             self._clock,

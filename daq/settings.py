@@ -25,6 +25,7 @@ class AcquisitionSettings:
     board_port : path of the board's serial line
     board_baud : bit rate of a UART; without meaning for USB lines and pseudo-terminals
     can_channel : path of a serial CAN adapter, or interface:channel of python-can
+    ur_address : HOST or HOST:PORT of a Universal Robots controller, in place of the bus
     told_tolerance_rad : joint angles are told by a person, to so much; None: they are measured
     journal : file to begin, or with `resume` to go on with
     time_scale : lab seconds per second; 1 in a real laboratory
@@ -44,6 +45,7 @@ class AcquisitionSettings:
     plan: Plan
     journal: Path
     can_channel: str = ""
+    ur_address: str = ""
     told_tolerance_rad: float | None = None
     resume: bool = False
     board_baud: int = 921_600
@@ -62,6 +64,12 @@ class AcquisitionSettings:
     def __post_init__(self) -> None:
         """Refuse a time scale that no clock can have."""
         check_time_scale(self.time_scale)
+
+    @property
+    def has_joint_source(self) -> bool:
+        """Whether it is said where joint angles come from."""
+        told = self.told_tolerance_rad is not None
+        return told or bool(self.ur_address or self.can_channel)
 
     def blocks_in_memory(self, n_channels: int) -> int:
         """Return how many blocks may be put together at a time.

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any, Protocol
 
 from armodal.daq.can_listener import CanSource, open_can
 from armodal.daq.clock import Clock, SystemClock
 from armodal.daq.events import Event
+from armodal.daq.front_end import is_front_end, open_front_end
 from armodal.daq.outbox import Outbox
 from armodal.daq.serial_port import BytePort, SerialPort
 from armodal.daq.settings import AcquisitionSettings
 
-__all__ = ["EventQueue", "Surroundings"]
+__all__ = ["EventQueue", "Surroundings", "open_board"]
 
 
 class EventQueue(Protocol):
@@ -27,6 +29,13 @@ class EventQueue(Protocol):
 
     def finish(self, timeout_s: float) -> bool:
         """Send what is queued, for at most so many wall seconds; False if some was left."""
+
+
+def open_board(settings: AcquisitionSettings) -> BytePort:
+    """Open the board's line: a serial port, or a front end that becomes a board."""
+    if is_front_end(settings.board_port):
+        return open_front_end(Path(settings.board_port), SystemClock(settings.time_scale))
+    return SerialPort(settings.board_port, baud=settings.board_baud)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +58,7 @@ class Surroundings:
         """Return those of a real laboratory, or one on this machine's pseudo-terminals."""
         return cls(
             clock=SystemClock(settings.time_scale),
-            open_board=lambda s: SerialPort(s.board_port, baud=s.board_baud),
+            open_board=open_board,
             open_can=lambda s, bitrate: open_can(s.can_channel, bitrate),
             make_outbox=Outbox,
         )

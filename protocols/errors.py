@@ -10,11 +10,13 @@ __all__ = [
     "ArmodalError",
     "BoardRefusedError",
     "CanError",
+    "ControllerError",
     "DeviceLostError",
     "DeviceTimeoutError",
     "EstimateError",
     "ForeignFileError",
     "FrameError",
+    "FrontEndError",
     "JournalError",
     "MissingPackageError",
     "PlanError",
@@ -51,6 +53,14 @@ class BoardRefusedError(ArmodalError, ValueError):
 
 class CanError(ArmodalError, ValueError):
     """A CAN database, adapter or frame that cannot be used."""
+
+
+class ControllerError(ArmodalError, ValueError):
+    """A robot's controller that cannot be listened to."""
+
+
+class FrontEndError(ArmodalError, ValueError):
+    """A front-end file, or what it names, that cannot be used."""
 
 
 class ArmError(ArmodalError, ValueError):

@@ -23,6 +23,7 @@ USER_ERROR = 2
 MODULES = {
     "demo": "demo",
     "sim": "sim",
+    "devices": "devices",
     "acquire": "acquire",
     "run": "run",
     "recover": "recover",
@@ -46,7 +47,7 @@ MODULES = {
     "check": "check",
     "can": "can",
 }
-OF_DEVICES = frozenset({"demo", "sim", "acquire", "run"})
+OF_DEVICES = frozenset({"demo", "sim", "devices", "acquire", "run"})
 
 
 class _Loaded(MutableMapping[str, Any]):

@@ -17,7 +17,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.options import ByHand, told_tolerance_rad
+from armodal.tui.commands.options import ByHand, UrAddress, told_tolerance_rad
 from armodal.tui.commands.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
@@ -39,6 +39,7 @@ def acquire_command(
     plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
     board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    ur: UrAddress = "",
     by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
@@ -50,8 +51,8 @@ def acquire_command(
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
 
-    Joint angles come from the controller's bus, or with --by-hand from you: you confirm or type
-    them at every posture, and every result says so.
+    Joint angles come from the controller's bus; with --ur from a Universal Robots controller by
+    RTDE; with --by-hand from you: you confirm or type them at every posture, and results say so.
 
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
@@ -59,16 +60,18 @@ def acquire_command(
     if operator is not None and can and not resume:
         the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
-    told_rad = told_tolerance_rad(by_hand, can)
-    if told_rad is None and not can:
+    told_rad = told_tolerance_rad(by_hand, can, ur)
+    if told_rad is None and not (can or ur):
         raise SessionError(
             "wanted where joint angles come from, got nothing: give --can with the port of the "
-            "controller's bus, or --by-hand with the degrees to which you read them yourself"
+            "controller's bus, --ur with the address of a Universal Robots controller, or "
+            "--by-hand with the degrees to which you read them yourself"
         )
     settings = AcquisitionSettings(
         board_port=board,
         board_baud=baud,
         can_channel=can,
+        ur_address=ur,
         told_tolerance_rad=told_rad,
         arm=the_arm,
         plan=the_plan,

@@ -17,6 +17,7 @@ __all__ = [
     "ByHand",
     "Seed",
     "SessionPath",
+    "UrAddress",
     "comma_numbers",
     "refuse_idle",
     "told_tolerance_rad",
@@ -35,21 +36,32 @@ ByHand = Annotated[
 ]
 
 
-def told_tolerance_rad(by_hand: float | None, can: str) -> float | None:
-    """The tolerance of angles told by hand, rad; None where the bus tells them.
+UrAddress = Annotated[
+    str,
+    typer.Option(
+        metavar="HOST[:PORT]", help="No bus: a Universal Robots controller tells them, by RTDE."
+    ),
+]
+
+
+def told_tolerance_rad(by_hand: float | None, can: str, ur: str) -> float | None:
+    """The tolerance of angles told by hand, rad; None where a device tells them or none is given.
 
     Raises
     ------
     SessionError
-        If there is a bus as well, or the tolerance is none.
+        If there is more than one source of joint angles, or the tolerance is none.
     """
+    person = None if by_hand is None else f"{by_hand:g}"
+    given = {"--can": can, "--ur": ur, "--by-hand": person}
+    named = [f"{option} {value}" for option, value in given.items() if value]
+    if len(named) > 1:
+        raise SessionError(
+            f"wanted joint angles from one source, got {', '.join(named)}: they are never mixed in "
+            "a session; leave all but one out"
+        )
     if by_hand is None:
         return None
-    if can:
-        raise SessionError(
-            f"wanted either --can or --by-hand, got both ({can}, {by_hand:g}): measured and told "
-            "angles are never mixed; leave one out"
-        )
     if not 0.0 < by_hand <= MOST_TOLD_DEG:
         raise SessionError(
             f"--by-hand: wanted degrees above 0 and at most {MOST_TOLD_DEG:g}, got {by_hand:g}; "

@@ -15,7 +15,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.options import ByHand, told_tolerance_rad
+from armodal.tui.commands.options import ByHand, UrAddress, told_tolerance_rad
 from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale
 from armodal.tui.screens.run.app import RunApp
@@ -35,6 +35,7 @@ def run_app(
     simulated: bool,
     board: str = "",
     can: str = "",
+    ur: str = "",
     by_hand: float | None = None,
     baud: int = 921_600,
     seed: int = 1,
@@ -67,7 +68,8 @@ def run_app(
         place=place,
         board=board,
         can=can,
-        told_rad=told_tolerance_rad(by_hand, can),
+        told_rad=told_tolerance_rad(by_hand, can, ur),
+        ur=ur,
         baud=baud,
         input_range_v=input_range_v,
         simulated=simulated,
@@ -90,6 +92,7 @@ def run_command(
     ] = Path("session.journal"),
     board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
+    ur: UrAddress = "",
     by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
@@ -115,6 +118,7 @@ def run_command(
             session=session,
             board=board,
             can=can,
+            ur=ur,
             by_hand=by_hand,
             baud=baud,
             simulated=simulated,

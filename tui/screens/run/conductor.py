@@ -69,6 +69,7 @@ class RunOptions:
     place: SessionPlace
     board: str = ""
     can: str = ""
+    ur: str = ""  # address of a Universal Robots controller, in place of the bus
     told_rad: float | None = None  # joint angles are told by the operator, to so much
     baud: int = 921_600
     input_range_v: float | None = None
@@ -77,6 +78,11 @@ class RunOptions:
     seed: int = 1
     time_scale: float = 1.0
     software: str = "armodal"
+
+    @property
+    def without_bus(self) -> bool:
+        """Whether joint angles come from elsewhere than a port of this computer."""
+        return bool(self.ur) or self.told_rad is not None
 
 
 class Conductor:
@@ -148,7 +154,7 @@ class Conductor:
         """Begin as it was asked for: simulated, with the ports given, or by looking for them."""
         if self.options.simulated:
             await self.simulate()
-        elif self.options.board and (self.options.can or self.options.told_rad is not None):
+        elif self.options.board and (self.options.can or self.options.without_bus):
             self._watch(
                 self.options.board, self.options.can, input_range_v=self.options.input_range_v
             )
@@ -179,7 +185,7 @@ class Conductor:
             return
         path = ports[number - 1][0]
         board = self.state.board_choice
-        if self.options.told_rad is not None:
+        if self.options.without_bus:
             self._watch(path, "", input_range_v=self.options.input_range_v)
         elif not board:
             self.tell(PortsFound(ports=ports, board_choice=path))
@@ -362,7 +368,7 @@ class Conductor:
         self.tell(
             LabWanted(
                 board_port=board,
-                can_channel=can,
+                can_channel=self.options.ur or can,
                 simulated=simulated,
                 input_range_v=input_range_v,
             )
@@ -373,7 +379,8 @@ class Conductor:
         return AcquisitionSettings(
             board_port=self.state.board_port,
             board_baud=self.options.baud,
-            can_channel=self.state.can_channel,
+            can_channel="" if self.options.without_bus else self.state.can_channel,
+            ur_address=self.options.ur,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,

@@ -1,0 +1,273 @@
+"""Joint angles of a Universal Robots controller by RTDE over TCP, listened to and never written.
+
+Three requests are sent, which ask for outputs to be told; none of them reaches the robot. The
+connection is not kept on this object: only its receiving half is.
+"""
+
+from __future__ import annotations
+
+import math
+import socket
+import time
+from collections.abc import Iterator
+
+from armodal.daq.commands import ToldPosture
+from armodal.daq.joint_timeline import JointCycle, JointTimeline
+from armodal.protocols.errors import ControllerError, DeviceLostError, DeviceTimeoutError
+from armodal.protocols.plan_records import PlannedPosture
+from armodal.protocols.rtde import (
+    JOINTS,
+    RtdeKind,
+    RtdePackage,
+    RtdeParser,
+    RtdeSample,
+    decode_accepted,
+    decode_outputs,
+    decode_sample,
+    decode_version,
+    request_outputs,
+    request_start,
+    request_version,
+)
+from armodal.protocols.session.records import JointReading
+
+__all__ = ["RtdeJoints", "RtdeSource"]
+
+PORT = 30004
+RATE_HZ = 125.0  # what every controller of the CB3 and e-Series sends
+STALE_AFTER_S = 0.1  # twelve packages
+ANSWER_WALL_S = 3.0
+MOST_BYTES = 65536
+
+
+class RtdeJoints:
+    """What the controller has told of the arm; times are lab seconds.
+
+    Attributes
+    ----------
+    frames, lost, invalid : int
+        Data packages understood, skipped by the controller's time, and not understood.
+    """
+
+    def __init__(self) -> None:
+        self._timeline = JointTimeline(stale_after_s=STALE_AFTER_S, rate_hz=RATE_HZ)
+        self._last_s = -math.inf  # controller time
+        self.frames = 0
+        self.lost = 0
+        self.invalid = 0
+
+    @property
+    def rate_hz(self) -> float:
+        """Packages a lab second."""
+        return RATE_HZ
+
+    @property
+    def absent(self) -> tuple[str, ...]:
+        """All joints until the first package."""
+        return () if self._timeline.last else tuple(f"joint {i + 1}" for i in range(JOINTS))
+
+    def take(self, sample: RtdeSample | None, now_s: float) -> None:
+        """Take in a package read at `now_s`; one whose time stands still tells nothing."""
+        if sample is None:
+            self.invalid += 1
+            return
+        step_s = sample.timestamp_s - self._last_s
+        if step_s == 0.0:
+            return
+        self._last_s = sample.timestamp_s
+        self.frames += 1
+        if 0.0 < step_s < math.inf:
+            self.lost += max(round(step_s * RATE_HZ) - 1, 0)
+        self._timeline.add(
+            JointCycle(
+                oldest_s=now_s,
+                newest_s=now_s,
+                joints_rad=sample.joints_rad,
+                drive_state=sample.robot_mode,
+                held=sample.held,
+            )
+        )
+
+    def reading(self, now_s: float) -> JointReading:
+        """Return what is known at `now_s`; joints None when it is stale."""
+        last = self._timeline.last
+        if last is None:
+            return _unknown(now_s, math.inf, None)
+        age_s = now_s - last.oldest_s
+        if age_s > STALE_AFTER_S:
+            return _unknown(now_s, age_s, last)
+        return last.reading(now_s, age_s)
+
+    def reading_before(self, host_s: float) -> JointReading:
+        """Return the newest angles not later than `host_s`, aged at that time."""
+        found, age_s = self._timeline.before(host_s)
+        return _unknown(host_s, age_s, self._timeline.last) if found is None else found
+
+    def reading_after(self, host_s: float) -> JointReading | None:
+        """Return the first angles newer than `host_s`; None so far."""
+        return self._timeline.after(host_s)
+
+    def spread_rad(self, since_s: float, until_s: float = math.inf) -> float | None:
+        """Return the largest range any joint covered in a time; None if it is not known."""
+        return self._timeline.spread_rad(since_s, until_s)
+
+    def silence_s(self, since_s: float, until_s: float) -> float:
+        """Return for how long the controller told nothing between two times."""
+        return self._timeline.silence_s(since_s, until_s)
+
+
+class RtdeSource:
+    """A controller that tells its joint angles.
+
+    Parameters
+    ----------
+    address
+        HOST or HOST:PORT.
+
+    Raises
+    ------
+    ControllerError, DeviceTimeoutError, DeviceLostError
+        If it cannot be reached, is no such controller, or does not tell what is wanted.
+    """
+
+    def __init__(self, address: str) -> None:
+        host, port = _parts(address)
+        self.name = f"{host}:{port}"
+        self.joints = RtdeJoints()
+        self._parser = RtdeParser()
+        self._fetched: list[tuple[float, bytes]] = []
+        line = _connect(host, port)
+        try:
+            self._recipe = self._agree(line)
+            line.setblocking(False)
+        except BaseException:
+            line.close()
+            raise
+        self._receive, self._close, self._fd = line.recv, line.close, line.fileno()
+
+    @property
+    def faults(self) -> int:
+        """What came and could not be read."""
+        return self.joints.invalid
+
+    def fileno(self) -> int:
+        """Return the connection's descriptor."""
+        return self._fd
+
+    def collect(self, now_s: float) -> None:
+        """Fetch the bytes that have come."""
+        try:
+            data = self._receive(MOST_BYTES)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            raise self._lost(error.strerror or "the line broke") from error
+        if not data:
+            raise self._lost("it has closed the line")
+        self._fetched.append((now_s, data))
+
+    def hear(self) -> None:
+        """Read the packages in the bytes fetched."""
+        fetched, self._fetched = self._fetched, []
+        for at_s, data in fetched:
+            for package in self._parser.feed(data):
+                if package.kind is RtdeKind.DATA:
+                    self.joints.take(decode_sample(package.payload, self._recipe), at_s)
+
+    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
+        """Refuse it: what is measured is not mixed with what is told."""
+        del word, posture, now_s
+        return "where the arm stands is measured, and was not taken from the operator"
+
+    def begin_posture(self) -> None:
+        """Do nothing: angles are measured again and again."""
+
+    def silence(self) -> str:
+        """Say what is missing."""
+        return (
+            f"the controller at {self.name} has accepted to tell joint angles and tells none: is "
+            "the robot powered, and does another program use RTDE?"
+        )
+
+    def close(self) -> None:
+        """Hang up; the controller goes on by itself."""
+        self._close()
+
+    def _agree(self, line: socket.socket) -> int:
+        """Ask for the outputs; return the recipe's number."""
+        decode_version(self._ask(line, request_version(), RtdeKind.VERSION))
+        recipe = decode_outputs(self._ask(line, request_outputs(RATE_HZ), RtdeKind.OUTPUTS))
+        if not decode_accepted(self._ask(line, request_start(), RtdeKind.START)):
+            raise ControllerError(
+                f"the controller at {self.name} refuses to begin telling; look at its log"
+            )
+        return recipe
+
+    def _ask(self, line: socket.socket, request: bytes, kind: RtdeKind) -> bytes:
+        line.sendall(request)
+        for package in self._packages(line):
+            if package.kind is kind:
+                return package.payload
+        raise AssertionError  # the line ends by an error
+
+    def _packages(self, line: socket.socket) -> Iterator[RtdePackage]:
+        until_s = time.monotonic() + ANSWER_WALL_S
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            line.settimeout(left_s)
+            try:
+                data = line.recv(MOST_BYTES)
+            except TimeoutError:
+                break
+            except OSError as error:
+                raise self._lost(error.strerror or "the line broke") from error
+            if not data:
+                raise self._lost("it has closed the line")
+            yield from self._parser.feed(data)
+        raise DeviceTimeoutError(
+            f"the controller at {self.name} does not answer in {ANSWER_WALL_S:g} s: is it a "
+            "Universal Robots controller, and is RTDE allowed in its security settings?"
+        )
+
+    def _lost(self, why: str) -> DeviceLostError:
+        return DeviceLostError(
+            f"the controller at {self.name} is gone ({why}); check it and its network, then resume"
+        )
+
+
+def _parts(address: str) -> tuple[str, int]:
+    host, _, port = address.partition(":")
+    if not host or (port and not (port.isascii() and port.isdigit() and 0 < int(port) < 65536)):
+        raise ControllerError(
+            f"wanted a controller's address as HOST or HOST:PORT, got {address!r}; its screen "
+            "shows it under Settings, System, Network"
+        )
+    return host, int(port) if port else PORT
+
+
+def _connect(host: str, port: int) -> socket.socket:
+    try:
+        return socket.create_connection((host, port), ANSWER_WALL_S)
+    except TimeoutError as error:
+        raise DeviceTimeoutError(
+            f"nothing answers at {host}:{port}: is the controller on, and this computer on its "
+            "network?"
+        ) from error
+    except ConnectionRefusedError as error:
+        raise ControllerError(
+            f"{host} is there and nothing listens on port {port}: is it a Universal Robots "
+            "controller, and is RTDE allowed in its security settings?"
+        ) from error
+    except (OSError, UnicodeError) as error:
+        raise ControllerError(
+            f"{host}:{port} cannot be reached from this computer: check address and network"
+        ) from error
+
+
+def _unknown(host_s: float, age_s: float, last: JointCycle | None) -> JointReading:
+    return JointReading(
+        joints_rad=None,
+        drive_state=None if last is None else last.drive_state,
+        held=last is not None and last.held,
+        age_s=max(age_s, 0.0),
+        host_s=host_s,
+    )
