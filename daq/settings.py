@@ -27,6 +27,7 @@ class AcquisitionSettings:
     can_channel : path of a serial CAN adapter, or interface:channel of python-can
     told_tolerance_rad : joint angles are told by a person, to so much; None: they are measured
     journal : file to begin, or with `resume` to go on with
+    mirror : folder on another disk that keeps the journal too, durable before a hit counts
     time_scale : lab seconds per second; 1 in a real laboratory
     session_id : hex; drawn when None
     reply_timeout_s : wait for a reply of the board before asking again
@@ -43,6 +44,7 @@ class AcquisitionSettings:
     arm: Arm
     plan: Plan
     journal: Path
+    mirror: Path | None = None
     can_channel: str = ""
     told_tolerance_rad: float | None = None
     resume: bool = False

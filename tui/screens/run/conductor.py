@@ -9,6 +9,7 @@ import asyncio
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from armodal.daq.commands import (
     Note,
@@ -70,6 +71,7 @@ class RunOptions:
     board: str = ""
     can: str = ""
     told_rad: float | None = None  # joint angles are told by the operator, to so much
+    mirror: Path | None = None  # folder of the journal's copy
     baud: int = 921_600
     input_range_v: float | None = None
     simulated: bool = False
@@ -373,6 +375,7 @@ class Conductor:
         return AcquisitionSettings(
             board_port=self.state.board_port,
             board_baud=self.options.baud,
+            mirror=self.options.mirror,
             can_channel=self.state.can_channel,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
