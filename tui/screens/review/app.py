@@ -10,7 +10,7 @@ from time import monotonic
 from typing import Any, ClassVar
 
 from textual import work
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
 from textual.events import Resize
 from textual.markup import escape
@@ -20,6 +20,7 @@ from textual.widgets import Static, TabbedContent, TabPane
 
 from armodal.protocols.errors import ArmodalError
 from armodal.tui.screens.key_line import KeyLine
+from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.review.cmif_picture import CmifPicture
 from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.frf_picture import FrfPicture
@@ -53,7 +54,7 @@ _TITLES = ("FRF", "CMIF", "Poles", "Modes", "MAC", "Shape", "Identify", "Gap")
 LEAST_COLUMNS, LEAST_ROWS = 60, 16
 
 
-class ReviewApp(App[int]):
+class ReviewApp(PrintableApp):
     """Looks at a session's FRFs, modes and results.
 
     Parameters
