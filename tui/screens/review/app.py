@@ -83,7 +83,7 @@ class ReviewApp(PrintableApp):
     TITLE = "armodal review"
     CSS = """
     #status { height: 1; background: $panel; color: $foreground; text-style: bold; padding: 0 1; }
-    #trouble { padding: 1 2; display: none; } #small { display: none; padding: 0 1; text-style: bold; }
+    #trouble, #small { padding: 1 2; display: none; } #small { padding: 0 1; text-style: bold; }
     TabbedContent { height: 1fr; } TabPane { padding: 0; } ModesTable { height: 1fr; }
     App.-small { TabbedContent, KeyLine, #status { display: none; } #small { display: block; } }
     .result { width: 1fr; height: auto; padding: 0 1; }
