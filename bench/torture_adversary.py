@@ -30,7 +30,7 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=WANTED)
     parser.add_argument("--first", type=int, default=0)
     given = parser.parse_args()
-    announced, lost, wrong = 0, 0, 0
+    announced, lost, loose = 0, 0, 0
     ended: Counter[str] = Counter()
     for seed in range(given.first, given.first + given.runs):
         found = disturbed_session(seed)
@@ -38,7 +38,7 @@ def main() -> int:
         lost += len(found.lost)
         ended[found.endings[-1].partition(":")[0]] += 1
         if found.lost or found.wrong:
-            wrong += 1
+            loose += bool(found.wrong)
             print(f"seed {seed}, {found.kind}: lost {found.lost} {found.wrong}", flush=True)
             print(f"  {'; '.join(found.endings)}", flush=True)
     print(", ".join(f"{what} {n}" for what, n in sorted(ended.items())), flush=True)
@@ -48,7 +48,7 @@ def main() -> int:
                    given.runs >= WANTED),
             Figure("... hits announced in them", str(announced), "1", announced > 0),
             Figure("... of these lost", str(lost), "0", lost == 0),
-            Figure("... sessions whose files others may read", str(wrong), "0", wrong == 0),
+            Figure("... sessions whose files others may read", str(loose), "0", loose == 0),
         ]
     )  # fmt: skip
 
