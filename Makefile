@@ -18,7 +18,7 @@ export MKL_NUM_THREADS = 1
 # What one process has compiled the next need not: tests start some fifty.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo firmware firmware-check test test-all coverage check bench torture hashes sizes format clean setup
+.PHONY: demo firmware firmware-check test test-all coverage check bench torture fuzz hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -92,6 +92,11 @@ firmware: $(STAMP)
 
 firmware-check: firmware
 	$(BIN)/python -m pytest tests/daq/test_firmware.py
+
+# Every decoder, five minutes each, with its coverage watched.
+fuzz: $(DEVICE_LIBRARY)
+	$(PIP) --constraint constraints.txt --editable '.[fuzz]'
+	$(BIN)/python bench/fuzz.py
 
 sizes: $(STAMP)
 	$(BIN)/python -m armodal.protocols.c.sizes

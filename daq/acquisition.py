@@ -26,6 +26,7 @@ from armodal.daq.clock import Clock
 from armodal.daq.commands import Command, Stop
 from armodal.daq.events import BoardFound, Failed, Finished, SessionOpened
 from armodal.daq.joint_source import JointSource
+from armodal.daq.journal_mirror import MirroredJournal, begin, go_on
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import prepare_judge
 from armodal.daq.losses import LossTally
@@ -60,7 +61,7 @@ GONE = "the operator's program has gone"
 @dataclass(slots=True)
 class _Journal:
     files: FileLayer
-    writer: JournalWriter | None = None
+    writer: JournalWriter | MirroredJournal | None = None
     earlier: Journal | None = None
 
 
@@ -273,7 +274,7 @@ def _check_journal_name(path: Path) -> None:
 
 def _resume(settings: AcquisitionSettings, journal: _Journal, stack: ExitStack) -> None:
     """Open the journal to go on with, if it belongs to this arm and plan."""
-    writer, earlier = JournalWriter.resume(settings.journal, files=journal.files)
+    writer, earlier = go_on(settings.journal, mirror=settings.mirror, files=journal.files)
     stack.callback(writer.close)
     header = earlier.header
     for what, theirs, ours, name in (
@@ -319,7 +320,7 @@ def _open_journal(
     clock: Clock,
     journal: _Journal,
     stack: ExitStack,
-) -> JournalWriter:
+) -> JournalWriter | MirroredJournal:
     if journal.writer is not None:
         mark = Mark(kind=MarkKind.RESUMED, posture=None, point=None, host_s=clock.now_s())
         journal.writer.append(encode_mark(mark))
@@ -336,7 +337,7 @@ def _open_journal(
         time_scale=settings.time_scale,
         told_tolerance_rad=settings.told_tolerance_rad,
     )
-    journal.writer = JournalWriter.create(settings.journal, header, files=journal.files)
+    journal.writer = begin(settings.journal, header, mirror=settings.mirror, files=journal.files)
     stack.callback(journal.writer.close)
     return journal.writer
 

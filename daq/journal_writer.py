@@ -166,6 +166,23 @@ class JournalWriter:
         self.last_commit_s = time.monotonic() - begun
         return self.last_commit_s
 
+    def held(self) -> bytes:
+        """Return what the journal holds that counts."""
+        self._kept = [b"".join(self._kept)]
+        return self._kept[0]
+
+    def take_back(self) -> None:
+        """Cut off the record that was appended last, which then does not count; end here."""
+        self._broken = True
+        self._end -= len(self._kept.pop())
+        self._records -= 1
+        with suppress(OSError):
+            self._files.cut(self._fd, self._end)
+
+    def end_here(self) -> None:
+        """Take no more records."""
+        self._broken = True
+
     def begin_ending(self) -> None:
         """Let the records that follow, a session's last ones, take the room kept for them."""
         self._ending = True

@@ -27,6 +27,7 @@ from armodal.daq.geometry import hit_direction
 from armodal.daq.hammer_polarity import HammerPolarity
 from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
 from armodal.daq.joint_source import JointSource
+from armodal.daq.journal_mirror import MirroredJournal
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import force_column, judge_record
 from armodal.daq.judge_posture import with_posture
@@ -74,7 +75,7 @@ class SessionLoop:
         board: BoardSession,
         joints: JointSource,
         losses: LossTally,
-        journal: JournalWriter,
+        journal: JournalWriter | MirroredJournal,
         outbox: EventQueue,
         state: SessionState,
         accepted_before: tuple[tuple[int, str, str], ...] = (),

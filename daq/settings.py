@@ -28,6 +28,7 @@ class AcquisitionSettings:
     ur_address : HOST or HOST:PORT of a Universal Robots controller, in place of the bus
     told_tolerance_rad : joint angles are told by a person, to so much; None: they are measured
     journal : file to begin, or with `resume` to go on with
+    mirror : folder on another disk that keeps the journal too, durable before a hit counts
     time_scale : lab seconds per second; 1 in a real laboratory
     session_id : hex; drawn when None
     reply_timeout_s : wait for a reply of the board before asking again
@@ -44,6 +45,7 @@ class AcquisitionSettings:
     arm: Arm
     plan: Plan
     journal: Path
+    mirror: Path | None = None
     can_channel: str = ""
     ur_address: str = ""
     told_tolerance_rad: float | None = None

@@ -20,6 +20,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from armodal.protocols.bounds import MOST_KEY_PARTS, MOST_TABLE_DEPTH
 from armodal.protocols.errors import ArmodalError
+from armodal.protocols.printable import UNSEEN
 
 __all__ = [
     "FileModel",
@@ -33,8 +34,7 @@ __all__ = [
 ]
 
 # Names reach terminals and reports: no control characters, C0 or C1, and none that turns the line.
-_UNSEEN = r"\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"
-Name = Annotated[str, Field(min_length=1, max_length=64, pattern=rf"^[^{_UNSEEN}]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=64, pattern=rf"^[^{UNSEEN}]+$")]
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 ModelT = TypeVar("ModelT", bound="FileModel")

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.markup import escape
+from rich.segment import Segment
 
 from armodal.daq.clock import check_time_scale
+from armodal.protocols.printable import printable
 from armodal.tui.json_text import json_text
 
 __all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say", "working"]
@@ -20,6 +22,13 @@ __all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say", "
 
 class _Console(Console):
     """Text as it is: brackets in a name are no markup, and a pipe's lines are not folded."""
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterator[Segment]:
+        """Render anything, text from files made printable: colours are the console's alone."""
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def print(self, *objects: Any, **settings: Any) -> None:
         """Print objects; tables fold, text only on a terminal."""

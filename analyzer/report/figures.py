@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from markupsafe import escape
 from plotly.subplots import make_subplots
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.records import AxisResult
 from armodal.analyzer.modal import ModalModel, group_sums, mif, tracked_cmif
+from armodal.analyzer.report.page_text import shown
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
@@ -198,7 +198,7 @@ def _motion(measured: MeasuredModes, number: int) -> Any:
 
 def _text(label: str) -> str:
     """A label as plotly shows it: it takes tags such as <b> in a text for its own."""
-    return str(escape(label))
+    return shown(label)
 
 
 def _xyz(points: Any) -> dict[str, Any]:

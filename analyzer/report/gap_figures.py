@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import plotly.graph_objects as go
-from markupsafe import escape
 
 from armodal.analyzer.gap.records import GapResult
+from armodal.analyzer.report.page_text import shown
 
 __all__ = ["gap_figure", "gap_map_figures", "stiffness_range_figure"]
 
@@ -19,7 +19,7 @@ def gap_figure(result: GapResult) -> Any:
     figure = go.Figure()
     for name, gaps in (("before", result.gap_before), ("after", result.gap_after)):
         figure.add_bar(
-            x=[str(escape(g.posture)) for g in gaps],
+            x=[shown(g.posture) for g in gaps],
             y=[100 * g.frf_error for g in gaps],
             name=name,
         )
@@ -36,7 +36,7 @@ def stiffness_range_figure(result: GapResult) -> Any:
     figure = go.Figure()
     figure.add_scatter(
         x=k,
-        y=[str(escape(row.joint)) for row in rows],
+        y=[shown(row.joint) for row in rows],
         mode="markers",
         marker={"size": 11},
         error_x={
@@ -59,8 +59,8 @@ def gap_map_figures(result: GapResult) -> list[Any]:
         cells = [cell for cell in result.where if cell.band_hz == band]
         figure = go.Figure(
             go.Heatmap(
-                x=[str(escape(f"{cell.point} {cell.axis}")) for cell in cells],
-                y=[str(escape(cell.posture)) for cell in cells],
+                x=[shown(f"{cell.point} {cell.axis}") for cell in cells],
+                y=[shown(cell.posture) for cell in cells],
                 z=[cell.ratio for cell in cells],
                 colorscale="Viridis",
             )

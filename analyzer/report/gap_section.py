@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import jinja2
-from markupsafe import escape
-
 from armodal.analyzer.gap.records import GapResult, Verdict
 from armodal.analyzer.report.gap_figures import (
     gap_figure,
     gap_map_figures,
     stiffness_range_figure,
 )
+from armodal.analyzer.report.page_text import shown, templates
 from armodal.analyzer.report.policy import under_policy
 
 __all__ = ["gap_page", "gap_section"]
@@ -39,11 +37,7 @@ th { background: #f3f5f7 } caption { text-align: left; font-weight: 600 }
 
 def gap_section(result: GapResult, *, with_plotly: bool) -> str:
     """Return the section as HTML; `with_plotly` puts the library of the plots into it."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("armodal.analyzer.report", "."),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-    )
+    environment = templates()
     after = {gap.posture: gap for gap in result.gap_after}
     figures = [f for f in (gap_figure(result), stiffness_range_figure(result)) if f is not None]
     figures += gap_map_figures(result)
@@ -75,6 +69,6 @@ def gap_page(result: GapResult, summary: str) -> str:
     """Return one self-contained HTML page; `summary` says in plain text which session it is of."""
     return under_policy(
         '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>armodal: gap</title>'
-        f'<style>{_STYLE}</style></head><body><p class="small">{escape(summary)}</p>'
+        f'<style>{_STYLE}</style></head><body><p class="small">{shown(summary)}</p>'
         f"{gap_section(result, with_plotly=True)}</body></html>"
     )

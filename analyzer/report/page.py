@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
-
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.modal import drift_told, hit_choices, missing_mode_hints
 from armodal.analyzer.report.figures import arm_figure, frf_figure, indicator_figure
 from armodal.analyzer.report.gap_section import gap_section
+from armodal.analyzer.report.page_text import templates
 from armodal.analyzer.report.policy import under_policy
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
@@ -49,11 +48,7 @@ def write_report(
     SessionError
         If the file cannot be written.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("armodal.analyzer.report", "."),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-    )
+    environment = templates()
     html = environment.get_template("report.html").render(
         **_content(session, identification, sections),
         gap="" if gap is None else gap_section(gap, with_plotly=False),

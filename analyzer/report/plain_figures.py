@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import plotly.graph_objects as go
-from markupsafe import escape
 from plotly.subplots import make_subplots
 
 from armodal.analyzer.modal import ModalModel, mac_matrix, stable_poles, synthesise
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.report.figures import UNITS
+from armodal.analyzer.report.page_text import shown
 from armodal.analyzer.report.plain_words import shape_of
 from armodal.protocols.frf_records import FrequencyResponse
 
@@ -206,4 +206,4 @@ def _short(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
 
 def _text(label: str) -> str:
     """A label as plotly shows it: it takes tags such as <b> in a text for its own."""
-    return str(escape(label))
+    return shown(label)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 
 from armodal.analyzer.modal import (
@@ -19,6 +18,7 @@ from armodal.analyzer.modal import (
 )
 from armodal.analyzer.modal.poles_by_order import poles_by_order
 from armodal.analyzer.report.figures import indicator_figure
+from armodal.analyzer.report.page_text import templates
 from armodal.analyzer.report.plain_figures import (
     LEGEND,
     MARGIN,
@@ -66,13 +66,7 @@ def write_plain_report(
     SessionError
         If the file cannot be written.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("armodal.analyzer.report", "."),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     figures = _Figures()
     given = {frf.posture for frf in session.frfs}
     html = environment.get_template("plain.html").render(

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from markupsafe import escape
 from plotly.subplots import make_subplots
 from scipy.stats import norm
 
@@ -16,6 +15,7 @@ from armodal.analyzer.identification.scatter import half_width_95
 from armodal.analyzer.modal import ModalModel, synthesise
 from armodal.analyzer.planning.selective import SelectivePlan
 from armodal.analyzer.report.figures import UNITS
+from armodal.analyzer.report.page_text import shown
 from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["joints_figure", "modes_figure", "plan_figure", "prediction_figure"]
@@ -57,7 +57,7 @@ def modes_figure(model: ModalModel, frf: FrequencyResponse | None = None) -> Any
     figure.update_yaxes(type="log", title=f"RMS of all FRFs, {UNITS[model.form]}")
     figure.update_yaxes(type="linear", title="model order", secondary_y=True)
     figure.update_xaxes(title="Hz", range=[low, high])
-    return figure.update_layout(title=str(escape(f"{model.posture}: modes")), height=480)
+    return figure.update_layout(title=shown(f"{model.posture}: modes"), height=480)
 
 
 def joints_figure(result: Identification) -> Any:
@@ -70,7 +70,7 @@ def joints_figure(result: Identification) -> Any:
     figure = go.Figure()
     figure.add_scatter(
         x=[joint.k_n_m_per_rad for joint in joints],
-        y=[str(escape(joint.joint)) for joint in joints],
+        y=[shown(joint.joint) for joint in joints],
         mode="markers",
         marker={"size": 11},
         error_x={"type": "data", "array": half},
@@ -94,7 +94,7 @@ def prediction_figure(prediction: Prediction) -> Any:
                     strict=True,
                 )
             ],
-            y=[str(escape(name)) for name in prediction.freedoms],
+            y=[shown(name) for name in prediction.freedoms],
             z=100.0 * found.strain_share,
             zmin=0.0,
             zmax=100.0,
@@ -111,9 +111,9 @@ def plan_figure(plan: SelectivePlan) -> Any:
     names = [joint.name for joint in plan.arm.joints]
     figure = go.Figure(
         go.Heatmap(
-            x=[str(escape(names[joint])) for joint in plan.elastic.joints],
+            x=[shown(names[joint]) for joint in plan.elastic.joints],
             y=[
-                str(escape(f"test {number}: {names[test.target]}"))
+                shown(f"test {number}: {names[test.target]}")
                 for number, test in enumerate(plan.tests, start=1)
             ],
             z=[test.coupling for test in plan.tests],

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import plotly.graph_objects as go
-from markupsafe import escape
 from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial.distance import cdist
 
 from armodal.analyzer.modal import ModalModel
+from armodal.analyzer.report.page_text import shown
 from armodal.analyzer.report.plain_words import long_side, shape_of
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.foreign.session_texts import UNKNOWN_PLACES
@@ -63,7 +63,7 @@ def moving_shapes_figure(arm: Arm, model: ModalModel) -> Any:
     figure.add_scatter3d(
         **_xyz(rest),
         mode="markers+text",
-        text=[str(escape(name)) for name in places],
+        text=[shown(name) for name in places],
         marker={"size": 3, "color": REST},
         showlegend=False,
     )
@@ -124,7 +124,7 @@ def moving_shapes_figure(arm: Arm, model: ModalModel) -> Any:
 def shape_bars_figure(model: ModalModel) -> Any:
     """Each mode's shape by degree of freedom, on its best real line, with standard deviations."""
     dofs, roving_hammer = _dofs(model), long_side(model)
-    names = [str(escape(f"{dof.point} {dof.label}")) for dof in dofs]
+    names = [shown(f"{dof.point} {dof.label}") for dof in dofs]
     if len(set(names)) < len(names):
         names = [f"{name} ({i + 1})" for i, name in enumerate(names)]
     figure = go.Figure()

@@ -227,31 +227,38 @@ class _Run:
 def _homes(records: Sequence[Record], sessions: Sequence[_Sorted]) -> dict[int, _Sorted]:
     """Return which session each hit belongs to, by the offset of its record."""
     runs: list[_Run] = []
+    resumed: list[int] = []
     seen: set[bytes] = set()
     for record in records:
-        if record.kind != RecordKind.HIT or (digest := _digest(record)) in seen:
+        if record.kind not in (RecordKind.HIT, RecordKind.MARK) or _digest(record) in seen:
             continue
-        seen.add(digest)
+        seen.add(_digest(record))
         with suppress(ArmodalError):  # told where it is taken
-            hit = decode_record(record)
-            fitting = [s for s in sessions if isinstance(hit, Hit) and not s.why_not(hit)]
-            if isinstance(hit, Hit) and fitting:
-                _put_in_run(hit, record.offset, fitting, runs)
+            item = decode_record(record)
+            if isinstance(item, Mark) and item.kind is MarkKind.RESUMED:
+                resumed.append(record.offset)
+            elif isinstance(item, Hit) and (fit := [s for s in sessions if not s.why_not(item)]):
+                _put_in_run(item, record.offset, fit, runs)
     home: dict[int, _Sorted] = {}
     for run in runs:
-        ranks = [
-            (run.first <= s.last_told, s.offset > run.offset, abs(run.first - s.last_told - 1))
-            for s in run.fitting
-        ]
-        session = run.fitting[ranks.index(min(ranks))]
-        if ranks.count(min(ranks)) > 1:
+        free = [s for s in run.fitting if s.offset <= run.offset and run.first > s.last_told]
+        session = _likeliest(run, free or run.fitting, resumed)
+        if len(free) > 1:
             session.notes.append(
-                f"{len(run.offsets)} hits from byte {run.offset} on may as well be of another "
-                "session here: nothing in them tells"
+                f"{len(run.offsets)} hits from byte {run.offset} on may be of another session: "
+                "only numbers and the order in the file tell"
             )
         session.last_told = max(session.last_told, run.last)
         home |= dict.fromkeys(run.offsets, session)
     return home
+
+
+def _likeliest(run: _Run, sessions: list[_Sorted], resumed: Sequence[int]) -> _Sorted:
+    """Return the session begun last, or where one was resumed since, the one that is continued."""
+    latest = max(sessions, key=lambda s: s.offset)
+    if any(latest.offset < offset < run.offset for offset in resumed):
+        return min(sessions, key=lambda s: abs(run.first - s.last_told - 1))
+    return latest
 
 
 def _put_in_run(hit: Hit, offset: int, fitting: list[_Sorted], runs: list[_Run]) -> None:

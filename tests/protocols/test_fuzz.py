@@ -4,6 +4,7 @@ import io
 import struct
 import tracemalloc
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ NAMES = (
     "hdf5",
 )  # fmt: skip
 INPUTS = 60
+CORPUS = Path(__file__).parents[1] / "fuzz_corpus"
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +49,14 @@ def test_changed_files_are_read_or_refused(decoders, name):
     for _ in range(INPUTS):
         data = decoder.mutate(decoder.seeds[rng.integers(len(decoder.seeds))], rng, decoder.seeds)
         assert check(decoder, data) is None
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.filterwarnings("ignore")
+def test_inputs_that_reached_far_or_made_faults_once_are_read_or_refused(decoders, name):
+    """What `make fuzz` found; every fault that was mended belongs there too."""
+    for path in sorted((CORPUS / name.replace(" ", "-")).glob("*")):
+        assert check(decoders[name], path.read_bytes()) is None, path
 
 
 @given(st.binary(max_size=600))

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-TOML = ("arm", "plan", "plant", "manifest", "targets")
+TOML = ("arm", "plant")  # all are read by `protocols/toml_reader.py`
 
 # Hundreds of megabytes that are packed, or not, before anything is read.
 SLOW_TO_MAKE = {

@@ -1,5 +1,6 @@
 """The C decoders fed with mutated bytes under the address and undefined-behaviour sanitizers."""
 
+import shutil
 import struct
 import subprocess
 import tempfile
@@ -11,7 +12,7 @@ from support.mutate import mutated
 from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
 
-__all__ = ["C_DECODER", "c_inputs", "compile_fuzz", "fuzz_c"]
+__all__ = ["C_DECODER", "c_inputs", "compile_fuzz", "compile_libfuzzer", "fuzz_c"]
 
 C_DECODER = "board frames in C"
 SANITIZE = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -27,6 +28,17 @@ def compile_fuzz(folder):
         if not compile_with(compiler, [*arguments, *map(str, SOURCES)], program):
             return program
     return None
+
+
+def compile_libfuzzer(folder):
+    """Return the program that libFuzzer drives, or None where there is no clang that has it."""
+    clang = shutil.which("clang")
+    program = Path(folder) / "libfuzzer"
+    flags = ["-g", "-O1", "-DLIBFUZZER", "-fsanitize=fuzzer,address,undefined"]
+    arguments = [*STRICT, *flags, f"-I{INCLUDE}", str(C_TESTS / "sanitized_fuzz.c")]
+    if clang is None or compile_with([clang], [*arguments, *map(str, SOURCES)], program):
+        return None
+    return program
 
 
 def c_inputs(n_bytes, rng):

@@ -160,6 +160,7 @@ class VirtualLab:
         self, plan, directory, *, seed, faults, at_blows=(), block_capacity=BLOCK_CAPACITY
     ):
         self.plan = plan
+        self.behind_s = 0.0  # by which the computer slept while the laboratory went on
         self.wall_s = 1000.0
         self.rng = np.random.default_rng(seed)
         self.epochs = []
@@ -278,7 +279,7 @@ class VirtualClock:
         self._lab = lab
 
     def now_s(self):
-        return self._lab.wall_s
+        return self._lab.wall_s - self._lab.behind_s
 
     def sleep(self, lab_s):
         if lab_s > 0.0:

@@ -17,7 +17,13 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.options import ByHand, UrAddress, told_tolerance_rad
+from armodal.tui.commands.options import (
+    ByHand,
+    Mirror,
+    UrAddress,
+    say_if_on_one_disk,
+    told_tolerance_rad,
+)
 from armodal.tui.commands.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
@@ -44,6 +50,7 @@ def acquire_command(
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
     resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
+    mirror: Mirror = None,
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
@@ -76,10 +83,12 @@ def acquire_command(
         arm=the_arm,
         plan=the_plan,
         journal=journal,
+        mirror=mirror,
         resume=resume,
         time_scale=time_scale,
         software=SOFTWARE,
     )
+    say_if_on_one_disk(journal, mirror)
     with ExitStack() as keep:
         person: Operator = PersonAtTerminal(err.input, told_rad=told_rad)
         if operator is not None:

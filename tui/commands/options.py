@@ -10,16 +10,20 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from armodal.daq.journal_mirror import on_one_disk
 from armodal.protocols.errors import ArmError, SessionError
+from armodal.tui.console import say
 
 __all__ = [
     "ArmName",
     "ByHand",
+    "Mirror",
     "Seed",
     "SessionPath",
     "UrAddress",
     "comma_numbers",
     "refuse_idle",
+    "say_if_on_one_disk",
     "told_tolerance_rad",
 ]
 
@@ -34,6 +38,16 @@ ByHand = Annotated[
         metavar="DEG", help="No bus: you read the joint angles yourself, to so many degrees."
     ),
 ]
+Mirror = Annotated[
+    Path | None,
+    typer.Option(help="Folder on another disk: the journal is kept there too, hit by hit."),
+]
+
+
+def say_if_on_one_disk(journal: Path, mirror: Path | None) -> None:
+    """Tell who asks for a mirror that it lies on the journal's own disk."""
+    if mirror is not None and on_one_disk(journal, mirror):
+        say(f"--mirror {mirror} is on the journal's own disk: it does not help where that fails")
 
 
 UrAddress = Annotated[

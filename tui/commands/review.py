@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -11,9 +13,12 @@ import typer
 
 from armodal.protocols.errors import SessionError
 from armodal.tui.screens.review.app import ReviewApp
+from armodal.tui.screens.review.follow_app import FollowApp
 from armodal.tui.this_system import check_runs_devices
 
 __all__ = ["app", "review_then_measure"]
+
+NICE = 10  # as a rule for what works beside something that must not wait
 
 app = typer.Typer(add_completion=False)
 
@@ -60,15 +65,35 @@ def review_then_measure(review_app: ReviewApp, *, run: Callable[..., int] = _mea
 
 @app.command()
 def review(
-    session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+    session: Annotated[Path, typer.Argument(help="Session file (.h5); with --follow a journal.")],
     gap: Annotated[
         Path | None, typer.Option(help="Result of `armodal gap --json` to show.")
     ] = None,
+    follow: Annotated[
+        bool, typer.Option("--follow", help="Look at a journal while it is measured.")
+    ] = False,
 ) -> None:
     """Look at a session: FRFs, poles, modes moving on the arm, stiffness, gap. `?` helps.
 
+    With --follow the session's journal is read, again and again while it is written: what was
+    accepted is shown within seconds. Nothing is written, and who measures is not disturbed.
+
     Example: armodal review demo/demo.h5
     """
+    if follow:
+        raise typer.Exit(_follow(session, gap))
     if not session.is_file():
         raise SessionError(f"{session} is not a file; give the .h5 file of a session")
     raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap)))
+
+
+def _follow(session: Path, gap: Path | None) -> int:
+    journal = session.with_suffix(".journal")
+    if not journal.is_file():
+        raise SessionError(
+            f"{journal} is not there; give the journal that `armodal run` or `armodal acquire` "
+            "writes"
+        )
+    if sys.platform != "win32":
+        os.nice(NICE)  # fits wait where acquisition wants the processor
+    return review_then_measure(FollowApp(journal, gap=gap))

@@ -15,7 +15,13 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.options import ByHand, UrAddress, told_tolerance_rad
+from armodal.tui.commands.options import (
+    ByHand,
+    Mirror,
+    UrAddress,
+    say_if_on_one_disk,
+    told_tolerance_rad,
+)
 from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale
 from armodal.tui.screens.run.app import RunApp
@@ -33,6 +39,7 @@ def run_app(
     arm: str | Arm,
     session: Path,
     simulated: bool,
+    mirror: Path | None = None,
     board: str = "",
     can: str = "",
     ur: str = "",
@@ -66,6 +73,7 @@ def run_app(
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
+        mirror=mirror,
         board=board,
         can=can,
         told_rad=told_tolerance_rad(by_hand, can, ur),
@@ -78,6 +86,7 @@ def run_app(
         time_scale=time_scale,
         software=SOFTWARE,
     )
+    say_if_on_one_disk(session, mirror)
     app = RunApp(options)
     app.run()
     return app.return_code or 0
@@ -94,6 +103,7 @@ def run_command(
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
+    mirror: Mirror = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     input_range: Annotated[
@@ -116,6 +126,7 @@ def run_command(
             plan=plan,
             arm=arm,
             session=session,
+            mirror=mirror,
             board=board,
             can=can,
             ur=ur,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
-from html import escape
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +15,7 @@ from rich.table import Table
 from armodal.analyzer.corrected.batch import batched
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.report import ReportSection
+from armodal.analyzer.report.page_text import shown
 from armodal.analyzer.report.policy import under_policy
 from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.analyzer.workspace.study import WorkspaceStudy
@@ -150,7 +150,7 @@ def _page(arm: Arm, survey: WorkspaceSurvey) -> str:
     )
     return under_policy(
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f"<title>{escape(arm.name)}: workspace</title></head>\n"
+        f"<title>{shown(arm.name)}: workspace</title></head>\n"
         f'<body style="font-family:sans-serif;max-width:70rem;margin:auto">{body}</body></html>\n'
     )
 

@@ -126,6 +126,27 @@ def test_a_session_of_skipped_points_ends_and_is_not_told_to_be_complete(lab, st
     assert "2 of 2 planned points were skipped" in finished.reason
 
 
+def test_a_mirror_holds_the_whole_session_and_goes_on_with_it(lab, start, tmp_path):
+    mirror = tmp_path / "disk"
+    mirror.mkdir()
+    run = start(mirror=mirror)
+    run.prompt(PromptKind.POINT)
+    run.ours.send(Skip(reason="hidden"))
+    run.prompt(PromptKind.POINT)
+    run.ours.close()
+    run.thread.join(8.0)
+    run.ours, _ = multiprocessing.Pipe()
+    copy = mirror / lab.journal.name
+    assert copy.read_bytes() == lab.journal.read_bytes()
+    lab.journal.unlink()
+    again = start(resume=True, mirror=mirror)
+    again.prompt(PromptKind.POINT)
+    again.ours.close()
+    again.thread.join(8.0)
+    again.ours, _ = multiprocessing.Pipe()
+    assert copy.read_bytes() == lab.journal.read_bytes()
+
+
 def test_the_listener_going_away_ends_the_session_cleanly(lab, start):
     run = start()
     run.prompt(PromptKind.POINT)

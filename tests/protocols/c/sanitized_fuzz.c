@@ -65,11 +65,35 @@ static void as_dictionary(const uint8_t *bytes, size_t n)
         abort();
 }
 
-int main(void)
+static void take(const uint8_t *bytes, size_t n)
 {
     static const uint8_t types[] = {AB_CONFIGURE, AB_RESEND, AB_RELEASE, AB_HELLO | AB_REPLY,
                                     AB_STATUS | AB_REPLY, AB_BLOCK_READY, AB_STREAM,
                                     AB_BLOCK_DATA, AB_START | AB_REPLY};
+
+    as_stream(bytes, n);
+    as_dictionary(bytes, n);
+    for (size_t i = 0; i < sizeof types; i++)
+        as_payload(types[i], bytes, n);
+    n_bytes += n;
+    n_inputs++;
+}
+
+#ifdef LIBFUZZER
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
+{
+    n_inputs = 0; /* the same bytes come in the same portions */
+    take(bytes, n);
+    return 0;
+}
+
+#else
+
+int main(void)
+{
     uint8_t head[4];
 
     while (fread(head, 1, sizeof head, stdin) == sizeof head) {
@@ -79,14 +103,11 @@ int main(void)
 
         if (fread(bytes, 1, n, stdin) != n)
             return 1;
-        as_stream(bytes, n);
-        as_dictionary(bytes, n);
-        for (size_t i = 0; i < sizeof types; i++)
-            as_payload(types[i], bytes, n);
+        take(bytes, n);
         free(bytes);
-        n_bytes += n;
-        n_inputs++;
     }
     printf("%llu %llu %llu %llu %llu\n", n_bytes, n_inputs, n_frames, n_payloads, n_dictionaries);
     return 0;
 }
+
+#endif

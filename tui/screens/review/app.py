@@ -10,7 +10,7 @@ from time import monotonic
 from typing import Any, ClassVar
 
 from textual import work
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
 from textual.events import Resize
 from textual.markup import escape
@@ -20,6 +20,7 @@ from textual.widgets import Static, TabbedContent, TabPane
 
 from armodal.protocols.errors import ArmodalError
 from armodal.tui.screens.key_line import KeyLine
+from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.review.cmif_picture import CmifPicture
 from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.frf_picture import FrfPicture
@@ -53,7 +54,7 @@ _TITLES = ("FRF", "CMIF", "Poles", "Modes", "MAC", "Shape", "Identify", "Gap")
 LEAST_COLUMNS, LEAST_ROWS = 60, 16
 
 
-class ReviewApp(App[int]):
+class ReviewApp(PrintableApp):
     """Looks at a session's FRFs, modes and results.
 
     Parameters
@@ -82,14 +83,10 @@ class ReviewApp(App[int]):
     TITLE = "armodal review"
     CSS = """
     #status { height: 1; background: $panel; color: $foreground; text-style: bold; padding: 0 1; }
-    #trouble { padding: 1 2; display: none; }
-    #small { display: none; padding: 0 1; text-style: bold; }
-    TabbedContent { height: 1fr; }
-    TabPane { padding: 0; }
-    App.-small TabbedContent, App.-small KeyLine, App.-small #status { display: none; }
-    App.-small #small { display: block; }
+    #trouble, #small { padding: 1 2; display: none; } #small { padding: 0 1; text-style: bold; }
+    TabbedContent { height: 1fr; } TabPane { padding: 0; } ModesTable { height: 1fr; }
+    App.-small { TabbedContent, KeyLine, #status { display: none; } #small { display: block; } }
     .result { width: 1fr; height: auto; padding: 0 1; }
-    ModesTable { height: 1fr; }
     ModelNotes { height: auto; max-height: 40%; padding: 0 1; color: $warning; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -135,7 +132,11 @@ class ReviewApp(App[int]):
     async def on_mount(self) -> None:
         """Read the session; what cannot be read is said on the screen."""
         register_themes(self, self._environment)
-        self._say_status(f"reading {self.path.name} …")
+        self.begin()
+
+    def begin(self) -> None:
+        """Read the session, and say that it is being read."""
+        self.say_status(f"reading {self.path.name} …")
         self._open()
 
     @work(thread=True)
@@ -145,7 +146,7 @@ class ReviewApp(App[int]):
         except ArmodalError as error:
             self.call_from_thread(self._show_trouble, error)
             return
-        show: Any = self._show_session  # a coroutine: its end is waited for
+        show: Any = self.show_session  # a coroutine: its end is waited for
         self.call_from_thread(show, opened)
         self._fit_all(opened)
 
@@ -173,7 +174,7 @@ class ReviewApp(App[int]):
 
     def _show_trouble(self, error: ArmodalError) -> None:
         self.problem = error
-        self._say_status("this session cannot be shown")
+        self.say_status("this session cannot be shown")
         trouble = self.query_one("#trouble", Static)
         trouble.update(
             f"{error}\n\nWhat was captured is in the journal beside it, which builds the session "
@@ -181,7 +182,8 @@ class ReviewApp(App[int]):
         )
         trouble.display = True
 
-    async def _show_session(self, opened: OpenSession) -> None:
+    async def show_session(self, opened: OpenSession) -> None:
+        """Make the screens of a session that was read."""
         state = ReviewState.of(opened)
         self._read_gap(state)
         panes: tuple[Widget, ...] = (
@@ -222,15 +224,20 @@ class ReviewApp(App[int]):
         """Show the state everywhere."""
         if self.state is None:
             return
-        self._say_status(self.state.status())
+        self.say_status(self.state.status())
         for tab in TABS:
-            main = self.query_one(f"#{tab}-main")
-            redraw = getattr(main, "redraw", None)
-            if callable(redraw):
-                redraw()
+            self._redrawn(tab)
         self.query_one(ModelNotes).redraw()
 
-    def _say_status(self, text: str) -> None:
+    def _redrawn(self, tab: str) -> Widget:
+        main = self.query_one(f"#{tab}-main")
+        redraw = getattr(main, "redraw", None)
+        if callable(redraw):
+            redraw()
+        return main
+
+    def say_status(self, text: str) -> None:
+        """Show one line above the screens."""
         self.query_one("#status", Static).update(text)
 
     def on_resize(self, event: Resize) -> None:
@@ -245,17 +252,12 @@ class ReviewApp(App[int]):
     def on_tabbed_content_tab_activated(self, event: TabbedContent.TabActivated) -> None:
         """Give the keys to the screen that is shown."""
         if event.pane.id is not None:
-            main = self.query_one(f"#{event.pane.id}-main")
-            main.focus()
-            redraw = getattr(main, "redraw", None)
-            if callable(redraw):
-                redraw()
+            self._redrawn(event.pane.id).focus()
 
     def action_tab(self, tab: str) -> None:
         """Go to a screen."""
-        found = self.query(TabbedContent)
-        if found:
-            found.first().active = tab
+        for tabs in self.query(TabbedContent):
+            tabs.active = tab
             self.query_one(f"#{tab}-main").focus()
 
     def action_posture(self, step: int) -> None:
@@ -283,7 +285,7 @@ class ReviewApp(App[int]):
     def on_stabilisation_picture_refit(self) -> None:
         """Refit from the picks, beside the screen."""
         if self.state is not None and not self.state.view.problem:
-            self._say_status("refitting …")
+            self.say_status("refitting …")
             self._refit(self.state.posture, self.state.view)
 
     @work(thread=True, exclusive=True, group="refit")
@@ -303,7 +305,7 @@ class ReviewApp(App[int]):
             return
         by_hand = view.by_hand or self.state.views[number].by_hand
         self.state.views[number] = view
-        self.state.unsaved = self.state.unsaved or by_hand
+        self.state.unsaved |= by_hand
         self.state.choose_mode(min(self.state.mode, max(self.state.n_modes - 1, 0)))
         self.redraw()
         kind = "by hand" if view.by_hand else "automatic"

@@ -29,6 +29,14 @@ class ReviewState:
         """State at the first posture."""
         return cls(opened=opened, views=list(opened.views))
 
+    def renew(self, opened: OpenSession) -> None:
+        """Take a session that went on, and stay at the posture looked at."""
+        name = self.view.name
+        self.opened, self.views = opened, list(opened.views)
+        names = [view.name for view in self.views]
+        self.posture = names.index(name) if name in names else 0
+        self.choose_mode(min(self.mode, max(self.n_modes - 1, 0)))
+
     @property
     def view(self) -> PostureView:
         """The posture looked at."""

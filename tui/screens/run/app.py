@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from textual import events
-from textual.app import App
 from textual.binding import Binding, BindingType
 from textual.worker import Worker
 
@@ -21,6 +20,7 @@ from armodal.daq.events import (
     SessionOpened,
 )
 from armodal.daq.session_machine import PromptKind
+from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.run.ask_angles import AnglesScreen
 from armodal.tui.screens.run.ask_mass import MassScreen
 from armodal.tui.screens.run.collector import CalmCollector
@@ -43,7 +43,7 @@ REDRAW_WALL_S = 0.08  # the live views are to come ten times a second, under loa
 SEEN_AT_ONCE = (HitJudged, HitWithdrawn, Prompted, Failed, Finished, SensorsConfirmed)
 
 
-class RunApp(App[int]):
+class RunApp(PrintableApp):
     """Guide the operator from the laboratory through postures, points and hits.
 
     Parameters

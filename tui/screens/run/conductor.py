@@ -9,6 +9,7 @@ import asyncio
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from armodal.daq.commands import (
     Note,
@@ -71,6 +72,7 @@ class RunOptions:
     can: str = ""
     ur: str = ""  # address of a Universal Robots controller, in place of the bus
     told_rad: float | None = None  # joint angles are told by the operator, to so much
+    mirror: Path | None = None  # folder of the journal's copy
     baud: int = 921_600
     input_range_v: float | None = None
     simulated: bool = False
@@ -381,6 +383,7 @@ class Conductor:
             board_baud=self.options.baud,
             can_channel="" if self.options.without_bus else self.state.can_channel,
             ur_address=self.options.ur,
+            mirror=self.options.mirror,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,

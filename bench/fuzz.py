@@ -1,0 +1,171 @@
+"""Fuzz the decoders with their coverage watched: atheris for Python, libFuzzer for C.
+
+    make fuzz
+    python bench/fuzz.py [NAME ...] [--seconds 300] [--minimise]
+
+A decoder gets valid files, the corpus of `tests/fuzz_corpus` and a dictionary of telling words, and
+every input that reaches code not reached before is changed further. Inputs found are kept in
+`build/fuzz`, so that the next run goes on; `--minimise` puts the smallest set of them that reaches
+as much into `tests/fuzz_corpus`, which the tests replay. An input that makes a fault is kept in
+`build/fuzz/faults`: put it into `tests/fuzz_corpus` when it is mended. C is fuzzed where clang is
+installed, else that is said.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+from figures import Figure, told
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+CORPUS = ROOT / "tests" / "fuzz_corpus"
+WORK = ROOT / "build" / "fuzz"
+SECONDS = 300
+KEPT_BYTES = 2048  # of an input in the repository
+KEPT_INPUTS = 12  # of a decoder
+MEMORY_MB = 2048
+HANGS_AFTER_S = 20
+C_NAME = "board frames in C"
+
+
+def child(name: str, arguments: list[str]) -> None:
+    """Body of the process of one Python decoder; never returns."""
+    import atheris  # noqa: PLC0415 - in the extra `fuzz`
+
+    warnings.simplefilter("ignore")
+    with atheris.instrument_imports(include=["armodal", "cantools"]):
+        from support.decoders import check  # noqa: PLC0415
+        from support.fuzz_material import decoders_in  # noqa: PLC0415
+    folder = WORK / "material" / _folder(name)
+    folder.mkdir(parents=True, exist_ok=True)
+    decoder = decoders_in(folder)[name]
+    inputs = WORK / _folder(name)
+    for seed in decoder.seeds:
+        (inputs / hashlib.sha1(seed, usedforsecurity=False).hexdigest()).write_bytes(seed)
+
+    def one(data: bytes) -> None:
+        wrong = check(decoder, data)
+        if wrong is not None:
+            raise AssertionError(wrong)
+
+    longest = max(map(len, decoder.seeds)) * 3 // 2
+    atheris.Setup([sys.argv[0], f"-max_len={longest}", *arguments], one)
+    atheris.Fuzz()
+
+
+def python_names() -> list[str]:
+    """Return the names of the Python decoders."""
+    from support.fuzz_material import decoders_in  # noqa: PLC0415
+
+    folder = WORK / "material"
+    folder.mkdir(parents=True, exist_ok=True)
+    return list(decoders_in(folder))
+
+
+def dictionary() -> Path:
+    """Write the words that say much to decoders, as libFuzzer reads them."""
+    from support.mutate import TELLING_TOKENS  # noqa: PLC0415
+
+    words = [*TELLING_TOKENS, b"RJ", b"\x89AMJ\r\n\x1a\x01", b"SG_ ", b"BO_ ", b"<link", b"<joint"]
+    path = WORK / "words.dict"
+    quoted = ("".join(f"\\x{byte:02x}" for byte in word[:60]) for word in words)
+    path.write_text("".join(f'"{word}"\n' for word in quoted), encoding="ascii")
+    return path
+
+
+def fuzz(name: str, command: list[str], seconds: int) -> tuple[int, str]:
+    """Fuzz one decoder; return how many inputs were tried, and what went wrong, if anything."""
+    inputs, faults, corpus = WORK / _folder(name), WORK / "faults", CORPUS / _folder(name)
+    for folder in (inputs, faults, corpus):
+        folder.mkdir(parents=True, exist_ok=True)
+    arguments = [
+        f"-max_total_time={seconds}", f"-dict={dictionary()}", f"-rss_limit_mb={MEMORY_MB}",
+        f"-timeout={HANGS_AFTER_S}", "-print_final_stats=1",
+        f"-artifact_prefix={faults}/{_folder(name)}-", str(inputs), str(corpus),
+    ]  # fmt: skip
+    done = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+    counted = re.search(r"number_of_executed_units: (\d+)", done.stderr)
+    tried = int(counted.group(1)) if counted else 0
+    if done.returncode == 0:
+        return tried, ""
+    words = [line for line in done.stderr.splitlines() if "rror" in line or "Test unit" in line]
+    return tried, f"exit code {done.returncode}: {' | '.join(words)[:600] or done.stderr[-600:]}"
+
+
+def minimise(name: str, command: list[str]) -> None:
+    """Make the repository's corpus the smallest that reaches what the inputs found reach."""
+    merged, corpus = WORK / "merged" / _folder(name), CORPUS / _folder(name)
+    shutil.rmtree(merged, ignore_errors=True)
+    merged.mkdir(parents=True)
+    small = WORK / "small" / _folder(name)
+    shutil.rmtree(small, ignore_errors=True)
+    small.mkdir(parents=True)
+    for path in (WORK / _folder(name)).iterdir():
+        if path.stat().st_size <= KEPT_BYTES:
+            shutil.copy(path, small)
+    subprocess.run([*command, "-merge=1", str(merged), str(small)], capture_output=True, check=True)
+    found = sorted(merged.iterdir(), key=lambda path: path.stat().st_size)
+    step = max(1, len(found) // KEPT_INPUTS)
+    for path in found[::step][:KEPT_INPUTS]:
+        shutil.copy(path, corpus / path.name)
+
+
+def _folder(name: str) -> str:
+    return name.replace(" ", "-")
+
+
+def c_command() -> list[str] | None:
+    """Compile the C decoders with libFuzzer; None where that cannot be."""
+    from support.fuzz_c import compile_libfuzzer  # noqa: PLC0415
+
+    program = compile_libfuzzer(WORK)
+    return None if program is None else [str(program)]
+
+
+def main() -> int:
+    """Fuzz one decoder after the other; print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--seconds", type=int, default=SECONDS)
+    parser.add_argument("--minimise", action="store_true")
+    given = parser.parse_args()
+    if importlib.util.find_spec("atheris") is None:
+        print("atheris is not installed: pip install 'armodal[fuzz]' (Linux)")
+        return 2
+    WORK.mkdir(parents=True, exist_ok=True)
+    figures = []
+    for name in given.names or [*python_names(), C_NAME]:
+        command: list[str] | None = [sys.executable, __file__, "--child", name]
+        if name == C_NAME:
+            command = c_command()
+        if command is None:
+            print(f"{name}: no clang with libFuzzer on this machine, not fuzzed", flush=True)
+            continue
+        tried, wrong = fuzz(name, command, given.seconds)
+        if wrong:
+            print(f"{name}: {wrong}", flush=True)
+        elif given.minimise:
+            minimise(name, command)
+        good = not wrong and tried > 0
+        figures.append(
+            Figure(f"coverage-guided, {name}: inputs", f"{tried:,}", "1, no fault", good)
+        )
+        print(f"{name}: {tried:,} inputs in {given.seconds} s", flush=True)
+    return told(figures)
+
+
+if __name__ == "__main__":
+    if "--child" in sys.argv:
+        at = sys.argv.index("--child")
+        child(sys.argv[at + 1], sys.argv[at + 2 :])
+    sys.exit(main())
