@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from armodal.protocols.errors import SessionError
+from armodal.tui.commands.options import Band
 from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.this_system import check_runs_devices
 
@@ -64,6 +65,7 @@ def review(
     gap: Annotated[
         Path | None, typer.Option(help="Result of `armodal gap --json` to show.")
     ] = None,
+    band: Band = None,
 ) -> None:
     """Look at a session: FRFs, poles, modes moving on the arm, stiffness, gap. `?` helps.
 
@@ -71,4 +73,4 @@ def review(
     """
     if not session.is_file():
         raise SessionError(f"{session} is not a file; give the .h5 file of a session")
-    raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap)))
+    raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap, band_hz=band)))

@@ -225,6 +225,7 @@ def test_the_band_hits_excite_is_said_and_another_one_is_taken_with_a_warning():
     (warned,) = record_notes(session, "p", band_hz=(3.0, 450.0))
     assert "the force is below 2 %" in warned
     assert record_notes(session, "p", band_hz=(5.0, 100.0)) == ()
+    assert record_notes(session, "p", ends_earlier=True) == ()
     assert usable.widened((5.0, 100.0)) is None
 
 
