@@ -146,7 +146,13 @@ def _named(variable: Variable, name: str) -> Variable:
 
 
 def _is_pulse(values: npt.NDArray[np.float64]) -> bool:
-    """Whether a column goes to one side far more than to the other, as a hammer's force does."""
+    """Whether a column goes to one side far more than to the other, as a hammer's force does.
+
+    A record begins before the hit: what is largest at its first value is no pulse, but an FRF
+    that drift has blown up near 0 Hz.
+    """
+    if int(np.argmax(np.abs(values))) == 0:
+        return False
     high, low = float(np.max(values)), -float(np.min(values))
     return max(high, low) > _PULSE_SIDES * max(min(high, low), 0.0)
 
