@@ -24,6 +24,7 @@ __all__ = ["FEWEST_LINES", "carried_band", "lines_within", "proposed_band"]
 
 FEWEST_LINES = 8  # of a fit: real and imaginary parts of a mode, of what lies beside it, and some
 
+MARGIN_LINES = 4 * SMOOTHED_LINES  # the flank of a mode that ends a band is part of it
 CARRIED = 2.0  # power over that of noise: at least half is signal
 
 
@@ -37,8 +38,8 @@ def carried_band(frf: FrequencyResponse) -> tuple[float, float] | None:
     """
     values = frf.values[frf.measured]
     variance = frf.variance[frf.measured]
-    few = 4 * SMOOTHED_LINES  # nothing can be said of less than two averages on either side
-    if frf.freq_hz.size <= few or not values.any() or not np.isfinite(values).all():
+    few = frf.freq_hz.size <= 2 * MARGIN_LINES
+    if few or not values.any() or not np.isfinite(values).all():
         return None  # the fit says what is wrong
     told = bool(np.all(np.isfinite(variance) & (variance > 0.0)))
     noise = variance if told else _rough(values)
@@ -49,14 +50,10 @@ def carried_band(frf: FrequencyResponse) -> tuple[float, float] | None:
     for peak in standing_peaks(frf.freq_hz, frf.values):
         carries |= np.abs(frf.freq_hz - peak.f_hz) <= peak.half_width_hz
     lines = np.flatnonzero(carries)
-    # What the average over neighbours blurs is no end.
-    if not lines.size or (
-        lines[0] <= SMOOTHED_LINES and lines[-1] >= carries.size - 1 - SMOOTHED_LINES
-    ):
+    if not lines.size:
         return None
-    first = 0 if lines[0] <= SMOOTHED_LINES else lines[0]
-    last = carries.size - 1 if lines[-1] >= carries.size - 1 - SMOOTHED_LINES else lines[-1]
-    if last - first < few:
+    first, last = max(lines[0] - MARGIN_LINES, 0), min(lines[-1] + MARGIN_LINES, carries.size - 1)
+    if first == 0 and last == carries.size - 1:
         return None
     return float(frf.freq_hz[first]), float(frf.freq_hz[last])
 
