@@ -74,7 +74,9 @@ def test_what_nobody_told_is_asked_and_not_made_up(tmp_path):
 
 def test_an_frf_that_drift_blew_up_near_zero_hertz_is_no_hit(tmp_path):
     freq = np.arange(0.0, 400.0)
-    H = np.array([700.0, *(accelerance(freq[1:], 0, 0) / np.abs(accelerance(freq[1:], 0, 0)).max())])
+    H = np.array(
+        [700.0, *(accelerance(freq[1:], 0, 0) / np.abs(accelerance(freq[1:], 0, 0)).max())]
+    )
     (tmp_path / "p.txt").write_text(table([freq, 1e-3 * H.real, 1e-3 * H.imag]))
     (doubt,) = guess(tmp_path, "p.txt").doubts
     assert doubt.key == "form"
