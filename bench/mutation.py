@@ -40,13 +40,14 @@ MEMORY_BYTES = 6 << 30
 class Loader(importlib.machinery.SourceFileLoader):
     """Loads a mutant in a module's place."""
 
-    def __init__(self, module: str, mutant: str) -> None:
+    def __init__(self, module: str, mutant: Mutant | None) -> None:
         name = ".".join(("armodal", *Path(module).with_suffix("").parts))
         super().__init__(name.removesuffix(".__init__"), str(ROOT / "armodal" / module))
-        self.mutant = mutant
+        source = (ROOT / module).read_text()
+        self.code = mutant.code(source, self.path) if mutant else compile(source, self.path, "exec")
 
     def get_code(self, _):
-        return compile(self.mutant, self.path, "exec", dont_inherit=True)
+        return self.code
 
     def find_spec(self, name, _path=None, _target=None):
         found = name == self.name
@@ -101,10 +102,10 @@ def main() -> None:
     ahead = [(mutant, chosen) for mutant, chosen in plan if mutant not in done]
     every = sorted({test for _, chosen in ahead for test in chosen})
     first = plan[0][0].module
-    if every and verdict(Loader(first, (ROOT / first).read_text()), every, 900.0) != "survived":
+    if every and verdict(Loader(first, None), every, 900.0) != "survived":
         sys.exit("the tests fail without a change")
     for mutant, chosen in ahead:
-        loader = Loader(mutant.module, mutant.source((ROOT / mutant.module).read_text()))
+        loader = Loader(mutant.module, mutant)
         seconds = sum(tests.seconds[test] for test in chosen)
         found = verdict(loader, chosen, seconds)
         with told.out.open("a") as out:
