@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +35,7 @@ from armodal.analyzer.modal import (
     band_of_hits,
     fit_modes,
     fit_modes_at,
+    lines_within,
     posture_frf,
     record_notes,
 )
@@ -85,6 +85,7 @@ def identify(
     progress: Callable[[str], None] | None = None,
     *,
     picked: Mapping[str, Sequence[complex]] | None = None,
+    band_hz: tuple[float, float] | None = None,
 ) -> Identification:
     """Identify joint stiffness, damping and structural axes from a session.
 
@@ -100,6 +101,8 @@ def identify(
         Told of every step.
     picked
         By posture, poles (rad/s) picked by hand that take the place of the automatic choice.
+    band_hz
+        Lines that modes and model are fitted to; all by default.
 
     Raises
     ------
@@ -117,7 +120,9 @@ def identify(
         )
     validation = {p.name for p in session.header.plan.postures if p.validation}
     say("FRFs")
-    frfs = estimate_frfs(session, superset)
+    frfs = estimate_frfs(session, superset, band_hz=band_hz)
+    if band_hz is not None:
+        frfs = tuple(lines_within(frf, band_hz) for frf in frfs)
     fitted = tuple(frf for frf in frfs if frf.posture not in validation)
     held_out = tuple(frf for frf in frfs if frf.posture in validation)
     if not fitted:
@@ -142,7 +147,7 @@ def identify(
     shares = [[joint_share(superset, m, shape) for shape in m.shapes.T] for m in measured]
     mass_kg = session.header.plan.sensor.mass_kg
     top_hz = BAND_ABOVE * max(mode.f_hz for model in models for mode in model.modes)
-    banded = [_band(frf, top_hz) for frf in fitted]
+    banded = [lines_within(frf, (float(frf.freq_hz[0]), top_hz)) for frf in fitted]
     fit, rivals = _fit(superset, banded, measured, shares, mass_kg, say)
     say("uncertainty")
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
@@ -184,7 +189,7 @@ def identify(
             *(
                 note
                 for frf in frfs
-                for note in record_notes(session, frf.posture, board_limits=False)
+                for note in record_notes(session, frf.posture, band_hz=band_hz, board_limits=False)
             ),
             *fit_notes(fit, fitted, shares),
         ),
@@ -252,17 +257,6 @@ def _angles(frf: FrequencyResponse) -> Array:
             f"posture '{frf.posture}' has no measured joint angles: no model can be set beside it"
         )
     return frf.joints_rad
-
-
-def _band(frf: FrequencyResponse, top_hz: float) -> FrequencyResponse:
-    keep = frf.freq_hz <= top_hz
-    return replace(
-        frf,
-        freq_hz=frf.freq_hz[keep],
-        values=frf.values[..., keep],
-        variance=frf.variance[..., keep],
-        coherence=frf.coherence[..., keep],
-    )
 
 
 def _data(

@@ -1,6 +1,6 @@
 """Frequency responses, modes and their uncertainty."""
 
-from armodal.analyzer.modal.band import carried_band
+from armodal.analyzer.modal.band import lines_within, proposed_band
 from armodal.analyzer.modal.chosen_hits import HitChoice, hit_choices
 from armodal.analyzer.modal.correlation import frac, mac, mac_matrix, mcf, mpc, mpd_deg
 from armodal.analyzer.modal.drift_causes import DriftTold, drift_told
@@ -40,7 +40,6 @@ __all__ = [
     "Stabilisation",
     "TrackedCmif",
     "band_of_hits",
-    "carried_band",
     "cmif",
     "coherence_random_error",
     "convert_form",
@@ -53,6 +52,7 @@ __all__ = [
     "hit_choices",
     "hit_frfs",
     "hit_spectra",
+    "lines_within",
     "mac",
     "mac_matrix",
     "mass_scaling",
@@ -63,6 +63,7 @@ __all__ = [
     "mpd_deg",
     "multivariate_mif",
     "posture_frf",
+    "proposed_band",
     "real_modes",
     "record_notes",
     "stable_poles",

@@ -46,7 +46,8 @@ def fit_modes(
     frf
         FRFs of any form, weighted by their variance.
     band_hz
-        Lines used, and where modes may lie; all lines by default.
+        Lines used, and where modes may lie; all lines by default. `proposed_band` gives those
+        that carry a signal.
     max_order
         Highest order of the stabilisation.
     tell

@@ -8,9 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import median_filter
 
+from armodal.analyzer.modal.band import FEWEST_LINES, lines_within
 from armodal.analyzer.modal.complete_parts import linked
 from armodal.analyzer.modal.forms import derivative_order
 from armodal.analyzer.modal.noise import (
+    SMOOTHED_LINES,
     hit_scatter_variance,
     independent_line_share,
     smooth_lines,
@@ -23,8 +25,10 @@ __all__ = ["FittedLines", "fitted_lines", "misfit_variance"]
 _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
 
-FEWEST_LINES = 8
 MEDIAN_LINES = 41  # of a running median: more than twice as many as the sharpest resonance roughens
+NEAR_ZERO = 2.0  # spacings: a resonance below has less than two lines, and is none to be fitted
+OUTWEIGHS = 10.0  # in amplitude: a fit of the rest is then a hundredth of the misfit
+RISE = 2.0  # in amplitude: a peak begins
 NOISY = 0.5  # of the roughness of pure noise: half of what is there is noise
 
 
@@ -48,34 +52,45 @@ class FittedLines:
 def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> FittedLines:
     """Lines of the band that carry a measurement, with their variance.
 
+    Parameters
+    ----------
+    frf
+        FRFs of any form.
+    band_hz
+        The band; None for all lines.
+
     Raises
     ------
     EstimateError
         If nothing can be fitted to them, with the reason.
     """
     _check(frf)
-    keep = _band(frf, band_hz)
     notes = _beyond(frf, band_hz)
+    if band_hz is not None:
+        frf = lines_within(frf, band_hz)
     holes = np.count_nonzero(~frf.measured)
     if holes:
         said = f"{holes} of {frf.measured.size} FRFs were not measured and are left out"
         notes = (*notes, said)
-    first = _blown_up(frf, keep)
-    if first is not None:
-        keep = keep & (frf.freq_hz >= frf.freq_hz[first])
-        said = (
-            f"lines below {frf.freq_hz[first]:.4g} Hz are left out: noise that integration, drift "
-            "or AC coupling has blown up, larger than the FRFs themselves"
-        )
-        notes = (*notes, said)
-    values = np.where(frf.measured[..., None], frf.values[..., keep], 0.0)
-    given = frf.variance[..., keep]
+    given = frf.variance
     told = bool(np.any(np.isfinite(given) & (given > 0.0)))
-    freq = frf.freq_hz[keep]
+    first, fallen = _blown_up(frf.values), 0 if told else _fallen(frf)
+    if first or fallen:
+        why = (
+            "what falls there from 0 Hz on, as integrated drift does, outweighs every peak; a band "
+            "asked for holds what it is told"
+            if fallen > first
+            else "noise that integration, drift or AC coupling has blown up, larger than the FRFs "
+            "themselves"
+        )
+        first = max(first, fallen)
+        notes = (*notes, f"lines below {frf.freq_hz[first]:.4g} Hz are left out: {why}")
+    values = np.where(frf.measured[..., None], frf.values[..., first:], 0.0)
+    freq = frf.freq_hz[first:]
     return FittedLines(
         freq_hz=freq,
         values=values,
-        variance=_given_variance(values, given, frf.measured),
+        variance=_given_variance(values, given[..., first:], frf.measured),
         told=told,
         share=independent_line_share(frf.decay_rad_s, float(np.min(np.diff(freq)))),
         notes=notes,
@@ -130,10 +145,8 @@ def misfit_variance(
     return result
 
 
-def _blown_up(frf: FrequencyResponse, keep: npt.NDArray[np.bool_]) -> int | None:
-    """First line that carries a measurement, where noise near 0 Hz is larger than the FRFs."""
-    lines = np.flatnonzero(keep)
-    values = frf.values[..., lines]
+def _blown_up(values: _Complex) -> int:
+    """First line that carries a measurement; above 0 where noise near 0 Hz exceeds the FRFs."""
     power = np.abs(values) ** 2
     size = np.median(power, axis=-1, keepdims=True)
     power /= np.maximum(size, 1e-12 * float(power.max()))
@@ -145,12 +158,34 @@ def _blown_up(frf: FrequencyResponse, keep: npt.NDArray[np.bool_]) -> int | None
     near = smooth_lines(np.stack([rough.sum(axis=(0, 1)), full.sum(axis=(0, 1))]), 1)
     noisy = near[0] > NOISY * near[1]
     if not noisy[0]:
-        return None
+        return 0
     # A second difference reaches one line further than its middle.
     end = 2 + (int(np.argmin(noisy)) if not noisy.all() else noisy.size)
-    if lines.size - end < FEWEST_LINES or level[:end].max() < level[end:].max():
-        return None
-    return int(lines[end])
+    if level.size - end < FEWEST_LINES or level[:end].max() < level[end:].max():
+        return 0
+    return end
+
+
+def _fallen(frf: FrequencyResponse) -> int:
+    """First line to be fitted; above 0 where what falls from 0 Hz on outweighs every peak.
+
+    Drift integrated twice falls smoothly. With no variance told it has all the weight.
+    """
+    spacing = float(np.median(np.diff(frf.freq_hz)))
+    if frf.freq_hz[0] > NEAR_ZERO * spacing:
+        return 0  # the flank of a mode below the band is its own
+    power = np.abs(frf.values[frf.measured]) ** 2
+    power /= np.maximum(np.median(power, axis=-1, keepdims=True), 1e-12 * float(power.max()))
+    level = smooth_lines(power.mean(axis=0), SMOOTHED_LINES)
+    lowest = np.minimum.accumulate(level)
+    rising = level > RISE**2 * lowest
+    valley = int(np.argmin(level[: int(np.argmax(rising))])) if rising.any() else 0
+    beyond = np.maximum.accumulate(level[::-1])[::-1]
+    peak = float(beyond[valley])
+    end = int(np.argmax(level <= peak))
+    if level.size - end < FEWEST_LINES or level[0] < OUTWEIGHS**2 * peak:
+        return 0
+    return end
 
 
 def _given_variance(values: _Complex, given: _Real, measured: npt.NDArray[np.bool_]) -> _Real:
@@ -223,16 +258,3 @@ def _check_measured(frf: FrequencyResponse, where: str) -> None:
             "shape over both has no size; measure an FRF that links them, or fit them as "
             "postures of their own"
         )
-
-
-def _band(frf: FrequencyResponse, band_hz: tuple[float, float] | None) -> npt.NDArray[np.bool_]:
-    if band_hz is None:
-        keep = np.ones(frf.freq_hz.size, dtype=bool)
-    else:
-        keep = (frf.freq_hz >= band_hz[0]) & (frf.freq_hz <= band_hz[1])
-    if np.count_nonzero(keep) < FEWEST_LINES:
-        raise EstimateError(
-            f"posture {frf.posture!r}: a fit needs at least {FEWEST_LINES} lines, the band holds "
-            f"{np.count_nonzero(keep)} of {frf.freq_hz.size}; widen it or record longer"
-        )
-    return keep

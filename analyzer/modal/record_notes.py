@@ -23,6 +23,7 @@ def record_notes(
     *,
     band_hz: tuple[float, float] | None = None,
     board_limits: bool = True,
+    ends_earlier: bool = False,
 ) -> tuple[str, ...]:
     """Say what was taken of a posture's hits: the band, and records of other lengths cut.
 
@@ -32,13 +33,16 @@ def record_notes(
         The band asked for; a warning where it leaves what the hits excite.
     board_limits
         Whether a band that the board ends, and not the force, is said too.
+    ends_earlier
+        Whether what was made of the FRFs ends below them and has said so: where they end tells
+        nobody anything then.
     """
     usable = band_of_hits(session, posture)
     if usable is None:
         return ()
     where = f"posture {posture!r}: "
     notes = [usable.warning(band_hz)] if band_hz is not None else []
-    if band_hz is None and (board_limits or usable.by_force):
+    if band_hz is None and not ends_earlier and (board_limits or usable.by_force):
         notes.append(usable.words)
     behind = [
         len(hit.counts) - (hit.trigger_sample - hit.first_sample)

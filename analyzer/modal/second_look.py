@@ -27,7 +27,10 @@ _HALF_WIDTH = 1  # lines over which the misfit is averaged
 _SPLIT = 0.6  # half bandwidths beside a mode where a second pole is tried
 _LEAST_WIDTH = 0.5  # lines, of the half bandwidth of a resonance that may be two
 _MARGIN = 14  # lines on either side of where it stands out
-_MOST_ORDER = 10
+_MOST_ORDER = 24  # twelve modes on some forty lines
+_TOP = (
+    0.1  # of a stretch's highest power: a narrower look where several modes make one wide stretch
+)
 _MOST_BANDS = 40  # a round
 
 
@@ -48,13 +51,29 @@ def _places(
     n_frf: int,
     line_share: float,
 ) -> list[tuple[int, int]]:
-    """First and last line of each stretch where the misfit stands out, most conspicuous first."""
+    """First and last line of each stretch where the misfit stands out, most conspicuous first.
+
+    A stretch wider than the lines looked at beside it is looked at about its highest line too.
+    """
     out, level = _standing_out(power, n_frf, line_share)
     out &= level > _LEAST_SHARE**2 * smooth_lines(size, _HALF_WIDTH)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(np.int8), [0]])))
     stretches = [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
+    stretches += [_top(level, ends) for ends in stretches if ends[1] - ends[0] > _MARGIN]
     stretches.sort(key=lambda ends: -float(level[ends[0] : ends[1] + 1].max()))
     return stretches[:_MOST_BANDS]
+
+
+def _top(level: npt.NDArray[np.float64], ends: tuple[int, int]) -> tuple[int, int]:
+    """First and last line about the highest of a stretch."""
+    first, last = ends
+    highest = first + int(np.argmax(level[first : last + 1]))
+    low = level < _TOP * level[highest]
+    before, behind = np.flatnonzero(low[first:highest]), np.flatnonzero(low[highest : last + 1])
+    return (
+        first + int(before[-1]) + 1 if before.size else first,
+        highest + int(behind[0]) - 1 if behind.size else last,
+    )
 
 
 def split_poles(

@@ -76,7 +76,8 @@ def usable_band(
     """
     top_hz = _HIGHEST_OF_RATE * rate_hz
     typical = np.median(force, axis=0)
-    weak = (typical < _LEAST_FORCE * typical.max()) & (freq_hz > _LOWEST_HZ)
+    above = freq_hz > _LOWEST_HZ  # an offset is no hit
+    weak = above & (typical < _LEAST_FORCE * np.max(typical, initial=0.0, where=above))
     end_hz = float(freq_hz[int(np.argmax(weak))]) * (1.0 - 1e-12) if np.any(weak) else np.inf
     if end_hz < top_hz:
         limit = f"the force is below {100 * _LEAST_FORCE:.0f} % of its spectrum's maximum"

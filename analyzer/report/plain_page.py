@@ -14,6 +14,7 @@ from armodal.analyzer.modal import (
     drift_told,
     hit_choices,
     mass_scaling,
+    record_notes,
     typical_random_errors,
 )
 from armodal.analyzer.modal.poles_by_order import poles_by_order
@@ -49,6 +50,8 @@ def write_plain_report(
     frfs: Sequence[FrequencyResponse],
     models: Sequence[ModalModel],
     path: Path,
+    *,
+    band_hz: tuple[float, float] | None = None,
 ) -> None:
     """Write one self-contained HTML page; an older one is replaced only when it is complete.
 
@@ -60,6 +63,8 @@ def write_plain_report(
         FRFs of each posture, and the modes fitted to them.
     path
         HTML file.
+    band_hz
+        The band that was asked for.
 
     Raises
     ------
@@ -71,6 +76,7 @@ def write_plain_report(
     given = {frf.posture for frf in session.frfs}
     html = environment.get_template("plain.html").render(
         session=session,
+        warnings=[*session.warnings, *_record_notes(session, frfs, models, band_hz)],
         parts=[
             _part(session, frf, model, figures, averaged_here=frf.posture not in given)
             for frf, model in zip(frfs, models, strict=True)
@@ -86,6 +92,25 @@ def write_plain_report(
         ),
     )
     replace_text(path, under_policy(html))
+
+
+def _record_notes(
+    session: Session,
+    frfs: Sequence[FrequencyResponse],
+    models: Sequence[ModalModel],
+    band_hz: tuple[float, float] | None,
+) -> list[str]:
+    """What a person should know of the records behind the FRFs."""
+    return [
+        note
+        for frf, model in zip(frfs, models, strict=True)
+        for note in record_notes(
+            session,
+            frf.posture,
+            band_hz=band_hz,
+            ends_earlier=model.band_hz[1] < frf.freq_hz[-1],
+        )
+    ]
 
 
 class _Figures:

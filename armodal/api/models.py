@@ -22,7 +22,10 @@ __all__ = ["find_gap", "identify", "plan", "predict", "report"]
 
 
 def identify(
-    session: Session, *, picked: Mapping[str, Sequence[complex]] | None = None
+    session: Session,
+    *,
+    picked: Mapping[str, Sequence[complex]] | None = None,
+    band_hz: tuple[float, float] | None = None,
 ) -> Identification:
     """Joint stiffness, damping and structural axes, each with its uncertainty.
 
@@ -32,6 +35,8 @@ def identify(
         With accepted hits or FRFs of at least one posture that is not for validation.
     picked
         By posture, poles in rad/s that take the place of the automatic choice.
+    band_hz
+        Lines that modes and model are fitted to; all by default.
 
     Raises
     ------
@@ -42,7 +47,7 @@ def identify(
     ----------
     docs/theory-identification.md.
     """
-    return identification.identify(session, picked=picked)
+    return identification.identify(session, picked=picked, band_hz=band_hz)
 
 
 def predict(

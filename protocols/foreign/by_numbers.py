@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.even import is_counter, is_even
+from armodal.protocols.foreign.even import is_counter, is_even, never_falls
 from armodal.protocols.foreign.frf_variables import Words
 from armodal.protocols.foreign.measured import Hints, NotToldError
 from armodal.protocols.foreign.roles import Role
@@ -44,6 +44,7 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
         columns = columns[1:]  # a counter before the axis
     if any(column.is_complex for column in columns):
         return _complex_columns(columns)
+    columns = _without_coarse_axis(columns, part, hints, words)
     if part.axis is not None or hints.rate_hz is not None or hints.line_spacing_hz is not None:
         kind = hints.kind or ("frf" if hints.line_spacing_hz is not None else "hit")
         if part.axis is not None and part.axis.unit == "Hz":
@@ -65,6 +66,27 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
     if kind == "frf":
         return {Role.FREQUENCY: [axis], **parts_by_numbers(rest, part, words)}
     return {Role.TIME: [_named(axis, "time")], **_signals(rest, part)}
+
+
+def _without_coarse_axis(
+    columns: list[Variable], part: Variables, hints: Hints, words: Words
+) -> list[Variable]:
+    """The columns without an axis printed too coarsely to tell its step, where that is told."""
+    axis = columns[0].values
+    if len(columns) < 3 or is_even(axis) or not never_falls(axis):
+        return columns
+    if hints.rate_hz is None and hints.line_spacing_hz is None:
+        raise NotToldError(
+            f"{part.origin}: the first column rises, from {axis[0]:g} to {axis[-1]:g}, but not in "
+            "equal steps, as a time printed with few digits does: say `rate_hz` (of a time) or "
+            "`line_spacing_hz` (of a frequency) in the manifest",
+            key="rate_hz",
+        )
+    words.said.append(
+        f"{part.origin}: the first column is printed with too few digits to tell its step: the one "
+        "told in the manifest is used"
+    )
+    return columns[1:]
 
 
 def _kind(axis: Variable, rest: Sequence[Variable], part: Variables, words: Words) -> str:
@@ -146,7 +168,13 @@ def _named(variable: Variable, name: str) -> Variable:
 
 
 def _is_pulse(values: npt.NDArray[np.float64]) -> bool:
-    """Whether a column goes to one side far more than to the other, as a hammer's force does."""
+    """Whether a column goes to one side far more than to the other, as a hammer's force does.
+
+    A record begins before the hit: what is largest at its first value is no pulse, but an FRF
+    that drift has blown up near 0 Hz.
+    """
+    if int(np.argmax(np.abs(values))) == 0:
+        return False
     high, low = float(np.max(values)), -float(np.min(values))
     return max(high, low) > _PULSE_SIDES * max(min(high, low), 0.0)
 

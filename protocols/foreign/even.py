@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["is_counter", "is_even"]
+__all__ = ["is_counter", "is_even", "never_falls"]
 
 _EVEN = 0.5  # of a step: a column printed with few digits jumps, but does not drift
 
@@ -20,6 +20,16 @@ def is_counter(values: npt.NDArray[Any]) -> bool:
     """
     first = values[0]
     return first in {0, 1} and bool(np.array_equal(values, first + np.arange(len(values))))
+
+
+def never_falls(values: npt.NDArray[Any]) -> bool:
+    """Return whether numbers rise without ever falling, as an axis printed with few digits does.
+
+    >>> never_falls(np.array([0.0, 0.998, 0.999, 0.999, 1.0]))
+    True
+    """
+    numbers = np.asarray(np.real(values), dtype=np.float64)
+    return bool(np.all(np.diff(numbers) >= 0.0) and numbers[-1] > numbers[0])
 
 
 def is_even(values: npt.NDArray[Any]) -> bool:

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.looked_at import Doubt, LookedAt
+from armodal.protocols.foreign.looked_at import Doubt, LookedAt, look_at
 from armodal.protocols.foreign.manifest import FILL_IN, NO_ARM, Reading
 from armodal.protocols.foreign.measured import AXES
 
 __all__ = ["Guess", "guess_manifest"]
 
-_NUMBER = re.compile(r"(\d+)(?!.*\d)")  # the last number of a name
+_NUMBER = re.compile(r"\d+")
+_LONGEST_NUMBER = 16
 _COLUMN = 27  # where comments begin
 
 
@@ -47,10 +48,12 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
     """
     guesses: list[str] = []
     doubts: list[Doubt] = []
+    kinds = {_kind(file) for file in files} - {""}
+    if len(kinds) == 1:
+        files = [_like_the_others(file, *kinds) for file in files]
     for file in files:
         guesses += [f"{file.path.name}: {text}" for text in file.guesses]
         doubts += [Doubt(key=one.key, why=one.why) for one in file.doubts]
-    kinds = {_kind(file) for file in files} - {""}
     if len(kinds) > 1:
         frfs = [file.path.name for file in files if _kind(file) == "frf"]
         raise ForeignFileError(
@@ -67,6 +70,11 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
     common, keys = _in_common(keys)
     text = _text(files, keys, common, mode, reason, folder)
     return Guess(text=text, guesses=_gathered(guesses), doubts=tuple(doubts))
+
+
+def _like_the_others(file: LookedAt, kind: str) -> LookedAt:
+    """The file, looked at again as what those beside it are if it does not tell itself."""
+    return look_at(file.path, kind=kind) if "kind" in file.keys else file
 
 
 def _kind(file: LookedAt) -> str:
@@ -96,11 +104,14 @@ def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses:
 
 def _numbers(stems: Sequence[str]) -> list[str]:
     """Return the number that tells names apart: `Hxysv00001` is 1; none where there is none."""
-    matches = [_NUMBER.search(stem) for stem in stems]
-    rest = {f"{m.string[: m.start()]}#{m.string[m.end() :]}" for m in matches if m}
-    numbers = [str(int(m[1])) for m in matches if m]
-    alike = len(rest) == 1 and len(set(numbers)) == len(stems)
-    return numbers if alike and all(len(number) <= 16 for number in numbers) else []
+    if len({_NUMBER.sub("#", stem) for stem in stems}) > 1:
+        return []
+    by_place = zip(*(_NUMBER.findall(stem) for stem in stems), strict=True)
+    telling = [numbers for numbers in by_place if len({int(text) for text in numbers}) > 1]
+    if len(telling) != 1 or len({int(text) for text in telling[0]}) < len(stems):
+        return []
+    numbers = [str(int(text)) for text in telling[0]]
+    return numbers if all(len(number) <= _LONGEST_NUMBER for number in numbers) else []
 
 
 def _ask_points_of_hits(

@@ -40,16 +40,23 @@ class LookedAt:
     doubts: tuple[Doubt, ...] = ()
 
 
-def look_at(path: Path) -> LookedAt:
+def look_at(path: Path, *, kind: str | None = None) -> LookedAt:
     """Read a file with nothing told about it, guessing what can be guessed.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kind
+        "frf" or "hit", where those beside it tell.
 
     Raises
     ------
     ForeignFileError
         If it cannot be read, whatever a manifest might say.
     """
-    hints = Hints()
-    keys: dict[str, Any] = {}
+    hints = Hints(kind=kind)
+    keys: dict[str, Any] = {} if kind is None else {"kind": kind}
     guesses: list[str] = []
     doubts: list[Doubt] = []
     content: Content | None = None

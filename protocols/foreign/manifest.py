@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.measured import Cut, Hints, parse_dof
@@ -110,12 +110,20 @@ class FileTable(Reading):
     references: Annotated[list[Dof], Field(max_length=100)] | None = None
 
 
+def _as_table(entry: Any) -> Any:
+    return {"path": entry} if isinstance(entry, str) else entry
+
+
+# A path alone is the table that holds nothing else.
+FileEntry = Annotated[FileTable, BeforeValidator(_as_table)]
+
+
 class PostureTable(FileModel):
     """One posture and the files measured there."""
 
     name: Name
     joints_deg: Annotated[list[float], Field(max_length=32)] = Field(default=[])
-    files: Annotated[list[PathText | FileTable], Field(min_length=1, max_length=_MOST_FILES)]
+    files: Annotated[list[FileEntry], Field(min_length=1, max_length=_MOST_FILES)]
     averages: Annotated[int, Field(ge=1, le=MOST_AVERAGES)] | None = None
     hit_point: PointId | None = None
     hit_direction: Vector3 | None = None
@@ -165,11 +173,10 @@ class Manifest:
 
     def files(self, posture: PostureTable) -> list[tuple[Path, Hints]]:
         """Return each file of a posture with what the manifest says about it."""
-        found = []
-        for entry in posture.files:
-            table = entry if isinstance(entry, FileTable) else FileTable(path=entry)
-            found.append((self.folder / table.path, _hints(table, self.file, self.origin)))
-        return found
+        return [
+            (self.folder / table.path, _hints(table, self.file, self.origin))
+            for table in posture.files
+        ]
 
 
 def _hints(table: FileTable, general: Reading, origin: str) -> Hints:

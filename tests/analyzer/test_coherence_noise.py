@@ -4,14 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 from support.averaged_frfs import averaged
 
 from armodal.analyzer.coherence_noise import coherence_noise
 from armodal.analyzer.given_frfs import with_variance
 from armodal.analyzer.modal import fit_modes
-
-TWO_SIDED_95 = 1.96
-
 
 HARMS = {
     "8 bit": lambda g, _: np.round(g * 255) / 255,
@@ -39,7 +37,7 @@ def fitted(how, n_averages, seed):
 def test_the_stated_deviation_covers_the_truth(how, n_averages):
     """Of 180 modes, 95 % nominal: 90 to 98 % of the task, and 2 % of binomial scatter about it."""
     inside = [
-        abs(mode.f_hz - f) < TWO_SIDED_95 * mode.f_std_hz
+        abs(mode.f_hz - f) < student.ppf(0.975, mode.dof) * mode.f_std_hz
         for seed in range(60)
         for mode, f in zip(*fitted(how, n_averages, seed), strict=True)
     ]

@@ -11,7 +11,7 @@ from armodal.protocols.frf_records import FrfEstimator
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.fit_settings import FitSettings
 from armodal.tui.commands.fit_values import fit_values
-from armodal.tui.commands.options import SessionPath
+from armodal.tui.commands.options import Band, SessionPath
 from armodal.tui.console import Json, out, print_json
 
 __all__ = ["app"]
@@ -22,10 +22,7 @@ app = typer.Typer(add_completion=False)
 @app.command()
 def fit(
     session: SessionPath,
-    band: Annotated[
-        tuple[float, float] | None,
-        typer.Option(help="Only lines from LOW to HIGH Hz; else those that carry a signal."),
-    ] = None,
+    band: Band = None,
     estimator: Annotated[
         FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")
     ] = None,

@@ -17,12 +17,12 @@ from armodal.analyzer.modal import (
     MassScaling,
     ModalModel,
     band_of_hits,
-    carried_band,
     drift_told,
     fit_modes,
     hit_choices,
     mass_scaling,
     missing_mode_hints,
+    proposed_band,
     real_modes,
     record_notes,
     stable_poles,
@@ -60,11 +60,21 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     postures: dict[str, Any] = {}
     warnings = list(session.warnings)
     for frf in frfs:
-        model = _fitted(frf, settings, warnings)
+        band = settings.band_hz
+        if band is None:
+            band, said = proposed_band(frf)
+            warnings += said
+        with working(f"posture {frf.posture!r}") as tell:
+            model = fit_modes(frf, band_hz=band, max_order=settings.max_order, tell=tell)
         errors[frf.posture] = model.synthesis_error
         stabilisation[frf.posture] = _stabilisation(model)
         modes += _modes(superset, frf, model)
-        warnings += record_notes(session, frf.posture, band_hz=settings.band_hz)
+        warnings += record_notes(
+            session,
+            frf.posture,
+            band_hz=settings.band_hz,
+            ends_earlier=model.band_hz[1] < frf.freq_hz[-1],
+        )
         warnings += [f"posture {frf.posture!r}: {note}" for note in model.notes]
         averaged_here = frf.posture not in given
         if settings.about_hits() and not averaged_here:
@@ -82,21 +92,6 @@ def fit_values(session: Session, settings: FitSettings) -> dict[str, Any]:
     }
     values: dict[str, Any] = plain(found)
     return values
-
-
-def _fitted(frf: FrequencyResponse, settings: FitSettings, warnings: list[str]) -> ModalModel:
-    """The modes in the band asked for, else in the one that carries a signal, which is said."""
-    band = settings.band_hz
-    if band is None:
-        band = carried_band(frf)
-        if band is not None:
-            warnings.append(
-                f"posture {frf.posture!r}: no band was asked for: fitted from {band[0]:.5g} to "
-                f"{band[1]:.5g} Hz of {frf.freq_hz[0]:.5g} to {frf.freq_hz[-1]:.5g} Hz, beyond "
-                "which the FRFs are noise; `--band` asks for another"
-            )
-    with working(f"posture {frf.posture!r}") as tell:
-        return fit_modes(frf, band_hz=band, max_order=settings.max_order, tell=tell)
 
 
 def _modes(superset: Superset, frf: FrequencyResponse, model: ModalModel) -> list[dict[str, Any]]:

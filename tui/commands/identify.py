@@ -12,7 +12,7 @@ from armodal.analyzer.identification.penalty_of_session import penalty_of_sessio
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.identification_results import identification_json, identification_tables
-from armodal.tui.commands.options import SessionPath
+from armodal.tui.commands.options import Band, SessionPath
 from armodal.tui.commands.penalty_results import Method, chosen_for, penalty_json, penalty_tables
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.screens.review.picked_file import read_picked
@@ -35,6 +35,7 @@ def identify_command(
         Path | None,
         typer.Option(help="Poles picked by hand in `armodal review`: SESSION.picked.json."),
     ] = None,
+    band: Band = None,
     as_json: Json = False,
 ) -> None:
     """Identify joint stiffness, damping and structural axes.
@@ -46,7 +47,7 @@ def identify_command(
     if picked is not None and not picked.exists():
         raise SessionError(f"{picked} is not there; `armodal review` writes it with the key s")
     poles = {} if picked is None else read_picked(picked, measured)
-    result = identify(measured, say, picked=poles)
+    result = identify(measured, say, picked=poles, band_hz=band)
     beside = None if chosen is None else penalty_of_session(measured, result, chosen)
     if as_json:
         value = identification_json(measured, result)

@@ -16,6 +16,7 @@ from armodal.tui.console import say
 
 __all__ = [
     "ArmName",
+    "Band",
     "ByHand",
     "Mirror",
     "Seed",
@@ -31,6 +32,10 @@ MOST_TOLD_DEG = 10.0  # an angle read less closely than this says nothing of a p
 
 ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
 SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
+Band = Annotated[
+    tuple[float, float] | None,
+    typer.Option(help="Only lines from LOW to HIGH Hz."),
+]
 Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
 ByHand = Annotated[
     float | None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,12 +10,12 @@ import typer
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs, identify
-from armodal.analyzer.modal import fit_modes
+from armodal.analyzer.modal import fit_modes, proposed_band
 from armodal.analyzer.report import gap_path, read_gap, write_plain_report, write_report
 from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.options import SessionPath
+from armodal.tui.commands.options import Band, SessionPath
 from armodal.tui.commands.workspace import workspace_section
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.output_file import check_output
@@ -36,10 +37,7 @@ def report(
             help="Also the workspace with what was identified, over so many random postures.",
         ),
     ] = 0,
-    band: Annotated[
-        tuple[float, float] | None,
-        typer.Option(help="Of a plain structure: only lines from LOW to HIGH Hz."),
-    ] = None,
+    band: Band = None,
     as_json: Json = False,
 ) -> None:
     """Write one self-contained HTML page of a session: of an arm, or of a plain structure.
@@ -58,12 +56,8 @@ def report(
             )
         _plain(measured, band, path)
     else:
-        if band is not None:
-            raise ArmError(
-                "--band is for a plain structure, the session is of an arm; leave it out"
-            )
         gap = read_gap(beside) if beside.exists() else None
-        result = identify(measured, say)
+        result = identify(measured, say, band_hz=band)
         sections = []
         if workspace:
             say("workspace")
@@ -77,14 +71,20 @@ def report(
 
 def _plain(session: Session, band_hz: tuple[float, float] | None, path: Path) -> None:
     """Fit the modes of every posture and write the report of a structure without joints."""
-    frfs = estimate_frfs(session, Superset(session.header.arm))
+    frfs = estimate_frfs(session, Superset(session.header.arm), band_hz=band_hz)
     if not frfs:
         raise EstimateError(
             "the session has no accepted hits and no FRFs: there is nothing to report; measure "
             "first"
         )
     models = []
+    said: list[str] = []
     for frf in frfs:
         say(f"modes of {frf.posture}")
-        models.append(fit_modes(frf, band_hz=band_hz))
-    write_plain_report(session, frfs, models, path)
+        band = band_hz
+        if band is None:
+            band, notes = proposed_band(frf)
+            said += notes
+        models.append(fit_modes(frf, band_hz=band))
+    session = replace(session, warnings=(*session.warnings, *said))
+    write_plain_report(session, frfs, models, path, band_hz=band_hz)

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from armodal.protocols.errors import SessionError
+from armodal.tui.commands.options import Band
 from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.review.follow_app import FollowApp
 from armodal.tui.this_system import check_runs_devices
@@ -72,6 +73,7 @@ def review(
     follow: Annotated[
         bool, typer.Option("--follow", help="Look at a journal while it is measured.")
     ] = False,
+    band: Band = None,
 ) -> None:
     """Look at a session: FRFs, poles, modes moving on the arm, stiffness, gap. `?` helps.
 
@@ -84,7 +86,7 @@ def review(
         raise typer.Exit(_follow(session, gap))
     if not session.is_file():
         raise SessionError(f"{session} is not a file; give the .h5 file of a session")
-    raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap)))
+    raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap, band_hz=band)))
 
 
 def _follow(session: Path, gap: Path | None) -> int:

@@ -75,6 +75,19 @@ def test_poles_picked_by_hand_take_the_place_of_the_automatic_modes(session, ide
         assert joint.k_n_m_per_rad == pytest.approx(truth[joint.joint], rel=0.02)
 
 
+@pytest.mark.long
+def test_a_band_asked_for_is_all_that_is_fitted(session, identified, plant):
+    found = identify(session, band_hz=(6.0, 60.0))
+    for frf, model in zip(found.frfs, found.modal_models, strict=True):
+        assert frf.freq_hz[0] >= 6.0
+        assert frf.freq_hz[-1] <= 60.0
+        assert all(6.0 <= mode.f_hz <= 60.0 for mode in model.modes)
+    truth = {link.joint: link.stiffness_n_m_per_rad for link in plant.truth.links}
+    for joint, whole in zip(found.joints, identified.joints, strict=True):
+        assert joint.k_n_m_per_rad == pytest.approx(truth[joint.joint], rel=0.02)
+        assert joint.k_n_m_per_rad != whole.k_n_m_per_rad
+
+
 def test_poles_of_a_posture_that_was_not_measured_are_refused(session):
     with pytest.raises(EstimateError, match="got poles of elsewhere"):
         identify(session, picked={"elsewhere": [-1.0 + 60.0j]})

@@ -5,7 +5,9 @@ import pytest
 from support.several_references import several_references
 from support.simulated_frfs import eight_modes
 
-from armodal.analyzer.modal import carried_band, fit_modes
+from armodal.analyzer.modal import fit_modes
+from armodal.analyzer.modal.band import carried_band, lines_within, proposed_band
+from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
 
 
@@ -39,6 +41,29 @@ def test_frfs_that_carry_a_signal_throughout_are_left_whole():
     frf = eight_modes(np.random.default_rng(1), form=FrfForm.ACCELERANCE).frf
     assert carried_band(frf) is None
     assert carried_band(replace(frf, variance=np.zeros(frf.variance.shape))) is None
+
+
+def test_where_no_band_is_asked_for_what_is_left_out_is_said_end_by_end():
+    frf, _ = fading(told=True)
+    band, (said,) = proposed_band(frf)
+    assert band == carried_band(frf)
+    assert f"lines above {band[1]:.5g} Hz are noise" in said
+    assert "below" not in said
+    assert proposed_band(eight_modes(np.random.default_rng(1)).frf)[0][0] == frf.freq_hz[0]
+    assert proposed_band(several_references(np.random.default_rng(0)).frf) == (None, ())
+
+
+def test_lines_of_a_band_keep_all_that_is_known_of_them():
+    frf = several_references(np.random.default_rng(0)).frf
+    low, high = float(frf.freq_hz[20]), float(frf.freq_hz[60])
+    cut = lines_within(frf, (low, high))
+    for name in ("values", "variance", "coherence"):
+        kept, whole = getattr(cut, name), getattr(frf, name)
+        assert np.array_equal(kept, whole[..., 20:61], equal_nan=True)
+    assert np.array_equal(cut.freq_hz, frf.freq_hz[20:61])
+    assert (cut.responses, cut.references) == (frf.responses, frf.references)
+    with pytest.raises(EstimateError, match=r"holds 7 of .* widen it"):
+        lines_within(frf, (low, float(frf.freq_hz[26])))
 
 
 def test_a_sharp_peak_is_a_signal_wherever_it_stands():

@@ -15,6 +15,7 @@ from armodal.analyzer.modal import (
     record_notes,
 )
 from armodal.analyzer.modal.spectra import active_channels
+from armodal.analyzer.modal.usable_band import usable_band
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
 from armodal.protocols.plan_records import Mode
@@ -210,6 +211,15 @@ def test_a_reversed_hammer_gives_the_frf_of_a_push_along_the_hit():
     assert share == pytest.approx(1.0, abs=0.02)  # lines lie otherwise: interpolated between
 
 
+def test_an_offset_of_the_force_ends_no_band():
+    freq = np.arange(0.0, 500.0)
+    force = np.where(freq < 200.0, 1.0, 0.01)[None]
+    with_offset = force.copy()
+    with_offset[0, :3] = 1e3  # 0 Hz, and what a short record leaks from it
+    for given in (force, with_offset):
+        assert usable_band(freq, given, 1000.0).high_hz == pytest.approx(200.0, rel=1e-9)
+
+
 def test_the_band_hits_excite_is_said_and_another_one_is_taken_with_a_warning():
     # A pulse of 4 ms has its spectrum's first zero near 375 Hz, and 2 % of its maximum there.
     session = hammer.session(POLES, residues(np.random.default_rng(11), 1), widths_s=(4e-3, 4e-3))
@@ -225,6 +235,7 @@ def test_the_band_hits_excite_is_said_and_another_one_is_taken_with_a_warning():
     (warned,) = record_notes(session, "p", band_hz=(3.0, 450.0))
     assert "the force is below 2 %" in warned
     assert record_notes(session, "p", band_hz=(5.0, 100.0)) == ()
+    assert record_notes(session, "p", ends_earlier=True) == ()
     assert usable.widened((5.0, 100.0)) is None
 
 

@@ -54,3 +54,20 @@ def test_a_misfit_tells_the_noise_it_was_made_of():
         assert np.median((found / want)[..., flat]) == pytest.approx(1.0, abs=0.3)
         # At the peak it is never taken for better than it is.
         assert np.median((found / want)[..., 1994:2006]) > 0.8
+
+
+def test_what_falls_smoothly_from_zero_hertz_hides_no_peak():
+    """A milling tool's receptances, 1e5 of its peaks at 1 Hz, had no mode at all."""
+    rng = np.random.default_rng(5)
+    frf = eight_modes(rng, form=FrfForm.RECEPTANCE).frf
+    size = rng.normal(size=(*frf.values.shape[:2], 1)) * np.exp(1j * rng.uniform(0.0, 3.0))
+    drift = 1e5 * np.abs(frf.values).max() * size * (frf.freq_hz[0] / frf.freq_hz) ** 5
+    model = fit_modes(record(frf.values + drift, frf.freq_hz, form=frf.form))
+    assert any("outweighs every peak" in note for note in model.notes)
+    high = EIGHT_HZ[model.band_hz[0] < EIGHT_HZ]
+    # The drift has come down to the highest peak; half a per cent of f is a fifth of a bandwidth.
+    assert high.size >= 7
+    for f_hz in high:
+        assert np.min(np.abs(model.f_hz - f_hz)) < 0.005 * f_hz
+    asked = fitted_lines(frf, (5.0, 300.0))
+    assert asked.notes == ()

@@ -52,3 +52,28 @@ def test_a_resonance_between_two_lines_is_not_taken_for_two():
     clean = modal_frf(poles, residues, freq, FrfForm.ACCELERANCE)
     values = clean * (1.0 + 0.01 * np.tanh((freq - 60.0) / 2.0))
     assert len(fit_modes(record(values, freq)).modes) == 2
+
+
+def test_resonances_narrower_than_a_line_and_a_few_lines_apart_are_found():
+    """Their misfit is one wide stretch: about its highest line stands each of them.
+
+    A pole narrower than a line cannot pass one downhill. Where two candidates are missing at first,
+    one may be caught on the wrong side: once in sixteen draws of these modes.
+    """
+    f_hz = np.array([21.69, 25.62, 25.92, 27.25, 28.15, 30.28, 33.92, 45.42, 49.64, 59.3, 79.36])
+    damping = np.array([1.9, 1.4, 6.9, 2.7, 2.5, 1.3, 1.2, 4.3, 3.7, 6.0, 8.7]) * 1e-3
+    poles = poles_of(f_hz, damping)
+    freq = np.arange(20, 200) * 0.5
+    found = 0
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        shapes = rng.standard_normal((f_hz.size, 10, 1)) * rng.uniform(0.3, 1.0, (f_hz.size, 1, 1))
+        residues = shapes / (2j * poles.imag[:, None, None])
+        clean = modal_frf(poles, residues, freq, FrfForm.ACCELERANCE)
+        noisy = noisy_record(rng, clean, freq, form=FrfForm.ACCELERANCE, level=0.01)
+        model = fit_modes(record(noisy.values, freq))
+        if len(model.modes) == f_hz.size:
+            # A fifth of the least distance.
+            np.testing.assert_allclose(model.f_hz, f_hz, atol=0.06)
+            found += 1
+    assert found >= 3

@@ -36,6 +36,8 @@ def write_frfs(folder, names, **more):
         (["Hxysv00001.txt", "Hxysv00002.txt", "Hxysv00010.txt"], ["1", "2", "10"]),
         (["p3.txt", "p1.txt", "p2.txt"], ["3", "1", "2"]),
         (["beam 2024 point 07.txt", "beam 2024 point 08.txt"], ["7", "8"]),
+        (["Point_4_CH1.txt", "Point_5_CH1.txt"], ["4", "5"]),
+        (["1-2.txt", "2-1.txt"], ["1", "2"]),
         (["left.txt", "right.txt"], ["1", "2"]),
         (["a1.txt", "b1.txt"], ["1", "2"]),
     ],
@@ -68,6 +70,22 @@ def test_what_nobody_told_is_asked_and_not_made_up(tmp_path):
         import_guess(tmp_path, found)
     (tmp_path / "m.toml").write_text(found.text.replace('"?"\n', '"mobility"\n'))
     assert str(run(tmp_path / "m.toml").frfs[0].form) == "mobility"
+
+
+def test_an_frf_that_drift_blew_up_near_zero_hertz_is_no_hit(tmp_path):
+    freq = np.arange(0.0, 400.0)
+    H = np.array(
+        [700.0, *(accelerance(freq[1:], 0, 0) / np.abs(accelerance(freq[1:], 0, 0)).max())]
+    )
+    (tmp_path / "p.txt").write_text(table([freq, 1e-3 * H.real, 1e-3 * H.imag]))
+    (doubt,) = guess(tmp_path, "p.txt").doubts
+    assert doubt.key == "form"
+    # Here the second line is the largest: what is beside it tells.
+    (tmp_path / "q.txt").write_text(table([freq, np.roll(1e-3 * H.real, 1), 1e-3 * H.imag]))
+    assert {doubt.key for doubt in guess(tmp_path, "q.txt").doubts} == {"kind"}
+    found = guess(tmp_path, "p.txt", "q.txt")
+    assert {doubt.key for doubt in found.doubts} == {"form"}
+    assert found.text.count("responses") == 2
 
 
 def test_complex_columns_ask_for_their_lines(tmp_path):

@@ -352,6 +352,11 @@ def test_nan_in_an_frf_is_refused_but_not_at_zero_hertz(tmp_path):
         ("[[postures]]\nname = 1\nfiles = ['a']", "name"),
         ("[[postures]]\nname = 'a'\nfiles = []", "files"),
         ("[[postures]]\nname = 'a'\nfiles = ['a.uff']\nspeed = 3", "unknown key"),
+        (
+            "[[postures]]\nname = 'a'\nfiles = [{ path = 'a.uff', rate = 3.0 }]",
+            "unknown key 'rate'",
+        ),
+        ("[[postures]]\nname = 'a'\nfiles = [{ path = 3 }]", "path: wanted a string, got 3"),
         ("[[postures]]\nname = 'a'\nfiles = ['a.uff']\nhit_direction = [1.0, 1.0, 0.0]", "length"),
         ("[[postures]]\nname = 'a'\nfiles = ['a.uff']\njoints_deg = [1.0]", "joints_deg"),
         ("[[postures]]\nname = 'a'\nfiles = ['b.uff']", "b.uff"),

@@ -233,6 +233,20 @@ def test_complex_numbers_stand_beside_their_frequency(tmp_path):
         same(read(tmp_path, "\n".join(rows), Hints(form=FrfForm.ACCELERANCE)))
 
 
+def test_a_time_printed_with_few_digits_is_no_force(tmp_path):
+    """As a spreadsheet prints it: four samples are called 0.998 s."""
+    t, force, responses = hit_signals()
+    coarse = np.array([float(f"{x:.2e}") for x in t])
+    (tmp_path / "h.txt").write_text(table([coarse, force, responses[0]]))
+    with pytest.raises(ForeignFileError, match=r"not in equal steps.* say `rate_hz`"):
+        read_content(tmp_path / "h.txt", Hints())
+    rate = 1.0 / (t[1] - t[0])
+    content = read_content(tmp_path / "h.txt", Hints(rate_hz=rate))
+    (hit,) = content.hits
+    assert len(hit.responses) == 1
+    assert any("too few digits" in text for text in content.said)
+
+
 def test_a_column_of_complex_numbers_needs_its_lines(tmp_path):
     rows = "\n".join(f"({h.real:.9e}{h.imag:+.9e}j)" for h in FRF)
     with pytest.raises(NotToldError) as caught:

@@ -14,12 +14,13 @@ def session(tmp_path_factory):
 
 def test_a_plain_structure_has_a_report(session, tmp_path):
     path = tmp_path / "r.html"
-    code, out, _ = armodal("report", session, "--band", "5", "100", "--out", path)
+    code, out, _ = armodal("report", session, "--band", "5", "500", "--out", path)
     assert code == 0
     assert str(path) in out.replace("\n", "")
     html = path.read_text(encoding="utf-8")
     assert "2 modes from 20 to 45" in html
     assert "left out as unlike" in html  # the hit struck elsewhere
+    assert "the band 5 to 500 Hz was asked for: above" in html  # more than the hits excite
 
 
 def test_a_workspace_of_a_plain_structure_is_refused(session, tmp_path):

@@ -63,6 +63,8 @@ class ReviewApp(PrintableApp):
         Session file.
     gap
         Result of `armodal gap --json` to show; by default the one kept beside the session.
+    band_hz
+        Lines looked at; all by default.
     opened
         A session already read, in place of the file; postures fitted already stay as they are.
     clock
@@ -107,13 +109,14 @@ class ReviewApp(PrintableApp):
         path: Path,
         *,
         gap: Path | None = None,
+        band_hz: tuple[float, float] | None = None,
         opened: OpenSession | None = None,
         clock: Callable[[], float] = monotonic,
         environment: Mapping[str, str] = os.environ,
         command: tuple[str, ...] = ARMODAL,
     ) -> None:
         super().__init__()
-        self.path, self.gap_file = path, gap
+        self.path, self.gap_file, self.band_hz = path, gap, band_hz
         self.problem: ArmodalError | None = None
         self.next_run: NextRun | None = None
         self._opened = opened
@@ -142,7 +145,7 @@ class ReviewApp(PrintableApp):
     @work(thread=True)
     def _open(self) -> None:
         try:
-            opened = self._opened or open_session(self.path)
+            opened = self._opened or open_session(self.path, band_hz=self.band_hz)
         except ArmodalError as error:
             self.call_from_thread(self._show_trouble, error)
             return

@@ -23,8 +23,10 @@ far up it goes, and what is set beside the result.
     name_of_command = "identify"
 
     def arguments(self) -> tuple[str, ...]:
-        """With the poles picked by hand, where there are any."""
+        """With the band looked at, and the poles picked by hand, where there are any."""
         arguments = super().arguments()
+        if self.state.opened.band_hz is not None:
+            arguments += ("--band", *map(str, self.state.opened.band_hz))
         if not self._by_hand():
             return arguments
         return (*arguments, "--picked", str(picked_path(self.state.opened.path)))

@@ -13,7 +13,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at
+from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at, lines_within
 from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.hdf5 import read_session
@@ -67,6 +67,7 @@ class OpenSession:
     session: Session
     superset: Superset
     views: tuple[PostureView, ...]
+    band_hz: tuple[float, float] | None = None  # asked for
 
     @property
     def lost(self) -> str:
@@ -77,13 +78,22 @@ class OpenSession:
         return "lost " + (", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0")
 
 
-def open_session(path: Path) -> OpenSession:
+def open_session(path: Path, *, band_hz: tuple[float, float] | None = None) -> OpenSession:
     """Read a session and estimate its FRFs; modes are fitted afterwards.
+
+    Parameters
+    ----------
+    path
+        Session file.
+    band_hz
+        Lines to look at; None for all.
 
     Raises
     ------
     SessionError
         If the file cannot be read or holds nothing to show.
+    EstimateError
+        If there are too few lines in the band.
     """
     try:
         session = read_session(path)
@@ -91,19 +101,23 @@ def open_session(path: Path) -> OpenSession:
         raise SessionError(
             f"{path}: {error.strerror or error}; give the .h5 file of a session"
         ) from error
-    return opened_session(path, session)
+    return opened_session(path, session, band_hz=band_hz)
 
 
-def opened_session(path: Path, session: Session) -> OpenSession:
+def opened_session(
+    path: Path, session: Session, *, band_hz: tuple[float, float] | None = None
+) -> OpenSession:
     """Make a session in memory ready to be looked at; `path` is where its files lie.
 
     Raises
     ------
     SessionError
         If it holds nothing to show.
+    EstimateError
+        If there are too few lines in the band.
     """
     superset = Superset(session.header.arm)
-    frfs = estimate_frfs(session, superset)
+    frfs = estimate_frfs(session, superset, band_hz=band_hz)
     if not frfs:
         raise SessionError(
             f"{path}: wanted accepted hits or FRFs, the session has none yet; go on measuring with "
@@ -113,7 +127,10 @@ def opened_session(path: Path, session: Session) -> OpenSession:
         path=path,
         session=session,
         superset=superset,
-        views=tuple(PostureView(frf=frf) for frf in frfs),
+        views=tuple(
+            PostureView(frf=frf if band_hz is None else lines_within(frf, band_hz)) for frf in frfs
+        ),
+        band_hz=band_hz,
     )
 
 

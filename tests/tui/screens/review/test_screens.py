@@ -8,7 +8,7 @@ import pytest
 from support.screen import screen_rows, screen_text
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.protocols.errors import SessionError
+from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.session.records import Session
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.review.app import TABS, ReviewApp
@@ -223,6 +223,16 @@ def test_a_session_without_accepted_hits_is_refused_with_what_to_do(session, tmp
     empty = Session(header=session.header, hits=(), losses=(), complete=False)
     with pytest.raises(SessionError, match="armodal run"):
         opened_session(tmp_path / "s.h5", empty)
+
+
+def test_a_band_asked_for_is_all_that_is_looked_at(session, tmp_path):
+    opened = opened_session(tmp_path / "s.h5", session, band_hz=(10.0, 60.0))
+    assert opened.band_hz == (10.0, 60.0)
+    for view in opened.views:
+        assert 10.0 <= view.frf.freq_hz[0] < 11.0
+        assert 59.0 < view.frf.freq_hz[-1] <= 60.0
+    with pytest.raises(EstimateError, match=r"the band 10 to 12 Hz holds .* widen it"):
+        opened_session(tmp_path / "s.h5", session, band_hz=(10.0, 12.0))
 
 
 def test_a_file_that_is_not_there_is_a_session_error(tmp_path):
