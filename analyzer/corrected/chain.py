@@ -73,7 +73,7 @@ def chain_of(correction: Correction, *, level: float = 0.0) -> Chain:
     first, second = (stand(correction, low + part * (high - low)) for part in (0.37, 0.61))
 
     def both(instances: tuple[Instance, ...]) -> tuple[Assembly, Assembly]:
-        own = replace(correction, hypothesis=replace(correction.hypothesis, instances=instances))
+        own = correction.only(instances)
         return assembly_at(own, first, level=level), assembly_at(own, second, level=level)
 
     every = correction.hypothesis.instances
