@@ -11,8 +11,8 @@ import numpy.typing as npt
 from armodal.analyzer.arm.structure import Axis, Held
 from armodal.analyzer.corrected.chain import LOCKED, chain_of
 from armodal.analyzer.corrected.correction import Correction, correction_of, stepped
-from armodal.analyzer.corrected.posture import assembly_at, stand
-from armodal.analyzer.gap.assembly import Assembly
+from armodal.analyzer.corrected.posture import assembly_at, coordinate_names, stand
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.protocols.arm.records import Arm, InertialLink
 from armodal.protocols.errors import ArmError
 
@@ -106,9 +106,9 @@ def _held(correction: Correction, at: Assembly, free: Sequence[int]) -> Held:
         found["damping"][i, i] += at.compliance_loss_s[i] / at.compliance[i]
     moved = np.stack(at.columns, axis=1)
     found["mass"] += moved[:6].T @ at.base_inertia @ moved[:6]
-    name_at = {column: name for name, column in at.names.items()}
+    name_of = coordinate_names(at)
     return Held(
-        names=tuple(name_at.get(i, "") for i in gives),
+        names=tuple(name_of[i] for i in gives),
         motion=moved[:, gives],
         **{kind: matrix[np.ix_(chosen, chosen)] for kind, matrix in found.items()},
     )
