@@ -40,6 +40,7 @@ MODULES = {
     "fit": "fit",
     "identify": "identify",
     "predict": "predict",
+    "shaper": "shaper",
     "report": "report",
     "gap": "gap",
     "gap-study": "gap_study",
