@@ -41,6 +41,7 @@ MODULES = {
     "identify": "identify",
     "predict": "predict",
     "shaper": "shaper",
+    "stiffness-map": "stiffness_map",
     "report": "report",
     "gap": "gap",
     "gap-study": "gap_study",
