@@ -42,6 +42,7 @@ MODULES = {
     "predict": "predict",
     "shaper": "shaper",
     "stiffness-map": "stiffness_map",
+    "chatter": "chatter",
     "report": "report",
     "gap": "gap",
     "gap-study": "gap_study",
