@@ -43,6 +43,7 @@ MODULES = {
     "shaper": "shaper",
     "stiffness-map": "stiffness_map",
     "chatter": "chatter",
+    "model": "model",
     "report": "report",
     "gap": "gap",
     "gap-study": "gap_study",

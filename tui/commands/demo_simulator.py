@@ -31,7 +31,8 @@ def through_the_simulator(
 ) -> dict[str, Any]:
     """Export the corrected arm and set its frequencies in MuJoCo beside those measured.
 
-    Only postures kept for validation: neither arm was fitted to them.
+    Only postures kept for validation: `armodal identify` never fits to them. The gap workflow holds
+    some out to judge a name, and fits what it named to all.
     """
     began = time.monotonic()
     try:
@@ -91,7 +92,7 @@ def _paired(measured: Array, model: Array) -> list[float | None]:
 
 def simulator_table(found: dict[str, Any]) -> Table:
     """Measured and simulated frequencies of the validation postures."""
-    table = Table(title="In MuJoCo, beside the postures that nothing was fitted to")
+    table = Table(title="In MuJoCo, beside what was measured in the validation postures")
     for column in ("posture", "measured Hz", "plain arm Hz", "off %", "corrected Hz", "off %"):
         table.add_column(column, justify="right")
     for row in found["modes"]:
