@@ -25,8 +25,8 @@ class ReducedModel:
     """
 
     mass: Array  # (n, n)
-    damping: Array  # (n, n), diagonal
-    stiffness: Array  # (n, n), springs on the diagonal plus gravity
+    damping: Array  # (n, n)
+    stiffness: Array  # (n, n), springs plus gravity
     point_jacobian: Array  # (n_points, 6, n), base frame, linear first
 
 
@@ -47,6 +47,8 @@ def selection(superset: Superset, structure: Structure) -> Array:
         T[superset.joint_column(joint), column] = 1.0
     for column, axis in enumerate(structure.axes, start=len(structure.joints)):
         T[superset.interface_columns(axis.link), column] = axis.twist()
+    if structure.held is not None:
+        T[:, structure.n - len(structure.held.names) :] = structure.held.motion
     return T
 
 
@@ -67,14 +69,14 @@ def reduce_model(
     """
     T = selection(superset, structure)
     jacobian = dynamics.point_jacobian @ T
-    mass = T.T @ dynamics.mass @ T
+    mass = T.T @ dynamics.mass @ T + structure.held_mass()
     if added_mass_kg is not None:
         linear = jacobian[:, :3]
         mass = mass + np.einsum("p,pij,pik->jk", added_mass_kg, linear, linear)
     return ReducedModel(
         mass=mass,
-        damping=np.diag(structure.all_damping()),
-        stiffness=T.T @ dynamics.gravity_stiffness @ T + np.diag(structure.all_stiffness()),
+        damping=structure.dampers(),
+        stiffness=T.T @ dynamics.gravity_stiffness @ T + structure.springs(),
         point_jacobian=jacobian,
     )
 

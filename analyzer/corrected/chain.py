@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.correction import Correction
-from armodal.analyzer.corrected.posture import assembly_at, stand
+from armodal.analyzer.corrected.posture import assembly_at, coordinate_names, stand
 from armodal.analyzer.gap.model.assembly import Assembly, Pieces
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.protocols.errors import ArmError
@@ -73,7 +73,7 @@ def chain_of(correction: Correction, *, level: float = 0.0) -> Chain:
     first, second = (stand(correction, low + part * (high - low)) for part in (0.37, 0.61))
 
     def both(instances: tuple[Instance, ...]) -> tuple[Assembly, Assembly]:
-        own = replace(correction, hypothesis=replace(correction.hypothesis, instances=instances))
+        own = correction.only(instances)
         return assembly_at(own, first, level=level), assembly_at(own, second, level=level)
 
     every = correction.hypothesis.instances
@@ -91,10 +91,10 @@ def _chain(superset: Superset, assembly: Assembly, correction: Correction) -> Ch
     gives = [
         at for at, gamma in enumerate(assembly.compliance) if np.isnan(gamma) or gamma > LOCKED
     ]
-    name_at = {at: name for name, at in assembly.names.items()}
+    name_of = coordinate_names(assembly)
     by_link: dict[int, list[tuple[int, Element, tuple[int, float]]]] = {}
     for at in gives:
-        name = name_at.get(at, "")
+        name = name_of[at]
         for link, twist, size in _parts(superset, assembly.columns[at], name):
             inside = assembly.inside.get(at)
             before = inside.before if inside is not None and inside.link == link else 0
@@ -125,7 +125,7 @@ def _chain(superset: Superset, assembly: Assembly, correction: Correction) -> Ch
     return Chain(
         elements=tuple(elements),
         offset_rad=correction.ordinary.encoder(correction.values),
-        names=tuple(name_at.get(at, "") for at in gives),
+        names=tuple(name_of[at] for at in gives),
         combine=combine,
         **matrices,
     )

@@ -7,8 +7,8 @@ factor only if an effect gives one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Correction:
 
     hypothesis: Hypothesis  # with the effects that are of the arm
     values: Mapping[str, float]
+    plain: dict[str, float]  # likewise, of the arm without effects
     names: tuple[tuple[str, str, float], ...]  # parameter, its effect's title, one deviation
     notes: tuple[str, ...]  # what the file holds that no calculation of the arm needs
 
@@ -36,6 +37,15 @@ class Correction:
     def ordinary(self) -> Ordinary:
         """Return the arm as believed."""
         return self.hypothesis.ordinary
+
+    def only(self, instances: Sequence[Instance]) -> Correction:
+        """Return it with some of its effects alone."""
+        owned = {name for instance in instances for name in instance.owned}
+        return replace(
+            self,
+            hypothesis=replace(self.hypothesis, instances=tuple(instances)),
+            values=self.plain | {name: self.values[name] for name in owned if name in self.values},
+        )
 
     @property
     def titles(self) -> tuple[str, ...]:
@@ -58,7 +68,7 @@ def correction_of(arm: Arm) -> Correction:
     hypothesis = Hypothesis(
         ordinary=ordinary, instances=tuple(i for i in instances if not i.effect.of_the_test)
     )
-    values = {p.name: p.mean for p in hypothesis.space().parameters} | _plain(ordinary) | told
+    plain = {p.name: p.mean for p in hypothesis.space().parameters} | _plain(ordinary)
     stds = tuple(
         (name, instance.title, known[file_key(name, instance.place)])
         for instance, effect in zip(instances, arm.effects, strict=True)
@@ -69,7 +79,8 @@ def correction_of(arm: Arm) -> Correction:
     )
     return Correction(
         hypothesis=hypothesis,
-        values=values,
+        values=plain | told,
+        plain=plain,
         names=stds,
         notes=tuple(
             f"{instance.title} is of the test that found it: the arm itself moves as without it"
@@ -82,12 +93,7 @@ def correction_of(arm: Arm) -> Correction:
 def stepped(correction: Correction, steps: Mapping[str, float]) -> Correction:
     """Return it with steps added to some of its values."""
     moved = {name: correction.values[name] + step for name, step in steps.items()}
-    return Correction(
-        hypothesis=correction.hypothesis,
-        values={**correction.values, **moved},
-        names=correction.names,
-        notes=correction.notes,
-    )
+    return replace(correction, values={**correction.values, **moved})
 
 
 def _plain(ordinary: Ordinary) -> dict[str, float]:

@@ -24,6 +24,7 @@ __all__ = [
     "CorrectedPosture",
     "Stand",
     "assembly_at",
+    "coordinate_names",
     "corrected_posture",
     "stand",
 ]
@@ -111,12 +112,12 @@ def corrected_posture(
     springs = np.isnan(gamma)
     k = np.where(springs, 0.0, 1.0 / np.where(springs, 1.0, gamma))
     chosen = np.ix_(gives, gives)
-    name_at = {column: name for name, column in assembly.names.items()}
+    name_of = coordinate_names(assembly)
     R, p = at.T_base_last[:3, :3], at.T_base_last[:3, 3]
     local, tool = system.link_motion[-1][:, gives], np.asarray(tool_m, dtype=np.float64)
     linear = local[:3] - skew(tool) @ local[3:]
     return CorrectedPosture(
-        names=tuple(name_at.get(int(column), "") for column in np.flatnonzero(gives)),
+        names=tuple(name_of[column] for column in np.flatnonzero(gives)),
         mass=system.mass[chosen],
         damping=system.damping[chosen] + np.diag(k * system.compliance_loss_s[gives]),
         stiffness=system.stiffness[chosen] + np.diag(k),
@@ -125,6 +126,16 @@ def corrected_posture(
         tool_jacobian=np.vstack([R @ linear, R @ local[3:]]),
         tool_m=R @ tool + p,
     )
+
+
+def coordinate_names(assembly: Assembly) -> list[str]:
+    """Return each coordinate's joint or parameter, numbered where one parameter has several."""
+    found = dict.fromkeys(range(len(assembly.columns)), "")
+    found |= {at: name for name, at in assembly.names.items()}
+    for name, several in assembly.compliance_of.items():
+        if len(several) > 1:
+            found |= {at: f"{name} {i}" for i, (at, _) in enumerate(several, start=1)}
+    return list(found.values())
 
 
 def _no_lines(arm: Arm, angles: Array, level: float) -> PostureLines:

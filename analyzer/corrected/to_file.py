@@ -87,6 +87,7 @@ def as_correction(final: Fit) -> Correction:
     return Correction(
         hypothesis=replace(final.hypothesis, instances=instances),
         values=final.values,
+        plain={},
         names=(),
         notes=(),
     )

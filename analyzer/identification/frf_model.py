@@ -193,9 +193,9 @@ def _assemble(superset: Superset, data: PostureData, state: FitState, posture: i
     J_sensor = dynamics.point_jacobian[data.sensor_point]  # (mountings, 6, n_super)
     linear = J_sensor[:, :3]
     M_super = dynamics.mass + data.sensor_mass_kg * np.einsum("mia,mib->mab", linear, linear)
-    M = T.T @ M_super @ T
-    K = T.T @ dynamics.gravity_stiffness @ T + np.diag(structure.all_stiffness())
-    C = np.diag(structure.all_damping())
+    M = T.T @ M_super @ T + structure.held_mass()
+    K = T.T @ dynamics.gravity_stiffness @ T + structure.springs()
+    C = structure.dampers()
     Z = (s**2)[:, None, None] * M[:, None] + s[:, None, None] * C + K
     hit_linear = dynamics.point_jacobian[data.hit_point][:, :3] @ T
     force = data.hit_direction

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.structure import Structure, believed_structure
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.corrected.held import HeldArm, held_arm
 from armodal.analyzer.identification.axis_results import axis_results
 from armodal.analyzer.identification.axis_search import best_axis_fit, start_state
 from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
@@ -109,10 +111,13 @@ def identify(
     EstimateError
         If the session holds no posture to fit, no joint of the arm is elastic, poles are picked
         for a posture without FRFs, or the fit fails.
+    ArmError
+        If an effect of the arm file cannot stay as it is while joints are fitted.
     """
     by_hand = dict(picked or {})
     say = progress or (lambda _: None)
-    superset = Superset(session.header.arm)
+    ready = held_arm(session.header.arm)
+    superset = Superset(ready.arm)
     if not superset.n_joints:
         raise EstimateError(
             "the session is of a structure without an arm: joints cannot be identified; "
@@ -148,7 +153,7 @@ def identify(
     mass_kg = session.header.plan.sensor.mass_kg
     top_hz = BAND_ABOVE * max(mode.f_hz for model in models for mode in model.modes)
     banded = [lines_within(frf, (float(frf.freq_hz[0]), top_hz)) for frf in fitted]
-    fit, rivals = _fit(superset, banded, measured, shares, mass_kg, say)
+    fit, rivals = _fit(superset, ready, banded, measured, shares, mass_kg, say)
     say("uncertainty")
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
     moves = model_moves(superset, coarse, fit)
@@ -185,7 +190,7 @@ def identify(
         frfs=fitted + held_out,
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
-            *superset.arm.effects_left_out(),
+            *ready.notes,
             *(
                 note
                 for frf in frfs
@@ -205,13 +210,14 @@ def _modes(frf: FrequencyResponse, picked: Sequence[complex] | None) -> ModalMod
 
 def _fit(
     superset: Superset,
+    ready: HeldArm,
     banded: list[FrequencyResponse],
     measured: list[MeasuredModes],
     shares: list[list[float]],
     mass_kg: float,
     say: Callable[[str], None],
 ) -> tuple[FrfFit, tuple[tuple[str, float], ...]]:
-    believed = believed_structure(superset.arm)
+    believed = replace(believed_structure(superset.arm), axes=ready.axes, held=ready.held)
     if not believed.joints:
         raise EstimateError(
             f"arm '{superset.arm.name}' has no elastic joint: give at least one a stiffness in "
@@ -220,6 +226,9 @@ def _fit(
     baseline = fit_to_frequencies(superset, believed, tuple(measured))
     full = _data(superset, banded, mass_kg, 1)
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
+    if believed.axes:  # those the arm file has are fitted, no further one is looked for
+        say("model fit, all lines")
+        return fit_frfs(superset, full, start_state(baseline, len(full))), ()
     suspected = any(share < STRUCTURAL_SHARE for posture in shares for share in posture)
     if not suspected or _explained_by_joints(superset, baseline, coarse):
         say("model fit, all lines")

@@ -116,7 +116,7 @@ def fit_to_frequencies(
             squares, vectors = scipy.linalg.eigh(model.stiffness, model.mass)
             if squares[0] <= 0.0:
                 raise EstimateError(_topples(superset, structure, np.exp(log_k)))
-            share = np.exp(log_k)[:, None] * vectors**2 / squares
+            share = np.exp(log_k)[:, None] * vectors[: len(log_k)] ** 2 / squares
             for i, j, mac in pair_by_shape(posture.shapes, shape_at(posture, model, vectors)):
                 weight = mac**2 / 0.02  # a pair of equal shape: one per cent of f
                 target = np.log((2 * np.pi * posture.modes[i].f_hz) ** 2 / squares[j])

@@ -13,7 +13,7 @@ from armodal.analyzer.identification.penalty import PenaltyFit, fit_by_penalty
 from armodal.analyzer.identification.prediction import roving_mass
 from armodal.analyzer.identification.records import Identification
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import EstimateError
+from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.session.records import Session
 
 __all__ = ["SessionPenalty", "chosen_joints", "penalty_of_session"]
@@ -74,8 +74,16 @@ def penalty_of_session(
     ------
     EstimateError
         As `fit_by_penalty` does.
+    ArmError
+        If the arm file has effects.
     """
     arm = session.header.arm
+    if arm.effects:
+        named = ", ".join(f"{effect.name} ({effect.place})" for effect in arm.effects)
+        raise ArmError(
+            f"arm '{arm.name}': wanted an arm without effects for eq13, which knows joints alone, "
+            f"got {named}; leave --method eq13 out"
+        )
     superset, structure = Superset(arm), believed_structure(arm)
     own = {row.joint: row.k_one_joint_n_m_per_rad for row in result.joints}
     names = tuple(arm.joints[joint].name for joint in structure.joints)

@@ -9,6 +9,7 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.arm.wanted_posture import wanted_posture
+from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.identification.prediction import (
     ModelScatter,
     PredictedModes,
@@ -27,7 +28,7 @@ class Prediction:
 
     arm: Arm
     posture_deg: tuple[float, ...]
-    freedoms: tuple[str, ...]  # joints, then structural axes
+    freedoms: tuple[str, ...]  # joints, then structural axes, then what effects let give way
     predicted: PredictedModes
     from_tolerances: ModelScatter
 
@@ -43,7 +44,7 @@ def predict_posture(arm: Arm, result: Identification, posture_deg: Sequence[floa
         If the model does not oscillate in that posture.
     """
     joints_rad = wanted_posture(arm, posture_deg)
-    superset = Superset(arm)
+    superset = Superset(held_arm(arm).arm)
     predicted = predict_modes(
         superset,
         superset.posture(joints_rad),
@@ -57,6 +58,7 @@ def predict_posture(arm: Arm, result: Identification, posture_deg: Sequence[floa
         freedoms=(
             *(arm.joints[joint].name for joint in structure.joints),
             *(f"axis in {arm.joints[axis.link].link.name}" for axis in structure.axes),
+            *(() if structure.held is None else structure.held.names),
         ),
         predicted=predicted,
         from_tolerances=prediction_model_std(

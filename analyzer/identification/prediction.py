@@ -83,7 +83,7 @@ def predict_modes(
         _, behind = modes_of(step_state(fit.state, -step).structure)
         slopes[i] = (_quantities(ahead, modes) - _quantities(behind, modes)) / (2 * SLOPE_STEP)
     std = fit.scatter.std(slopes)
-    energy = fit.state.structure.all_stiffness()[:, None] * np.abs(modes.shape) ** 2
+    energy = np.diag(fit.state.structure.springs())[:, None] * np.abs(modes.shape) ** 2
     return PredictedModes(
         model=model,
         modes=modes,

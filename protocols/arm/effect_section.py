@@ -13,7 +13,7 @@ from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectPar
 from armodal.protocols.errors import ArmError
 from armodal.protocols.toml_reader import FileModel, Name, not_wanted, refuse
 
-__all__ = ["EffectTable", "added_effect"]
+__all__ = ["EffectTable", "PastSessionTable", "added_effect"]
 
 # How far from unit length a direction may be written: three decimals.
 _DIRECTION = 2e-3
@@ -22,6 +22,20 @@ Words = Annotated[str, Field(min_length=1, max_length=400)]
 Finite = Annotated[float, Field(gt=-1e15, lt=1e15)]
 Key = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
 Numbers = Annotated[list[Finite], Field(min_length=1, max_length=16)]
+
+
+Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+CreatedText = Annotated[str, Field(max_length=40)]
+
+
+def _with_zone(value: str) -> str:
+    try:
+        known = datetime.fromisoformat(value).tzinfo is not None
+    except ValueError:
+        known = False
+    if not known:
+        raise not_wanted("an ISO 8601 time with its zone, such as 2026-01-31T12:00:00+00:00")
+    return value
 
 
 class ParameterTable(FileModel):
@@ -46,19 +60,20 @@ class EvidenceTable(FileModel):
     gain_nats: Finite
     held_out_gain_nats: Finite
     confidence: Annotated[float, Field(ge=0.0, le=1.0)]
-    session_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-    created: Annotated[str, Field(max_length=40)]
+    session_sha256: Sha256
+    created: CreatedText
 
-    @field_validator("created")
-    @classmethod
-    def _check_time(cls, value: str) -> str:
-        try:
-            known = datetime.fromisoformat(value).tzinfo is not None
-        except ValueError:
-            known = False
-        if not known:
-            raise not_wanted("an ISO 8601 time with its zone, such as 2026-01-31T12:00:00+00:00")
-        return value
+    _check_time = field_validator("created")(_with_zone)
+
+
+class PastSessionTable(FileModel):
+    """A session that changed the file."""
+
+    session_sha256: Sha256
+    by: Annotated[str, Field(min_length=1, max_length=60)]
+    created: CreatedText
+
+    _check_time = field_validator("created")(_with_zone)
 
 
 class EffectTable(FileModel):

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from armodal.protocols.arm.effect_section import EffectTable
+from armodal.protocols.arm.effect_section import EffectTable, PastSessionTable
 from armodal.protocols.toml_reader import FileModel, Name, Vector3, not_wanted
 
 __all__ = [
@@ -278,4 +278,5 @@ class ArmFile(FileModel):
     tolerances: TolerancesTable
     can: CanSection | None = None
     effects: Annotated[list[EffectTable], Field(max_length=32)] = Field(default=[])
+    history: Annotated[list[PastSessionTable], Field(max_length=256)] = Field(default=[])
     keep_outs: Annotated[list[KeepOutTable], Field(max_length=32)] = Field(default=[])

@@ -24,6 +24,7 @@ from armodal.protocols.arm.records import (
     InertialLink,
     Joint,
     KeepOut,
+    PastSession,
     Point,
     Tolerances,
 )
@@ -139,6 +140,10 @@ def arm_from_texts(
         text=text,
         urdf_text=urdf_text,
         sha256=_sha256(text, urdf_text, database_text if file.can is not None else None),
+        history=tuple(
+            PastSession(session_sha256=own.session_sha256, by=own.by, created=own.created)
+            for own in file.history
+        ),
         effects=tuple(
             added_effect(table, path=f"effects[{i}]", links=link_names, origin=origin)
             for i, table in enumerate(file.effects)

@@ -24,6 +24,7 @@ __all__ = [
     "Joint",
     "JointSignal",
     "KeepOut",
+    "PastSession",
     "Point",
     "Tolerances",
 ]
@@ -160,6 +161,15 @@ class EffectEvidence:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PastSession:
+    """A session that changed an arm file."""
+
+    session_sha256: str  # of the session file
+    by: str  # the command
+    created: str  # ISO 8601, with zone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class AddedEffect:
     """What the plain model of links and joints lacks, as a gap analysis named it."""
 
@@ -186,6 +196,7 @@ class Arm:
     urdf_text: str | None  # the URDF it names, as read
     sha256: str  # over both texts and the database
     effects: tuple[AddedEffect, ...] = ()
+    history: tuple[PastSession, ...] = ()  # oldest first
     keep_outs: tuple[KeepOut, ...] = ()
 
     def effects_left_out(self) -> tuple[str, ...]:

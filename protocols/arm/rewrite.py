@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import tomlkit
+from tomlkit import TOMLDocument
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import InlineTable, Table
 
 from armodal.protocols.arm.files import arm_from_texts
-from armodal.protocols.arm.records import AddedEffect, Arm, Estimate, InertialLink, Point
+from armodal.protocols.arm.records import (
+    AddedEffect,
+    Arm,
+    Estimate,
+    InertialLink,
+    PastSession,
+    Point,
+)
 from armodal.protocols.errors import ArmError
 
 __all__ = ["text_with_effects", "text_with_inertials", "text_with_point"]
@@ -54,6 +62,7 @@ def text_with_effects(
     stiffness: Mapping[str, Estimate] | None = None,
     damping: Mapping[str, Estimate] | None = None,
     name: str | None = None,
+    past: PastSession | None = None,
 ) -> str:
     """Return an arm's text with its effects, and values of its joints, replaced.
 
@@ -68,6 +77,9 @@ def text_with_effects(
         N m/rad and N m s/rad by joint; joints not named keep theirs.
     name
         Of the new arm; None keeps it.
+
+    past
+        The session the values come from, for the file's history.
 
     Raises
     ------
@@ -104,6 +116,8 @@ def text_with_effects(
                 )
             if effects:
                 document["effects"] = tables
+        if past is not None:
+            _remember(document, past)
         text = tomlkit.dumps(document)
     except TOMLKitError as problem:
         raise ArmError(f"arm {arm.name!r}: its text cannot be rewritten: {problem}") from problem
@@ -137,6 +151,21 @@ def text_with_point(arm: Arm, point: Point) -> str:
     database = None if arm.can is None else arm.can.database_text
     arm_from_texts(text, urdf_text=arm.urdf_text, database_text=database, origin=f"arm {arm.name}")
     return text
+
+
+def _remember(document: TOMLDocument, past: PastSession) -> None:
+    """Put a session at the end of the file's history."""
+    every = tomlkit.aot()
+    for old in document.pop("history", []):
+        table = tomlkit.table()
+        table.update(old)
+        every.append(table)
+    table = tomlkit.table()
+    table["session_sha256"] = past.session_sha256
+    table["by"] = past.by
+    table["created"] = past.created
+    every.append(table)
+    document["history"] = every
 
 
 def _put(joint: Table, key: str, value: InlineTable) -> None:

@@ -21,7 +21,7 @@ from armodal.protocols.arm.records import InertialLink
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import ArmError
 
-__all__ = ["Chain", "UrdfJoint", "parse_xml", "read_urdf", "rotation_rpy"]
+__all__ = ["Chain", "UrdfJoint", "parse_xml", "parsed_with_comments", "read_urdf", "rotation_rpy"]
 
 _MOST_LINKS = 64
 _DEEPEST = 32
@@ -153,6 +153,22 @@ def parse_xml(text: str) -> ET.Element:
         if isinstance(problem, ArmError):
             raise
         raise ArmError(f"wanted XML, got: {problem}") from problem
+
+
+def parsed_with_comments(text: str) -> tuple[str, ET.Element]:
+    """Read a text as `parse_xml` does: what stands before its root, and that with its comments."""
+    parse_xml(text)
+    builder = ET.TreeBuilder(insert_comments=True)
+    root = ET.fromstring(text, parser=ET.XMLParser(target=builder))  # noqa: S314  # looked at
+    starts: list[int] = []
+    scanner = expat.ParserCreate()
+
+    def start(_name: str, _attributes: dict[str, str]) -> None:
+        starts.append(scanner.CurrentByteIndex)
+
+    scanner.StartElementHandler = start
+    scanner.Parse(text.encode(), True)
+    return text.encode()[: starts[0]].decode(), root
 
 
 def _named(root: ET.Element, tag: str) -> dict[str, ET.Element]:

@@ -72,7 +72,7 @@ def test_the_help_lists_every_command_of_every_module():
         assert re.search(rf"^. {name} ", said.stdout, re.MULTILINE), name
         app = import_module(f"armodal.tui.commands.{module}").app
         own = [i.name or i.callback.__name__ for i in app.registered_commands]
-        assert name in {"arm", "can", "check"} or set(own) <= set(MODULES), module
+        assert name in {"arm", "can", "check", "model"} or set(own) <= set(MODULES), module
 
 
 @pytest.mark.parametrize("command", ["fit", "identify", "report", "recover"])

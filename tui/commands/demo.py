@@ -11,6 +11,7 @@ from rich.table import Table
 from armodal import SOFTWARE
 from armodal.tui.commands.acquire import show_event
 from armodal.tui.commands.demo_run import DEMO_TIME_SCALE, run_demo
+from armodal.tui.commands.demo_simulator import simulator_lines, simulator_table
 from armodal.tui.commands.gap_results import gap_tables
 from armodal.tui.commands.identification_results import identification_tables
 from armodal.tui.console import Json, TimeScale, out, print_json, say
@@ -54,6 +55,12 @@ def demo(
             k, truth = effect["k_n_m_per_rad"], effect["truth_k_n_m_per_rad"]
             out.print(f"its stiffness {k:.0f} N m/rad, in truth {truth:.0f} N m/rad")
     out.print(f"{found['gap_s']:.0f} s; new arm file {found['gap']['arm_file']}")
+    if "simulator" in found:
+        if "modes" in found["simulator"]:
+            out.print(simulator_table(found["simulator"]))
+        for line in simulator_lines(found["simulator"]):
+            out.print(line)
+    out.print("next: armodal predict --arm and armodal export with the new arm file")
 
 
 def _truth_table(found: dict[str, Any]) -> Table:

@@ -24,6 +24,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui.commands.demo_simulator import through_the_simulator
 from armodal.tui.commands.gap_results import gap_json, keep_gap
 from armodal.tui.commands.identification_results import identification_json
 from armodal.tui.operators import ScriptedOperator, acquire
@@ -93,6 +94,11 @@ def run_demo(
     write_report(recovered.session, result, report_path, gap=outcome.result)
     found = identification_json(recovered.session, result)
     found["gap"] = gap_json(outcome.result, written)
+    if "arm_file" in written:
+        say("the corrected arm in a simulator")
+        found["simulator"] = through_the_simulator(
+            recovered.session, result, written["arm_file"], directory
+        )
     # Only now, with everything written down, is the laboratory's own book opened.
     truth = read_ledger(lab_directory / "ledger.jsonl").truth
     _set_truth_beside(found, result, arm, truth)

@@ -27,8 +27,10 @@ from armodal.protocols.foreign.uff_write import write_uff
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
+from armodal.tui.commands.export_arm import export_arm, print_export
 from armodal.tui.commands.identification_results import identification_json
 from armodal.tui.commands.inspect_files import guess_json, is_manifest, manifest_beside, unanswered
+from armodal.tui.commands.options import refuse_idle
 from armodal.tui.console import Json, out, print_json, say
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
@@ -203,7 +205,10 @@ def import_command(
 
 @app.command("export")
 def export_command(
-    session: Annotated[Path, typer.Argument(help="Session file (.h5).")],
+    context: typer.Context,
+    session: Annotated[
+        Path, typer.Argument(metavar="SESSION|ARM", help="Session file (.h5), or an arm file.")
+    ],
     output: Annotated[
         Path | None, typer.Option("--out", help="File to write: .uff, .unv, .mat or .npz.")
     ] = None,
@@ -216,12 +221,33 @@ def export_command(
         tuple[float, float] | None,
         typer.Option(help="FRFs from LOW to HIGH Hz too where hits excite less."),
     ] = None,
+    mjcf: Annotated[
+        Path | None, typer.Option(help="Of an arm file: MJCF with its effects, for MuJoCo.")
+    ] = None,
+    urdf: Annotated[Path | None, typer.Option(help="Likewise: URDF.")] = None,
+    sdf: Annotated[Path | None, typer.Option(help="Likewise: SDF, for Gazebo.")] = None,
+    own: Annotated[
+        Path | None,
+        typer.Option("--from", help="Your own MJCF or URDF of the arm, to be patched."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Write FRFs, geometry, mode shapes and the identified model for other programs.
 
+    Of an arm file: the corrected arm for simulators.
+
     Example: armodal export session.h5 --out session.uff --model model.json
+
+    Example: armodal export demo/demo.arm.toml --mjcf arm.xml
     """
+    if mjcf is not None or urdf is not None or sdf is not None:
+        of_session = ("output", "modes", "binary", "model", "band")
+        refuse_idle(context, of_session, here="--mjcf, --urdf or --sdf", there="a session")
+        print_export(
+            export_arm(str(session), mjcf=mjcf, urdf=urdf, sdf=sdf, own=own), as_json=as_json
+        )
+        return
+    refuse_idle(context, ("own",), here="a session", there="--mjcf or --urdf")
     path = output or session.with_suffix(".uff")
     _check_ending(path, _ENDINGS, "file")
     check_output(path, session)

@@ -18,7 +18,7 @@ from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import GapResult, PostureGap, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
-from armodal.protocols.arm.records import Arm
+from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
 from armodal.protocols.session.records import Session
@@ -100,7 +100,11 @@ def keep_gap(
         top_hz = float(outcome.stages[-1].lines[0].s_rad_s[-1].imag) / (2.0 * np.pi)
         values = filed(outcome.final, named, known, source, top_hz=top_hz)
         text = text_with_effects(
-            arm, values.effects, stiffness=values.stiffness, damping=values.damping
+            arm,
+            values.effects,
+            stiffness=values.stiffness,
+            damping=values.damping,
+            past=PastSession(session_sha256=digest, by="armodal gap", created=now),
         )
         replace_text(path, text)
         written["arm_file"] = path

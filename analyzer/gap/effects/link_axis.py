@@ -158,6 +158,7 @@ def at_axis(
         material=_MATERIAL * ordinary.scale(link),
         least_certain=_LEAST_CERTAIN,
         pieces=f"axis {name}" if before else "",
+        is_line=not before,
     )
 
 

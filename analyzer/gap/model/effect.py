@@ -106,6 +106,7 @@ class Instance:
     last: bool = False  # built after the others: reads every coordinate they bring
     is_term: bool = False  # of the equations, though it only widens priors
     by_level: bool = False  # soft and hard hits of a posture are answered otherwise
+    is_line: bool = False  # a single hinge inside a link, and nothing else
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
     @property

@@ -61,3 +61,29 @@ def test_a_user_s_mistake_is_one_message(arguments, message):
     result = run(*arguments)
     assert isinstance(result.exception, ArmodalError), result.output
     assert message in str(result.exception)
+
+
+def test_a_plan_for_an_arm_with_effects_is_refused_by_name(corrected):
+    result = CliRunner().invoke(app, ["plan", corrected])
+    assert isinstance(result.exception, ArmodalError)
+    assert "got the effects link_axis (shoulder)" in str(result.exception)
+
+
+def test_the_tool_gives_way_more_with_what_effects_let_give_way(corrected):
+    arguments = ["--posture=0,30,60,0,40,0", "--wrench=0,50,-100,0,0,0", "--json"]
+    found, plain = (
+        json.loads(CliRunner().invoke(app, ["mozzi", arm, *arguments]).stdout)
+        for arm in (corrected, "rv4frl")
+    )
+    assert [row["joint"] for row in found["joints"]][-1] == "axis compliance shoulder"
+    assert abs(found["displacement_m"][2]) > abs(plain["displacement_m"][2])
+    shares = [row["share_of_displacement"] for row in found["joints"]]
+    assert sum(shares) == pytest.approx(1.0)
+
+
+def test_a_workspace_s_statistics_are_of_the_corrected_arm(corrected, tmp_path):
+    arguments = ["--postures=300", "--out", str(tmp_path / "w"), "--json"]
+    value = json.loads(CliRunner().invoke(app, ["workspace", corrected, *arguments]).stdout)
+    assert value["freedoms"][-1] == "axis compliance shoulder"
+    assert len(value["f_mean_hz"]) == 4
+    assert len(value["mass_mean_kg_m2"]) == 6

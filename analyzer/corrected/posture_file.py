@@ -1,0 +1,52 @@
+"""Postures of a path from a text file: a line each, joint angles in degrees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from armodal.protocols.errors import ArmError
+
+__all__ = ["read_postures"]
+
+_MOST_LINES = 100_000
+_MOST_BYTES = 20_000_000
+
+
+def read_postures(path: Path, n_joints: int) -> list[list[float]]:
+    """Read joint angles in degrees, separated by commas; `#` begins a comment, a head may be first.
+
+    Raises
+    ------
+    ArmError
+        If the file cannot be read, is empty or too long, or has other lines; some are named.
+    """
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise ArmError(f"{path}: wanted at most {_MOST_BYTES // 1_000_000} MB of postures")
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as problem:
+        raise ArmError(f"{path}: wanted a text file of postures, it cannot be read") from problem
+    found: list[list[float]] = []
+    wrong: list[str] = []
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#", 1)[0].strip()
+        if not text:
+            continue
+        try:
+            angles = [float(part) for part in text.split(",")]
+        except ValueError:
+            if number > 1:
+                wrong.append(f"line {number}: {text[:40]!r}")
+            continue
+        if len(angles) != n_joints:
+            wrong.append(f"line {number}: {len(angles)} numbers")
+            continue
+        found.append(angles)
+    if wrong or not found or len(found) > _MOST_LINES:
+        got = "; ".join(wrong[:5]) or f"{len(found)} postures"
+        more = f" and {len(wrong) - 5} more" if len(wrong) > 5 else ""
+        raise ArmError(
+            f"{path}: wanted 1 to {_MOST_LINES} lines of {n_joints} joint angles in degrees, "
+            f"separated by commas, got {got}{more}"
+        )
+    return found

@@ -1,0 +1,1 @@
+"""A corrected arm for simulators: MJCF, URDF, SDF."""

@@ -1,0 +1,48 @@
+"""`armodal stiffness-map`."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from armodal.protocols.errors import ArmodalError
+from armodal.tui.cli import app
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["stiffness-map", *map(str, arguments)])
+
+
+def test_a_path_becomes_a_table_a_page_and_an_object(tmp_path):
+    path, csv, html = (tmp_path / name for name in ("p.csv", "s.csv", "s.html"))
+    path.write_text("0,20,80,0,60,0\n0,40,60,0,60,0\n")
+    arguments = ("rv4frl", "--path", path, "--force=0,0,-100", "--csv", csv, "--html", html)
+    value = json.loads(run(*arguments, "--json").stdout)
+    assert len(value["stiffness_along_n_per_m"]) == 2
+    assert value["best_posture_deg"] in value["postures_deg"]
+    assert len(csv.read_text().splitlines()) == 3
+    assert "Stiffness at the tool of rv4frl" in html.read_text()
+    assert "stiffest at" in run(*arguments).stdout
+
+
+def test_the_plane_names_an_elbow_for_every_place():
+    value = json.loads(run("viper_s650", "--plane", "--force=0,0,-100", "--json").stdout)
+    assert set(value["elbow"]) <= {"up", "down"}
+    assert len(value["elbow"]) == len(value["postures_deg"]) > 1000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--force=0,0,1",), "got neither"),
+        (("--force=0,0,0", "--plane"), "wanted a force, got none"),
+        (("--force=0,0", "--plane"), "--force: wanted 3 numbers"),
+        (("--force=0,0,1", "--path=not there"), "it cannot be read"),
+    ],
+)
+def test_a_user_s_mistake_is_one_message(arguments, message):
+    result = run("viper_s650", *arguments)
+    assert isinstance(result.exception, ArmodalError), result.output
+    assert message in str(result.exception)
