@@ -104,7 +104,7 @@ class _Armodal(TyperGroup):
 
 
 app = typer.Typer(
-    cls=_Armodal, no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False
+    cls=_Armodal, no_args_is_help=False, add_completion=False, pretty_exceptions_enable=False
 )
 
 
@@ -114,13 +114,25 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
+@app.callback(invoke_without_command=True)
 def _armodal(
+    context: typer.Context,
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print it and end.")
     ] = False,
 ) -> None:
-    """Test a robot arm with a hammer: from the hit to a model that explains the measurement."""
+    """Test a robot arm with a hammer: from the hit to a model that explains the measurement.
+
+    Without a command, in a terminal: the home screen, from which all is reached.
+    """
+    del version  # it has ended the command where it was given
+    if context.invoked_subcommand is not None:
+        return
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        out.print(context.get_help())
+        raise typer.Exit(USER_ERROR)
+    journey = import_module("armodal.tui.commands.journey")
+    raise typer.Exit(journey.go_from(import_module("armodal.tui.screens.wishes").GoHome()))
 
 
 def main() -> None:

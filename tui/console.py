@@ -14,10 +14,22 @@ from rich.markup import escape
 from rich.segment import Segment
 
 from armodal.daq.clock import check_time_scale
+from armodal.protocols.errors import SessionError
 from armodal.protocols.printable import printable
 from armodal.tui.json_text import json_text
 
-__all__ = ["Json", "TimeScale", "err", "out", "print_json", "progress", "say", "working"]
+__all__ = [
+    "Json",
+    "TimeScale",
+    "check_terminal",
+    "err",
+    "out",
+    "print_json",
+    "progress",
+    "say",
+    "say_next",
+    "working",
+]
 
 
 class _Console(Console):
@@ -54,6 +66,27 @@ TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a
 def say(text: str) -> None:
     """Tell what is being done."""
     err.print(f"· {text}", style="dim")
+
+
+def say_next(command: str, why: str = "") -> None:
+    """Say which command comes next, as the last line; it is no data."""
+    err.print(f"next: armodal {command}{f'   {why}' if why else ''}")
+
+
+def check_terminal(name: str) -> None:
+    """Refuse an app that has no terminal to draw on.
+
+    Raises
+    ------
+    SessionError
+        If input or output is no terminal.
+    """
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise SessionError(
+            f"armodal {name} is an app on a whole screen: wanted a terminal for its input and "
+            "output, got a pipe or a file; run it in a terminal, or use the commands that print "
+            "(armodal --help)"
+        )
 
 
 @contextmanager

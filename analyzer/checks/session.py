@@ -32,7 +32,10 @@ _NOT_ROVING = "the sensor stays at one point in roving-hammer; one point shows n
 
 
 def check_session(
-    session: Session, frfs: Sequence[FrequencyResponse], superset: Superset
+    session: Session,
+    frfs: Sequence[FrequencyResponse],
+    superset: Superset,
+    models: Sequence[ModalModel] | None = None,
 ) -> tuple[Finding, ...]:
     """Run every check on every posture.
 
@@ -42,12 +45,14 @@ def check_session(
     ----------
     frfs
         Of the session's postures (`estimate_frfs`).
+    models
+        Modes already fitted to each of them; None fits them here.
     """
     found: list[Finding] = []
     links: list[RigidLinkResult] = []
     roving_hammer = session.header.plan.mode is Mode.ROVING_HAMMER
-    for frf in frfs:
-        model = _model(frf)
+    for number, frf in enumerate(frfs):
+        model = _model(frf) if models is None else models[number]
         poles = () if model is None else tuple(mode.pole_rad_s for mode in model.modes)
         single = _single_hits(session, frf, roving_hammer=roving_hammer)
         if roving_hammer:

@@ -22,6 +22,7 @@ from armodal.analyzer.gap.decision.judge import (
 from armodal.analyzer.gap.decision.named_step import Step, with_step
 from armodal.analyzer.gap.decision.naming import judge_round, step_to
 from armodal.analyzer.gap.decision.without_levels import first_with_levels
+from armodal.analyzer.gap.gates import gates_of
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.inference.stages import at_three_levels, of_test, stages_of, with_tests
@@ -307,11 +308,4 @@ def _gates(
     session: Session, frfs: Sequence[FrequencyResponse], superset: Superset, tell: Tell
 ) -> tuple[Gate, ...]:
     tell("checks without a model")
-    return tuple(
-        Gate(
-            check=f"{finding.check} {finding.posture}".strip(),
-            outcome=finding.outcome.value,
-            words=finding.text,
-        )
-        for finding in check_session(session, frfs, superset)
-    )
+    return gates_of(check_session(session, frfs, superset))

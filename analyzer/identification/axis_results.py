@@ -54,7 +54,6 @@ def axis_results(
                 link=superset.arm.joints[axis.link].link.name,
                 direction_link=axis.direction,
                 point_link_m=axis.point_m,
-                near_point_link_m=_near_joint(superset, axis),
                 direction_std_deg=float(np.rad2deg(np.hypot(std[at], std[at + 1]))),
                 point_std_m=float(np.hypot(std[at + 2], std[at + 3])),
                 f_hz=f_hz,
@@ -160,7 +159,7 @@ def _reading(superset: Superset, axis: Axis, line: tuple[Array, Array]) -> LineR
     near = _near_joint(superset, axis)
     return LineReading(
         direction_link=direction,
-        point_link_m=point + direction * (direction @ (near - point)),
+        point_link_m=point - direction * (direction @ point),
         off_deg=float(np.rad2deg(line_angle_rad(direction, axis.direction))),
         off_mm=1e3 * line_distance_m(near, point, direction),
     )

@@ -50,9 +50,9 @@ class LineReading:
     """A line read from a mode, in the link's frame, beside the fitted compliance axis."""
 
     direction_link: Array  # (3,) unit, the sense of the compliance axis
-    point_link_m: Array  # (3,), nearest to that point
+    point_link_m: Array  # (3,), nearest the link frame's origin
     off_deg: float
-    off_mm: float  # from the compliance axis, at its near_point_link_m
+    off_mm: float  # from the compliance axis, at its point nearest the next joint's origin
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +86,6 @@ class AxisResult:
     link: str
     direction_link: Array  # (3,) unit, link frame
     point_link_m: Array  # (3,), nearest the link frame's origin
-    near_point_link_m: Array  # (3,), where distances from the axis are taken
     direction_std_deg: float
     point_std_m: float
     f_hz: float  # of the fitted mode that strains the axis most

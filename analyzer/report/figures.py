@@ -11,8 +11,10 @@ from plotly.subplots import make_subplots
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.records import AxisResult
-from armodal.analyzer.modal import ModalModel, group_sums, mif, tracked_cmif
+from armodal.analyzer.modal import ModalModel, group_sums, mif, synthesise, tracked_cmif
+from armodal.analyzer.report.frf_choice import chosen_frfs, noisy_frfs, phase_told, shown_lines
 from armodal.analyzer.report.page_text import shown
+from armodal.analyzer.report.palette import DRIVEN, FAINT, MODEL, OTHER
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 __all__ = ["arm_figure", "frf_figure", "indicator_figure"]
@@ -29,28 +31,44 @@ UNITS = {
 }
 
 
-def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
-    """Magnitude, phase and coherence of all FRFs of a posture."""
+def frf_figure(frf: FrequencyResponse, top_hz: float, model: ModalModel | None = None) -> Any:
+    """Magnitude, phase where coherence tells it, and coherence of all FRFs of a posture.
+
+    With the modes fitted to them, the FRFs that are meant are dark with the modes over them, all
+    others faint.
+    """
     keep = frf.freq_hz <= top_hz
+    chosen = {} if model is None else {(i, j): what for i, j, what in chosen_frfs(frf, model)}
+    colours = dict(zip(chosen, (DRIVEN, OTHER), strict=False))
+    noisy = noisy_frfs(frf, keep)
     figure = make_subplots(rows=3, cols=1, shared_xaxes=True, row_heights=[0.5, 0.25, 0.25])
-    for i, dof in enumerate(frf.responses):
-        for j, _ in enumerate(frf.references):
-            values = frf.values[i, j, keep]
-            name = _text(f"point {dof.point} {dof.label}")
-            line = {"width": 1}
-            rows = (np.abs(values), np.degrees(np.angle(values)), frf.coherence[i, j, keep])
-            for row, y in enumerate(rows, start=1):
-                figure.add_trace(
-                    go.Scatter(
-                        x=frf.freq_hz[keep].round(3),
-                        y=y.astype(np.float32),
-                        name=name,
-                        line=line,
-                        showlegend=False,
-                    ),
-                    row=row,
-                    col=1,
-                )
+    order = sorted(np.ndindex(*frf.values.shape[:2]), key=lambda at: at in chosen)
+    for i, j in order:
+        dof, values = frf.responses[i], frf.values[i, j, keep]
+        style: dict[str, Any] = {"line": {"width": 1}}
+        if model is not None:
+            style["line"] = {
+                "width": 2 if (i, j) in chosen else 1,
+                "color": colours.get((i, j), FAINT),
+            }
+            style["opacity"] = 1.0 if (i, j) in chosen else 0.15 if noisy[i, j] else 0.5
+        phase = np.degrees(np.angle(values))
+        phase[~phase_told(frf, i, j)[keep]] = np.nan
+        rows = (np.abs(values), phase, frf.coherence[i, j, keep])
+        for row, y in enumerate(rows, start=1):
+            figure.add_trace(
+                go.Scatter(
+                    **_abscissa(frf.freq_hz[keep]),
+                    y=y.astype(np.float32),
+                    name=_text(f"point {dof.point} {dof.label}"),
+                    showlegend=False,
+                    **style,
+                ),
+                row=row,
+                col=1,
+            )
+    if model is not None:
+        _add_modes(figure, frf, model, top_hz, list(chosen))
     figure.update_yaxes(type="log", title=UNITS[frf.form], row=1, col=1)
     figure.update_yaxes(title="phase, deg", row=2, col=1)
     figure.update_yaxes(title="coherence", range=[0, 1.02], row=3, col=1)
@@ -59,22 +77,65 @@ def frf_figure(frf: FrequencyResponse, top_hz: float) -> Any:
     return figure
 
 
+def _add_modes(
+    figure: Any,
+    frf: FrequencyResponse,
+    model: ModalModel,
+    top_hz: float,
+    chosen: list[tuple[int, int]],
+) -> None:
+    """The fitted modes over the FRFs that are meant."""
+    low, high = model.band_hz
+    freq = frf.freq_hz[(frf.freq_hz >= low) & (frf.freq_hz <= min(high, top_hz))]
+    synthesis = synthesise(model, freq, decay_rad_s=frf.decay_rad_s)
+    for i, j in chosen:
+        dof = frf.responses[i]
+        figure.add_trace(
+            go.Scatter(
+                **_abscissa(freq),
+                y=np.abs(synthesis[i, j]).astype(np.float32),
+                name=_text(f"fitted modes, point {dof.point} {dof.label}"),
+                showlegend=False,
+                line={"width": 1.5, "color": MODEL, "dash": "dash"},
+            ),
+            row=1,
+            col=1,
+        )
+
+
+def _abscissa(freq_hz: Any) -> dict[str, Any]:
+    """Frequencies as plotly takes them: two numbers where they are evenly apart."""
+    if len(freq_hz) > 1:
+        step = float(freq_hz[-1] - freq_hz[0]) / (len(freq_hz) - 1)
+        if np.allclose(np.diff(freq_hz), step, rtol=1e-6):
+            return {"x0": float(freq_hz[0]), "dx": step}
+    return {"x": freq_hz}
+
+
 def indicator_figure(
     frf: FrequencyResponse, model: ModalModel, groups: dict[str, tuple[str, ...]], top_hz: float
 ) -> Any:
     """Sums of FRF magnitudes by group of points (file 000, Fig. 3b), CMIF curves, and the MIF."""
     keep = frf.freq_hz <= top_hz
     figure = go.Figure()
-    freq = frf.freq_hz[keep]
-    for name, values in group_sums(frf, groups).items():
-        figure.add_scatter(x=freq, y=np.asarray(values)[keep], name=_text(f"sum of {name}"))
-    for i, curve in enumerate(tracked_cmif(frf).values.T[:MOST_CURVES]):
-        figure.add_scatter(x=freq, y=curve[keep], name=f"CMIF {i + 1}", line={"dash": "dot"})
-    for j, reference in enumerate(frf.references[:MOST_CURVES]):
+
+    def add(values: Any, name: str, **style: Any) -> None:
+        at = np.flatnonzero(keep)[shown_lines(np.asarray(values)[keep])]
         figure.add_scatter(
-            x=freq,
-            y=mif(frf)[keep, j],
-            name=_text(f"MIF, hit at {reference.point}"),
+            x=frf.freq_hz[at].astype(np.float32),
+            y=np.asarray(values)[at].astype(np.float32),
+            name=name,
+            **style,
+        )
+
+    for name, values in group_sums(frf, groups).items():
+        add(values, _text(f"sum of {name}"))
+    for i, curve in enumerate(tracked_cmif(frf).values.T[:MOST_CURVES]):
+        add(curve, f"CMIF {i + 1}", line={"dash": "dot"})
+    for j, reference in enumerate(frf.references[:MOST_CURVES]):
+        add(
+            mif(frf)[:, j],
+            _text(f"MIF, hit at {reference.point}"),
             line={"width": 1},
             yaxis="y2",
             visible="legendonly",

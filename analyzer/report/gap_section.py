@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.report.gap_figures import (
-    gap_figure,
-    gap_map_figures,
-    stiffness_range_figure,
-)
+from armodal.analyzer.report.effect_words import certainty, effect_sentence
+from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
+from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
 from armodal.analyzer.report.policy import under_policy
 
@@ -25,36 +23,26 @@ _ADVICE = {
     Verdict.NOTHING_DETECTABLE: "nothing; what could still hide is listed below",
     Verdict.OUTSIDE_LIBRARY: "look at the place the map of disagreement shows",
 }
-_STYLE = """body { font: 15px/1.45 system-ui, sans-serif; max-width: 1100px; margin: 2em auto;
-padding: 0 1em; color: #222 } table { border-collapse: collapse; margin: 1em 0 }
-th, td { padding: .25em .7em; text-align: left; border-bottom: 1px solid #ddd; vertical-align: top }
-th { background: #f3f5f7 } caption { text-align: left; font-weight: 600 }
-.verdict { background: #fff3d0; padding: .6em 1em; font-size: 1.15em }
-.verdict.named, .verdict.nothing_detectable { background: #e3f3e6 }
-.small { color: #666; font-size: .9em }
-@media print { tr, .js-plotly-plot { break-inside: avoid } }"""
 
 
-def gap_section(result: GapResult, *, with_plotly: bool) -> str:
-    """Return the section as HTML; `with_plotly` puts the library of the plots into it."""
-    environment = templates()
+def gap_section(result: GapResult, *, checks: bool) -> str:
+    """Return the section as HTML; `checks` lists those of the measurement in it."""
     after = {gap.posture: gap for gap in result.gap_after}
-    figures = [f for f in (gap_figure(result), stiffness_range_figure(result)) if f is not None]
-    figures += gap_map_figures(result)
-    return environment.get_template("gap.html").render(
-        r=result,
-        verdict_words=_WORDS[result.verdict],
-        advice=_ADVICE[result.verdict],
-        told=_told,
-        pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
-        figures=[
-            f.to_html(
-                full_html=False,
-                include_plotlyjs=with_plotly and i == 0,
-                config={"displayModeBar": False},
-            )
-            for i, f in enumerate(figures)
-        ],
+    return (
+        templates()
+        .get_template("gap.html")
+        .render(
+            r=result,
+            verdict_words=_WORDS[result.verdict],
+            advice=_ADVICE[result.verdict],
+            told=_told,
+            sentence=effect_sentence,
+            certainty=certainty,
+            pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
+            errors=errors_svg(result),
+            maps=disagreement_svgs(result),
+            checks=checks,
+        )
     )
 
 
@@ -68,7 +56,8 @@ def _told(value: object) -> str:
 def gap_page(result: GapResult, summary: str) -> str:
     """Return one self-contained HTML page; `summary` says in plain text which session it is of."""
     return under_policy(
-        '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>armodal: gap</title>'
-        f'<style>{_STYLE}</style></head><body><p class="small">{shown(summary)}</p>'
-        f"{gap_section(result, with_plotly=True)}</body></html>"
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>armodal: gap</title><style>{style()}</style></head><body>"
+        f'<p class="quiet">{shown(summary)}</p>{gap_section(result, checks=True)}</body></html>'
     )

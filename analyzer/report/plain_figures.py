@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from plotly.subplots import make_subplots
 from armodal.analyzer.modal import ModalModel, mac_matrix, stable_poles, synthesise
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.report.figures import UNITS
+from armodal.analyzer.report.frf_choice import shown_lines
 from armodal.analyzer.report.page_text import shown
 from armodal.analyzer.report.plain_words import shape_of
 from armodal.protocols.frf_records import FrequencyResponse
@@ -21,7 +21,6 @@ from armodal.protocols.frf_records import FrequencyResponse
 __all__ = ["auto_mac_figure", "drift_figure", "stabilisation_figure", "synthesis_figure"]
 
 MOST_FRFS = 24  # to choose from; a page of some megabytes
-MOST_LINES = 3000  # drawn of each: more than a screen has columns
 MOST_WRITTEN = 12  # modes of an AutoMAC whose values are written into it
 MEASURED, MODEL, MODE = "#1f5fa8", "#d1495b", "#999"
 LEGEND = {"orientation": "h", "x": 0.0, "y": 1.0, "yanchor": "bottom"}
@@ -39,9 +38,11 @@ def synthesis_figure(frf: FrequencyResponse, model: ModalModel) -> Any:
     )
     choices = ["all FRFs, RMS"]
     rms = [np.sqrt(np.mean(np.abs(x) ** 2, axis=(0, 1))) for x in (values, synthesis)]
-    at = _shown_lines(rms[0])
+    at = shown_lines(rms[0])
     for name, curve, style in zip(("measured", "model"), rms, _styles(), strict=True):
-        figure.add_scatter(x=freq[at], y=_short(curve[at]), name=name, line=style, row=1, col=1)
+        figure.add_scatter(
+            x=_short(freq[at]), y=_short(curve[at]), name=name, line=style, row=1, col=1
+        )
     worst = np.argsort(-model.frf_error, axis=None)[:MOST_FRFS]
     for i, j in np.stack(np.unravel_index(worst, model.frf_error.shape), axis=1):
         one, other = frf.responses[i], frf.references[j]
@@ -51,11 +52,11 @@ def synthesis_figure(frf: FrequencyResponse, model: ModalModel) -> Any:
                 f"{100.0 * model.frf_error[i, j]:.2g} %"
             )
         )
-        at = _shown_lines(np.abs(values[i, j]))
+        at = shown_lines(np.abs(values[i, j]))
         for name, curve, style in zip(
             ("measured", "model"), (values[i, j, at], synthesis[i, j, at]), _styles(), strict=True
         ):
-            common = {"x": freq[at], "line": style, "visible": False}
+            common = {"x": _short(freq[at]), "line": style, "visible": False}
             figure.add_scatter(y=_short(np.abs(curve)), name=name, row=1, col=1, **common)
             figure.add_scatter(
                 y=_short(np.degrees(np.angle(curve))), showlegend=False, row=2, col=1, **common
@@ -89,10 +90,10 @@ def stabilisation_figure(
     """Poles over model orders above the RMS of all FRFs; lines are the modes kept."""
     band = (frf.freq_hz >= model.band_hz[0]) & (frf.freq_hz <= model.band_hz[1])
     rms = np.sqrt(np.mean(np.abs(frf.values[..., band]) ** 2, axis=(0, 1)))
-    at = _shown_lines(rms)
+    at = shown_lines(rms)
     figure = make_subplots(specs=[[{"secondary_y": True}]])
     figure.add_scatter(
-        x=frf.freq_hz[band][at],
+        x=_short(frf.freq_hz[band][at]),
         y=_short(rms[at]),
         name="RMS of all FRFs",
         line={"width": 1, "color": "#bbb"},
@@ -181,19 +182,6 @@ def _rows(with_phase: bool) -> dict[str, Any]:
     if with_phase:
         return {"yaxis.domain": [0.32, 1.0], "yaxis2.domain": [0.0, 0.28], "yaxis2.visible": True}
     return {"yaxis.domain": [0.03, 1.0], "yaxis2.domain": [0.0, 0.02], "yaxis2.visible": False}
-
-
-def _shown_lines(size: npt.NDArray[np.float64]) -> npt.NDArray[np.intp]:
-    """Lines to draw: all, or of each small part the highest and the lowest."""
-    n = size.size
-    if n <= MOST_LINES:
-        return np.arange(n)
-    cuts = np.linspace(0, n, MOST_LINES // 2 + 1).astype(int)
-    ends = [
-        first + np.array([np.argmin(size[first:end]), np.argmax(size[first:end])])
-        for first, end in pairwise(cuts)
-    ]
-    return np.unique(np.concatenate(ends))
 
 
 def _styles() -> tuple[dict[str, Any], dict[str, Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,11 @@ from armodal.analyzer.modal import (
     typical_random_errors,
 )
 from armodal.analyzer.modal.poles_by_order import poles_by_order
+from armodal.analyzer.report.facts import facts, loss_warnings
 from armodal.analyzer.report.figures import indicator_figure
+from armodal.analyzer.report.frf_svg import frf_svg
+from armodal.analyzer.report.open_figures import OpenFigures, PlotlyHome
+from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import templates
 from armodal.analyzer.report.plain_figures import (
     LEGEND,
@@ -29,6 +32,8 @@ from armodal.analyzer.report.plain_figures import (
     stabilisation_figure,
     synthesis_figure,
 )
+from armodal.analyzer.report.plain_next import plain_steps
+from armodal.analyzer.report.plain_svg import bar_tiles, moving_tiles, poles_svg
 from armodal.analyzer.report.plain_words import answer, open_questions, shape_of
 from armodal.analyzer.report.policy import under_policy
 from armodal.analyzer.report.shape_figures import (
@@ -52,6 +57,7 @@ def write_plain_report(
     path: Path,
     *,
     band_hz: tuple[float, float] | None = None,
+    plotly: PlotlyHome = PlotlyHome.EMBEDDED,
 ) -> None:
     """Write one self-contained HTML page; an older one is replaced only when it is complete.
 
@@ -65,33 +71,38 @@ def write_plain_report(
         HTML file.
     band_hz
         The band that was asked for.
+    plotly
+        Whether the library for figures that move lies in the page or in a file beside it.
 
     Raises
     ------
     SessionError
         If the file cannot be written.
     """
-    environment = templates()
-    figures = _Figures()
+    figures = OpenFigures(plotly)
     given = {frf.posture for frf in session.frfs}
-    html = environment.get_template("plain.html").render(
-        session=session,
-        warnings=[*session.warnings, *_record_notes(session, frfs, models, band_hz)],
-        parts=[
-            _part(session, frf, model, figures, averaged_here=frf.posture not in given)
-            for frf, model in zip(frfs, models, strict=True)
-        ],
-        n_accepted=len(session.accepted()),
-        rejected=dict(
-            Counter(
-                reason
-                for hit in session.hits
-                if not hit.verdict.accepted
-                for reason in hit.verdict.reasons
-            )
-        ),
+    html = (
+        templates()
+        .get_template("plain.html")
+        .render(
+            style=style(),
+            session=session,
+            facts=facts(session),
+            warnings=(
+                *session.warnings,
+                *loss_warnings(session),
+                *_record_notes(session, frfs, models, band_hz),
+            ),
+            parts=[
+                _part(session, frf, model, figures, averaged_here=frf.posture not in given)
+                for frf, model in zip(frfs, models, strict=True)
+            ],
+            closing=figures.closing(),
+        )
     )
-    replace_text(path, under_policy(html))
+    page = under_policy(html, later=figures.later_scripts(), trusting=figures.trusts_its_script())
+    figures.write_beside(path)
+    replace_text(path, page)
 
 
 def _record_notes(
@@ -113,38 +124,23 @@ def _record_notes(
     ]
 
 
-class _Figures:
-    """Turns figures into HTML; the first brings the program that draws them."""
-
-    def __init__(self) -> None:
-        self._first = True
-
-    def html(self, figure: Any) -> str:
-        text: str = figure.to_html(
-            full_html=False,
-            include_plotlyjs=self._first,
-            auto_play=False,
-            config={"responsive": True, "displaylogo": False},
-        )
-        self._first = False
-        return text
-
-
 def _part(
     session: Session,
     frf: FrequencyResponse,
     model: ModalModel,
-    figures: _Figures,
+    figures: OpenFigures,
     *,
     averaged_here: bool,
 ) -> dict[str, Any]:
     """Everything of one posture, as the template wants it."""
     told = {one.f_hz: one for one in drift_told(model)}
+    tables = poles_by_order(frf, model)
     part: dict[str, Any] = {
         "frf": frf,
         "model": model,
         "answer": answer(frf, model),
         "open": open_questions(frf, model),
+        "next": plain_steps(frf, model),
         "rows": _rows(model, told),
         "drift": list(told.values()),
         "choices": hit_choices(session, frf.posture) if averaged_here else (),
@@ -152,23 +148,33 @@ def _part(
         "hits": sorted(set(frf.n_hits.ravel().tolist())),
         "coherence": _median_coherence(frf),
         "random_errors": typical_random_errors(frf),
-        "synthesis": figures.html(synthesis_figure(frf, model)),
-        "stabilisation": figures.html(stabilisation_figure(frf, model, poles_by_order(frf, model))),
-        "indicators": figures.html(_indicators(session, frf, model)),
+        "frf_svg": frf_svg(frf, model, model.band_hz[1]),
+        "poles_svg": poles_svg(model, tables),
+        "synthesis": figures.button(synthesis_figure(frf, model), "Choose an FRF, zoom"),
+        "stabilisation": figures.button(
+            stabilisation_figure(frf, model, tables), "Zoom into the stabilisation diagram"
+        ),
+        "indicators": figures.button(
+            _indicators(session, frf, model), "Indicators: sums, CMIF, MIF"
+        ),
+        "tiles": [],
         "shapes": "",
         "moving": False,
         "mac": "",
-        "drift_figure": figures.html(drift_figure(model)) if told else "",
+        "drift_figure": figures.button(drift_figure(model), "See them move from point to point")
+        if told
+        else "",
     }
     if model.modes and len(shape_of(model, model.modes[0])) > 1:
-        part["moving"] = has_geometry(session.header.arm, model)
-        part["shapes"] = figures.html(
-            moving_shapes_figure(session.header.arm, model)
-            if part["moving"]
-            else shape_bars_figure(model)
+        arm = session.header.arm
+        part["moving"] = moving = has_geometry(arm, model)
+        part["tiles"] = moving_tiles(arm, model) if moving else bar_tiles(model)
+        part["shapes"] = figures.button(
+            moving_shapes_figure(arm, model) if moving else shape_bars_figure(model),
+            "See them move" if moving else "With names and standard deviations",
         )
         if len(model.modes) > 1:
-            part["mac"] = figures.html(auto_mac_figure(model))
+            part["mac"] = figures.button(auto_mac_figure(model), "Likeness of the shapes (AutoMAC)")
     return part
 
 

@@ -9,9 +9,9 @@ from armodal.analyzer.modal import ModalModel, drift_told, mac_matrix, missing_m
 from armodal.analyzer.modal.modes import Mode
 from armodal.protocols.frf_records import FrequencyResponse
 
-__all__ = ["answer", "long_side", "open_questions", "shape_of"]
+__all__ = ["TWO_SIDED_95", "answer", "long_side", "open_questions", "shape_of"]
 
-_TWO_SIDED_95 = float(norm.ppf(0.975))
+TWO_SIDED_95 = float(norm.ppf(0.975))
 _MOST_HINTS = 5
 
 
@@ -79,7 +79,7 @@ def open_questions(frf: FrequencyResponse, model: ModalModel) -> list[str]:
         for told in drift_told(model)
     ]
     said += _misfits(frf, model)
-    unknown = [m for m in model.modes if m.damping_ratio < _TWO_SIDED_95 * m.damping_std]
+    unknown = [m for m in model.modes if m.damping_ratio < TWO_SIDED_95 * m.damping_std]
     if unknown:
         said.append(f"the damping of {_listed(unknown)} is not told apart from 0")
     if not model.modes:

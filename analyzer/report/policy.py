@@ -5,19 +5,31 @@ from __future__ import annotations
 import hashlib
 import re
 from base64 import b64encode
+from collections.abc import Sequence
 
 __all__ = ["under_policy"]
 
-_SCRIPT = re.compile(r"<script[^>]*>(.*?)</script>", re.DOTALL | re.IGNORECASE)
+# Data blocks, which are no script, name a type of their own.
+_SCRIPT = re.compile(
+    r"<script(?! type=\"(?:application/json|text/plain)\")[^>]*>(.*?)</script>",
+    re.DOTALL | re.IGNORECASE,
+)
 _HEAD = '<meta charset="utf-8">'
 
 
-def under_policy(html: str) -> str:
+def under_policy(html: str, *, later: Sequence[str] = (), trusting: bool = False) -> str:
     """Return the page with a Content-Security-Policy that allows its own inline scripts by hash.
 
     Handlers of events and addresses of scripts do not run, and nothing is fetched or sent (W3C,
     Content Security Policy Level 3, sections 6.1 and 6.7.3). That text from files brings no script
     element of its own is up to whoever writes the page: it is escaped there.
+
+    Parameters
+    ----------
+    later
+        Scripts that those of the page put into it, allowed by their hash too.
+    trusting
+        Whether those of the page may bring a script from a file (`'strict-dynamic'`).
 
     Raises
     ------
@@ -29,10 +41,12 @@ def under_policy(html: str) -> str:
         raise ValueError(f"wanted a page with {_HEAD}, found none; give it one in its head")
     digests = dict.fromkeys(
         b64encode(hashlib.sha256(script.encode()).digest()).decode()
-        for script in _SCRIPT.findall(html)
+        for script in (*_SCRIPT.findall(html), *later)
         if script
     )
     scripts = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    if trusting:
+        scripts += " 'strict-dynamic'"
     policy = (
         f"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; "
         "img-src data: blob:; base-uri 'none'; form-action 'none'"

@@ -16,7 +16,15 @@ from armodal.analyzer.report.plain_words import long_side, shape_of
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.foreign.session_texts import UNKNOWN_PLACES
 
-__all__ = ["has_geometry", "moving_shapes_figure", "shape_bars_figure"]
+__all__ = [
+    "LARGEST_MOTION",
+    "has_geometry",
+    "motion_of",
+    "moving_shapes_figure",
+    "places_of",
+    "shape_bars_figure",
+    "tree_of",
+]
 
 LARGEST_MOTION = 0.15  # of the structure's size
 PHASES, CYCLES = 16, 6
@@ -28,7 +36,8 @@ def _dofs(model: ModalModel) -> Any:
     return model.references if long_side(model) else model.responses
 
 
-def _places(arm: Arm, model: ModalModel) -> dict[str, npt.NDArray[np.float64]]:
+def places_of(arm: Arm, model: ModalModel) -> dict[str, npt.NDArray[np.float64]]:
+    """Measured points whose place is known: position (3,) in m by name."""
     unknown = set(arm.groups.get(UNKNOWN_PLACES, ()))
     measured = {dof.point for dof in _dofs(model)}
     return {
@@ -40,7 +49,7 @@ def _places(arm: Arm, model: ModalModel) -> dict[str, npt.NDArray[np.float64]]:
 
 def has_geometry(arm: Arm, model: ModalModel) -> bool:
     """Whether two measured points or more stand at known places apart."""
-    places = np.array(list(_places(arm, model).values())).reshape(-1, 3)
+    places = np.array(list(places_of(arm, model).values())).reshape(-1, 3)
     return len(places) > 1 and bool(np.ptp(places, axis=0).max() > 0.0)
 
 
@@ -49,13 +58,13 @@ def moving_shapes_figure(arm: Arm, model: ModalModel) -> Any:
 
     Lines join nearest points (the shortest tree): files seldom tell what is joined.
     """
-    places = _places(arm, model)
+    places = places_of(arm, model)
     index = {name: i for i, name in enumerate(places)}
     rest = np.array(list(places.values()))
     size = float(np.linalg.norm(np.ptp(rest, axis=0)))
-    tree = minimum_spanning_tree(cdist(rest, rest)).tocoo()
-    path = np.array([[a, b, -1] for a, b in zip(tree.row, tree.col, strict=True)]).reshape(-1)
-    motions = [_motion(model, shape_of(model, mode), index, size) for mode in model.modes]
+    path = np.array([[a, b, -1] for a, b in tree_of(rest)]).reshape(-1)
+    largest_m = LARGEST_MOTION * size
+    motions = [motion_of(model, shape_of(model, mode), index, largest_m) for mode in model.modes]
     figure = go.Figure()
     figure.add_scatter3d(
         **_lines(rest, path), mode="lines", line={"width": 3, "color": REST}, name="at rest"
@@ -162,17 +171,23 @@ def shape_bars_figure(model: ModalModel) -> Any:
     )
 
 
-def _motion(
-    model: ModalModel, shape: npt.NDArray[np.complex128], index: dict[str, int], size: float
+def tree_of(rest: npt.NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Pairs of points that a shortest tree joins."""
+    tree = minimum_spanning_tree(cdist(rest, rest)).tocoo()
+    return [(int(a), int(b)) for a, b in zip(tree.row, tree.col, strict=True)]
+
+
+def motion_of(
+    model: ModalModel, shape: npt.NDArray[np.complex128], index: dict[str, int], largest_m: float
 ) -> npt.NDArray[np.complex128]:
-    """Complex motion (n_points, 3), its largest real part drawn as a share of the size."""
+    """Complex motion (n_points, 3), its largest real part drawn so long."""
     shape = shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))
     moved = np.zeros((len(index), 3), dtype=np.complex128)
     for value, dof in zip(shape, _dofs(model), strict=True):
         if dof.point in index:
             moved[index[dof.point]] += value * dof.direction
     largest = float(np.linalg.norm(moved.real, axis=1).max())
-    return moved * LARGEST_MOTION * size / max(largest, 1e-30)
+    return moved * largest_m / max(largest, 1e-30)
 
 
 def _lines(points: npt.NDArray[np.float64], path: npt.NDArray[np.int64]) -> dict[str, Any]:

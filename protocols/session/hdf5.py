@@ -46,7 +46,14 @@ from armodal.protocols.session.journal_payloads import hit_model, loss_model
 from armodal.protocols.session.membership import check_frf_membership, check_membership
 from armodal.protocols.session.records import Session
 
-__all__ = ["Provenance", "read_frfs", "read_provenance", "read_session", "write_session"]
+__all__ = [
+    "Provenance",
+    "is_complete",
+    "read_frfs",
+    "read_provenance",
+    "read_session",
+    "write_session",
+]
 
 DEFINITION = "armodal-session"
 FORMAT_VERSION = 1
@@ -230,6 +237,18 @@ def _verify(
             f"the session file written differs from the session at {difference}: it was thrown "
             "away; run `armodal recover` again, on another disk if it happens twice"
         )
+
+
+def is_complete(path: Path) -> bool | None:
+    """Whether a session file's session has all its hits; None if it is no session file.
+
+    Reads nothing else of it: a folder of large sessions is listed at once.
+    """
+    try:
+        with open_tree(path) as root:
+            return bool(_entry(root).flags("complete", ()))
+    except SessionError:
+        return None
 
 
 def _entry(root: Tree) -> Tree:

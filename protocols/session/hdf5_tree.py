@@ -86,8 +86,8 @@ def open_tree(path: Path) -> Iterator[Tree]:
         ) from None
     except _HDF5_ERRORS as error:
         raise SessionError(
-            f"{path} cannot be read as HDF5 ({_first_line(error)}): rebuild it from its journal "
-            "with `armodal recover`"
+            f"{path} cannot be read: wanted a session file that armodal wrote, found something "
+            f"else or a damaged one; {_way_out(path)}"
         ) from error
 
 
@@ -217,5 +217,8 @@ def _shape_words(shape: tuple[int | None, ...]) -> str:
     return "(" + ", ".join("n" if size is None else str(size) for size in shape) + ")"
 
 
-def _first_line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0][:300]
+def _way_out(path: Path) -> str:
+    journal = path.with_suffix(".journal")
+    if journal.is_file():
+        return f"`armodal recover {journal}` builds it anew"
+    return "give the path of a .h5 file of a session (`armodal import` takes other programs' files)"

@@ -292,3 +292,12 @@ def test_a_session_without_hits_says_what_is_missing(session_files, tmp_path):
 def test_an_output_that_cannot_be_written_is_said(session_files, tmp_path):
     said = armodal("report", session_files[1], "--out", tmp_path / "no" / "folder" / "r.html")
     is_one_message(said)
+
+
+@pytest.mark.parametrize("command", [["run", "--sim"], ["review", "s.h5"]])
+def test_an_app_without_a_terminal_is_one_message(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.h5").write_bytes(b"")
+    said = armodal(*command)
+    is_one_message(said, "wanted a terminal", "armodal --help")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.h5"]

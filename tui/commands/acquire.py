@@ -25,7 +25,7 @@ from armodal.tui.commands.options import (
     told_tolerance_rad,
 )
 from armodal.tui.commands.rehearsed import spoken_arm
-from armodal.tui.console import Json, TimeScale, err, out, print_json
+from armodal.tui.console import Json, TimeScale, err, out, print_json, say_next
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 
 __all__ = ["app", "show_event"]
@@ -132,3 +132,4 @@ def acquire_command(
             f"{finished.accepted} hits accepted, {finished.rejected} rejected: "
             f"{finished.reason}\nsession {session_path}"
         )
+        say_next(f"review {session_path}" if finished.complete else f"acquire --resume {journal}")

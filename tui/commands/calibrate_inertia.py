@@ -18,7 +18,7 @@ from armodal.protocols.errors import ArmError
 from armodal.protocols.inertia_targets import load_inertia_targets
 from armodal.protocols.text_file import write_new_text
 from armodal.tui.commands.options import ArmName
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app"]
 
@@ -131,3 +131,4 @@ def calibrate_command(
     for table in calibration_tables(found):
         out.print(table)
     out.print(f"arm {out_path}")
+    say_next(f"plan {out_path}")

@@ -14,7 +14,8 @@ from armodal.tui.commands.demo_run import DEMO_TIME_SCALE, run_demo
 from armodal.tui.commands.demo_simulator import simulator_lines, simulator_table
 from armodal.tui.commands.gap_results import gap_tables
 from armodal.tui.commands.identification_results import identification_tables
-from armodal.tui.console import Json, TimeScale, out, print_json, say
+from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
+from armodal.tui.hit_count import HitCount
 
 __all__ = ["app"]
 
@@ -26,6 +27,7 @@ def demo(
     seed: Annotated[int, typer.Option(min=0, help="For everything random in the laboratory.")] = 1,
     directory: Annotated[Path, typer.Option("--out", help="Where the results go.")] = Path("demo"),
     time_scale: TimeScale = DEMO_TIME_SCALE,
+    verbose: Annotated[bool, typer.Option("--verbose", help="One line for every hit.")] = False,
     as_json: Json = False,
 ) -> None:
     """A whole test in the simulated laboratory: capture, modes, stiffness, gap, report, truth.
@@ -33,7 +35,12 @@ def demo(
     Example: armodal demo --seed 3 --json
     """
     found, result, gap = run_demo(
-        directory, seed=seed, software=SOFTWARE, show=show_event, say=say, time_scale=time_scale
+        directory,
+        seed=seed,
+        software=SOFTWARE,
+        show=show_event if verbose else HitCount(err),
+        say=say,
+        time_scale=time_scale,
     )
     if as_json:
         print_json(found)
@@ -60,7 +67,7 @@ def demo(
             out.print(simulator_table(found["simulator"]))
         for line in simulator_lines(found["simulator"]):
             out.print(line)
-    out.print("next: armodal predict --arm and armodal export with the new arm file")
+    say_next(f"review {found['session']}")
 
 
 def _truth_table(found: dict[str, Any]) -> Table:

@@ -31,7 +31,7 @@ from armodal.tui.commands.export_arm import export_arm, print_export
 from armodal.tui.commands.identification_results import identification_json
 from armodal.tui.commands.inspect_files import guess_json, is_manifest, manifest_beside, unanswered
 from armodal.tui.commands.options import refuse_idle
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
 
@@ -201,6 +201,7 @@ def import_command(
     for text in summary["warnings"]:
         out.print(f"note: {text}")
     out.print(f"session {output}")
+    say_next(f"review {output}")
 
 
 @app.command("export")

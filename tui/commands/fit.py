@@ -12,7 +12,7 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.fit_settings import FitSettings
 from armodal.tui.commands.fit_values import fit_values
 from armodal.tui.commands.options import Band, SessionPath
-from armodal.tui.console import Json, out, print_json
+from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]
 
@@ -61,6 +61,7 @@ def fit(
         out.print(line)
     for note in value["warnings"]:
         out.print(f"note: {note}")
+    say_next(f"review {session}")
 
 
 def _lines(value: dict[str, Any]) -> list[str]:

@@ -34,7 +34,7 @@ from armodal.study.laboratory import SimulatedLaboratory
 from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
 from armodal.tui.commands.options import refuse_idle
 from armodal.tui.commands.rehearsed import plan_to_rehearse
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
@@ -129,6 +129,7 @@ def gap_command(
     _print_result(outcome, beside)
     for key, path in written.items():
         out.print(f"{key} {path}")
+    say_next(f"report {session}")
 
 
 def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:

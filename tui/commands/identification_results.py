@@ -211,7 +211,7 @@ def _axis_table(result: Identification) -> Table | None:
             f"{axis.k_n_m_per_rad:.0f}\n± {axis.k_std:.0f}\nmodel ± {axis.k_std_model:.0f}\n"
             f"c {axis.c_n_m_s_per_rad:.2f}",
             _vector(axis.direction_link, 2),
-            _vector(1e3 * axis.near_point_link_m, 0),
+            _vector(1e3 * axis.point_link_m, 0),
         )
         for row in axis.mozzi:
             table.add_row(

@@ -14,7 +14,7 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.identification_results import identification_json, identification_tables
 from armodal.tui.commands.options import Band, SessionPath
 from armodal.tui.commands.penalty_results import Method, chosen_for, penalty_json, penalty_tables
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.screens.review.picked_file import read_picked
 
 __all__ = ["app"]
@@ -60,3 +60,4 @@ def identify_command(
     doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
     for note in (*result.notes, *doubts, *measured.warnings):
         out.print(f"note: {note}")
+    say_next(f"gap {session}", "asks what the model lacks")

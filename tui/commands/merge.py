@@ -12,7 +12,7 @@ import typer
 from armodal import SOFTWARE
 from armodal.analyzer.merge_sessions import merge_sessions
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
@@ -65,6 +65,7 @@ def merge(
     for text in merged.warnings:
         out.print(f"note: {text}")
     out.print(f"session {output}")
+    say_next(f"fit {output}")
 
 
 def _names(paths: list[Path]) -> list[str]:

@@ -21,7 +21,7 @@ from armodal.tui.commands.options import ArmName, Seed
 from armodal.tui.commands.plain_arm import plain_arm
 from armodal.tui.commands.plan_json import made_json, plan_json
 from armodal.tui.commands.plan_tables import made_lines, plan_tables
-from armodal.tui.console import Json, out, print_json, progress
+from armodal.tui.console import Json, out, print_json, progress, say_next
 
 __all__ = ["app"]
 
@@ -85,3 +85,4 @@ def plan_command(
         out.print(f"no test shows {names} alone: identify by the fit of all modes")
     if out_path is not None:
         out.print(f"plan {out_path}")
+        say_next(f"run {out_path} --arm {arm}")

@@ -15,7 +15,7 @@ from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 from armodal.protocols.session.recovery import Recovery, rebuild
 from armodal.protocols.session.salvage_files import rebuild_salvaged
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]
 
@@ -53,6 +53,8 @@ def recover(
     path = output or journal.with_suffix(".h5")
     found = rebuild(journal, path, software=SOFTWARE, estimate_frfs=_frfs)
     _show({"session": str(path), **_told_of(found)}, as_json=as_json)
+    if not as_json:
+        say_next(f"review {path}")
 
 
 def _salvage(journal: Path, header: Path | None, *, as_json: bool) -> None:
@@ -78,7 +80,7 @@ def _salvage(journal: Path, header: Path | None, *, as_json: bool) -> None:
     for session in sessions:
         out.print("")
         _show(session, as_json=False)
-    say(f"next: armodal check session {files[0].session_file}; keep the damaged journal")
+    say_next(f"check session {files[0].session_file}", "keep the damaged journal")
 
 
 def _show(summary: dict[str, object], *, as_json: bool) -> None:

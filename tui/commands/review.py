@@ -4,64 +4,23 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from armodal.protocols.errors import SessionError
+from armodal.tui.commands.journey import go_from, wish_after_review
 from armodal.tui.commands.options import Band
-from armodal.tui.screens.review.app import ReviewApp
+from armodal.tui.console import check_terminal
 from armodal.tui.screens.review.follow_app import FollowApp
-from armodal.tui.this_system import check_runs_devices
+from armodal.tui.screens.wishes import Look
 
-__all__ = ["app", "review_then_measure"]
+__all__ = ["app"]
 
 NICE = 10  # as a rule for what works beside something that must not wait
 
 app = typer.Typer(add_completion=False)
-
-
-def _measure(**wanted: Any) -> int:
-    """Run the operator's app, which is loaded where it is wanted: not on every system."""
-    check_runs_devices("run")
-    return int(import_module("armodal.tui.commands.run").run_app(**wanted))
-
-
-def review_then_measure(review_app: ReviewApp, *, run: Callable[..., int] = _measure) -> int:
-    """Run the review app to its end, then the next test if it was left for that.
-
-    Parameters
-    ----------
-    review_app
-        Not yet running.
-    run
-        Runs the operator's app.
-
-    Returns
-    -------
-    int
-        Exit code.
-
-    Raises
-    ------
-    ArmodalError
-        If the session cannot be shown, or the next test cannot be begun.
-    """
-    review_app.run()
-    if review_app.problem is not None:
-        raise review_app.problem
-    wanted = review_app.next_run
-    if wanted is None:
-        return review_app.return_code or 0
-    return run(
-        plan=str(wanted.plan),
-        arm=wanted.arm,
-        session=wanted.journal,
-        simulated=wanted.simulated,
-    )
 
 
 @app.command()
@@ -86,7 +45,8 @@ def review(
         raise typer.Exit(_follow(session, gap))
     if not session.is_file():
         raise SessionError(f"{session} is not a file; give the .h5 file of a session")
-    raise typer.Exit(review_then_measure(ReviewApp(session, gap=gap, band_hz=band)))
+    check_terminal("review")
+    raise typer.Exit(go_from(Look(session=session, gap=gap, band_hz=band)))
 
 
 def _follow(session: Path, gap: Path | None) -> int:
@@ -96,6 +56,10 @@ def _follow(session: Path, gap: Path | None) -> int:
             f"{journal} is not there; give the journal that `armodal run` or `armodal acquire` "
             "writes"
         )
+    check_terminal("review")
     if sys.platform != "win32":
         os.nice(NICE)  # fits wait where acquisition wants the processor
-    return review_then_measure(FollowApp(journal, gap=gap))
+    app = FollowApp(journal, gap=gap)
+    app.run()
+    code, then = wish_after_review(app)
+    return code if then is None else go_from(then)

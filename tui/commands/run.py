@@ -15,6 +15,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
+from armodal.tui.commands.journey import go_from
 from armodal.tui.commands.options import (
     ByHand,
     Mirror,
@@ -23,10 +24,11 @@ from armodal.tui.commands.options import (
     told_tolerance_rad,
 )
 from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
-from armodal.tui.console import TimeScale
+from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.conductor import RunOptions
 from armodal.tui.screens.run.place import find_place
+from armodal.tui.screens.wishes import Look
 
 __all__ = ["app", "run_app"]
 
@@ -49,8 +51,12 @@ def run_app(
     time_scale: float = 1.0,
     input_range_v: float | None = None,
     hide: Sequence[str] = (),
-) -> int:
-    """Run the app to its end; return the exit code.
+) -> tuple[int, Look | None]:
+    """Run the app to its end, and say what was written.
+
+    Returns
+    -------
+    exit code, and the session to look at if the app was left for that
 
     Raises
     ------
@@ -89,7 +95,23 @@ def run_app(
     say_if_on_one_disk(session, mirror)
     app = RunApp(options)
     app.run()
-    return app.return_code or 0
+    _say_what_was_written(app)
+    return app.return_code or 0, app.wish
+
+
+def _say_what_was_written(app: RunApp) -> None:
+    state, place = app.state, app.conductor.place
+    if not place.journal.exists():
+        return
+    err.print(f"journal {place.journal}")
+    if state.session_file is None or state.file_problem is not None:
+        say_next(f"recover {place.journal}")
+        return
+    err.print(f"session {state.session_file}")
+    if state.finished is not None and not state.finished.complete:
+        say_next(f"run --session {place.journal}", "goes on at the same point")
+    elif app.wish is None:
+        say_next(f"review {state.session_file}")
 
 
 @app.command("run")
@@ -121,21 +143,21 @@ def run_command(
 
     Example: armodal run --sim
     """
-    raise typer.Exit(
-        run_app(
-            plan=plan,
-            arm=arm,
-            session=session,
-            mirror=mirror,
-            board=board,
-            can=can,
-            ur=ur,
-            by_hand=by_hand,
-            baud=baud,
-            simulated=simulated,
-            input_range_v=input_range,
-            seed=seed,
-            time_scale=time_scale,
-            hide=hide or (),
-        )
+    check_terminal("run")
+    code, then = run_app(
+        plan=plan,
+        arm=arm,
+        session=session,
+        mirror=mirror,
+        board=board,
+        can=can,
+        ur=ur,
+        by_hand=by_hand,
+        baud=baud,
+        simulated=simulated,
+        input_range_v=input_range,
+        seed=seed,
+        time_scale=time_scale,
+        hide=hide or (),
     )
+    raise typer.Exit(code if then is None else go_from(then))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 from rich.segment import Segment
 from textual.app import App
@@ -12,6 +13,8 @@ from textual.filter import LineFilter
 from armodal.protocols.printable import printable
 
 __all__ = ["PrintableApp"]
+
+Result = TypeVar("Result")
 
 
 class _Printable(LineFilter):
@@ -33,7 +36,7 @@ def _in_cells(text: str) -> str:
     )
 
 
-class PrintableApp(App[int]):
+class PrintableApp(App[Result]):
     """An app whose every line is made printable before it goes to the terminal."""
 
     def get_line_filters(self) -> Sequence[LineFilter]:

@@ -10,7 +10,7 @@ from typing import Any
 from textual.app import App
 from textual.theme import Theme
 
-__all__ = ["MONO", "Inks", "inks_of", "register_themes"]
+__all__ = ["MONO", "Inks", "inks_of", "register_themes", "use_next_theme"]
 
 MONO, INK, PAPER = "armodal-mono", "armodal-dark", "armodal-light"
 
@@ -105,3 +105,10 @@ def register_themes(app: App[Any], environment: Mapping[str, str] = os.environ) 
     for theme in _THEMES:
         app.register_theme(theme)
     app.theme = MONO if environment.get("NO_COLOR") else INK
+
+
+def use_next_theme(app: App[Any]) -> None:
+    """Go to the next of armodal's themes."""
+    names = [name for name in app.available_themes if name.startswith("armodal")]
+    at = names.index(app.theme) if app.theme in names else -1
+    app.theme = names[(at + 1) % len(names)]

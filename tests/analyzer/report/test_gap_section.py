@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 
 import pytest
-from plotly.basedatatypes import BaseFigure
 
 from armodal.analyzer.gap.records import (
     Disagreement,
@@ -24,7 +23,7 @@ from armodal.analyzer.gap.records import (
 )
 from armodal.analyzer.report.gap_file import gap_from_json, gap_to_json
 from armodal.analyzer.report.gap_section import gap_page
-from armodal.protocols.errors import EstimateError
+from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 
 P = {
     "axis compliance link_3": Interval(
@@ -48,7 +47,7 @@ NAMED = GapResult(
     effects=(
         EffectFound(
             name="link_axis",
-            title="Compliance axis inside a link",
+            title="Link gives way about an axis of its own",
             place="link_3",
             parameters=P,
             size=next(iter(P)),
@@ -138,51 +137,29 @@ def test_text_is_shown_and_never_run() -> None:
     assert page.count(SHOWN) == 2
 
 
-@pytest.fixture
-def figures(monkeypatch):
-    """The figures of a page whose postures, joints and points have tags for names."""
-    shown = []
-
-    def keep(figure, **_):
-        shown.append(figure)
-        return ""
-
-    monkeypatch.setattr(BaseFigure, "to_html", keep)
+def test_names_with_tags_are_shown_in_the_figures() -> None:
     evil_gap = (replace(BEFORE[0], posture=EVIL),)
     result = replace(
         NAMED,
         gap_before=evil_gap,
         gap_after=evil_gap,
         where=(replace(NAMED.where[0], posture=EVIL, point=EVIL, axis="x"),),
-        joint_stiffness_ranges=(replace(NAMED.joint_stiffness_ranges[0], joint=EVIL),),
     )
-    gap_page(result, "session 1")
-    return shown
+    assert EVIL not in gap_page(result, "session 1")
+    assert errors_svg(result).count(SHOWN) == 1
+    ((_, where),) = disagreement_svgs(result)
+    assert where.count(SHOWN) == 4  # posture, point, and both in the cell's own title
 
 
-def test_plotly_is_given_labels_without_tags(figures) -> None:
-    """The page shows a label's tag as plotly's own where the figure has it unescaped."""
-    errors, stiffness, where = figures
-    assert [tuple(bars.x) for bars in errors.data] == [(SHOWN,), (SHOWN,)]
-    assert tuple(stiffness.data[0].y) == (SHOWN,)
-    assert tuple(where.data[0].x) == (f"{SHOWN} x",)
-    assert tuple(where.data[0].y) == (SHOWN,)
+def test_a_cell_that_disagrees_more_is_never_lighter() -> None:
+    def shade(ratio: float) -> str:
+        cell = replace(NAMED.where[0], ratio=ratio)
+        ((_, where),) = disagreement_svgs(replace(NAMED, where=(cell,)))
+        return where.partition('fill="')[2].partition('<rect x="')[2].partition('fill="')[2][:7]
 
+    def lightness(colour: str) -> int:
+        return sum(int(colour[k : k + 2], 16) for k in (1, 3, 5))
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('"named"', '"certain"'),
-        ('"summary"', '"summery"'),
-        ('"notes"', '"more": 1, "notes"'),
-        ("0.998", '"0.998"'),
-        ("0.998", "NaN"),
-        ("0.998", "null"),
-        ("{", "["),
-    ],
-)
-def test_a_file_that_is_no_result_is_refused(old, new) -> None:
-    text = gap_to_json(NAMED)
-    assert old in text
-    with pytest.raises(EstimateError, match="run `armodal gap` again"):
-        gap_from_json(text.replace(old, new, 1))
+    found = [lightness(shade(ratio)) for ratio in (0.5, 1.5, 3.0, 6.0, 12.0, 24.0, 1e3)]
+    assert found == sorted(found, reverse=True)
+    assert len(set(found)) == 6

@@ -7,9 +7,11 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from armodal.analyzer.report import write_report
+from armodal.analyzer.report import PlotlyHome, write_report
+from armodal.analyzer.report.words import plus_minus
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.records import Loss
 
@@ -83,8 +85,8 @@ def test_provenance_names_arm_plan_and_board(html, session):
 
 
 def test_losses_and_warnings_stand_above_the_numbers(told_html):
-    numbers = told_html.index("<h2>Stiffness</h2>")
-    for said in ("frames lost", "the tail was torn", "not complete"):
+    numbers = told_html.index("Joint stiffness, N m/rad")
+    for said in ("frames lost", "the tail was torn", "points lack their hits"):
         assert told_html.index(said) < numbers
 
 
@@ -111,3 +113,35 @@ def test_a_failed_write_leaves_the_older_report(session, identified, tmp_path, m
         write_report(session, identified, path)
     assert path.read_text() == "older"
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_the_first_page_answers_before_any_table(html, identified):
+    first = html.partition('<nav aria-label="Contents">')[0]
+    found = first.partition('<div class="findings">')[2].partition("</div>")[0]
+    (axis,) = identified.axes
+    k, std = plus_minus(axis.k_n_m_per_rad, float(np.hypot(axis.k_std, axis.k_std_model)))
+    assert f"The {axis.link} gives way about an axis of its own: stiffness {k} ± {std}" in found
+    assert first.index('<div class="findings">') < first.index("<table")
+    for part in ("What to do next", "Checks of the measurement", "Postures kept unseen", "<svg"):
+        assert part in first
+
+
+def test_lost_preview_samples_are_no_warning(session, identified, tmp_path):
+    loss = Loss(kind="stream", count=42, first_sample=None, host_s=0.0, note="link full")
+    path = tmp_path / "report.html"
+    write_report(replace(session, losses=(loss,)), identified, path)
+    html = path.read_text(encoding="utf-8")
+    assert 'class="warn"' not in html.partition("<nav")[0]
+    assert "42 samples of the preview" in html
+
+
+def test_many_reports_share_one_library(session, identified, tmp_path):
+    path = tmp_path / "a.html"
+    write_report(session, identified, path, plotly=PlotlyHome.SHARED)
+    (library,) = tmp_path.glob("plotly-*.min.js")
+    assert f'data-beside="{library.name}"' in path.read_text(encoding="utf-8")
+    assert path.stat().st_size < library.stat().st_size
+
+
+def test_a_page_of_an_arm_stays_below_four_megabytes(path):
+    assert path.stat().st_size < 4e6

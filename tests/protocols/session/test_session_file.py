@@ -300,7 +300,11 @@ def test_repacked_file_is_read(example, written: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(100)])
 def test_what_is_not_hdf5_is_refused(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "a.h5").write_bytes(content)
-    with pytest.raises(SessionError, match="cannot be read as HDF5"):
+    with pytest.raises(SessionError, match="wanted a session file") as said:
+        read_session(tmp_path / "a.h5")
+    assert "recover" not in str(said.value)
+    (tmp_path / "a.journal").write_bytes(b"")
+    with pytest.raises(SessionError, match="armodal recover"):
         read_session(tmp_path / "a.h5")
 
 

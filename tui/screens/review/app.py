@@ -19,6 +19,7 @@ from textual.widget import Widget
 from textual.widgets import Static, TabbedContent, TabPane
 
 from armodal.protocols.errors import ArmodalError
+from armodal.tui.screens.every_action import every_action
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.review.cmif_picture import CmifPicture
@@ -41,11 +42,13 @@ from armodal.tui.screens.review.posture_view import (
     fit_picked,
     open_session,
 )
+from armodal.tui.screens.review.report_beside import report_beside
 from armodal.tui.screens.review.run_pane import RunPane
 from armodal.tui.screens.review.shape_picture import ShapePicture
 from armodal.tui.screens.review.stabilisation_picture import StabilisationPicture
 from armodal.tui.screens.review.state import ReviewState
-from armodal.tui.screens.themes import register_themes
+from armodal.tui.screens.review.way_back import way_back
+from armodal.tui.screens.themes import register_themes, use_next_theme
 
 __all__ = ["ReviewApp"]
 
@@ -54,7 +57,7 @@ _TITLES = ("FRF", "CMIF", "Poles", "Modes", "MAC", "Shape", "Identify", "Gap")
 LEAST_COLUMNS, LEAST_ROWS = 60, 16
 
 
-class ReviewApp(PrintableApp):
+class ReviewApp(PrintableApp[int]):
     """Looks at a session's FRFs, modes and results.
 
     Parameters
@@ -99,6 +102,7 @@ class ReviewApp(PrintableApp):
         Binding("left_square_bracket", "posture(-1)", "posture", key_display="[]"),
         Binding("right_square_bracket", "posture(1)", "next posture", show=False),
         Binding("s", "save", "save picks", show=False),
+        Binding("w", "report", "write the report", show=False),
         Binding("t", "next_theme", "theme", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q", "leave", "leave"),
@@ -127,9 +131,7 @@ class ReviewApp(PrintableApp):
 
     def compose(self) -> Iterable[Widget]:
         """One line of state, the screens, the keys."""
-        yield Static("", id="status", markup=False)
-        yield Static("", id="trouble", markup=False)
-        yield Static("", id="small", markup=False)
+        yield from (Static("", id=name, markup=False) for name in ("status", "trouble", "small"))
         yield KeyLine()
 
     async def on_mount(self) -> None:
@@ -179,10 +181,7 @@ class ReviewApp(PrintableApp):
         self.problem = error
         self.say_status("this session cannot be shown")
         trouble = self.query_one("#trouble", Static)
-        trouble.update(
-            f"{error}\n\nWhat was captured is in the journal beside it, which builds the session "
-            f"anew:\n  armodal recover {self.path.with_suffix('.journal').name}\n\nq leaves."
-        )
+        trouble.update(f"{error}\n\n{way_back(self.path)}q leaves.")
         trouble.display = True
 
     async def show_session(self, opened: OpenSession) -> None:
@@ -311,8 +310,8 @@ class ReviewApp(PrintableApp):
         self.state.unsaved |= by_hand
         self.state.choose_mode(min(self.state.mode, max(self.state.n_modes - 1, 0)))
         self.redraw()
-        kind = "by hand" if view.by_hand else "automatic"
-        count = 0 if view.model is None else len(view.model.modes)
+        kind, model = "by hand" if view.by_hand else "automatic", view.model
+        count = 0 if model is None else len(model.modes)
         self.notify(f"{view.name}: {count} modes {kind}", markup=False)
 
     def on_run_pane_done(self, message: RunPane.Done) -> None:
@@ -358,11 +357,14 @@ class ReviewApp(PrintableApp):
         self.redraw()
         return True
 
+    @work(exclusive=True, group="report")
+    async def action_report(self) -> None:
+        """Write the report beside the session, and say where."""
+        await report_beside(self, self.path, self._command)
+
     def action_next_theme(self) -> None:
         """Use the next of armodal's themes."""
-        names = [name for name in self.available_themes if name.startswith("armodal")]
-        at = names.index(self.theme) if self.theme in names else -1
-        self.theme = names[(at + 1) % len(names)]
+        use_next_theme(self)
         self.redraw()
 
     def action_help(self) -> None:
@@ -386,13 +388,9 @@ class ReviewApp(PrintableApp):
             self.next_run = None
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
-        """Textual's commands, the screens and the postures."""
+        """Textual's commands, every key that does something now, and the postures."""
         yield from super().get_system_commands(screen)
-        for tab, title in zip(TABS, _TITLES, strict=True):
-            yield SystemCommand(
-                f"Show {title}", "Go to this screen", lambda tab=tab: self.action_tab(tab)
-            )
-        yield SystemCommand("Save picked poles", "Beside the session", self.action_save)
+        yield from every_action(self, screen)
         if self.state is None:
             return
         for number, view in enumerate(self.state.views):

@@ -11,6 +11,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from armodal.analyzer.gap.records import Interval
+from armodal.analyzer.report.effect_words import interval_in_words
 from armodal.tui.screens.review.next_test import next_test_of
 
 __all__ = ["gap_view"]
@@ -56,10 +58,23 @@ def _parameters(row: Mapping[str, Any]) -> list[str]:
     for name, value in row.get("parameters", {}).items():
         found = value if isinstance(value, Mapping) else _interval(row, name, value)
         unit = f" {found.get('unit', '')}".rstrip()
+        stiffness = _as_stiffness(found)
+        if stiffness is not None:
+            told.append(stiffness)
+            continue
         low, high = _number(found.get("low")), _number(found.get("high"))
         spread = _number(found.get("std"), 2)
         told.append(f"{name} {_number(found['value'])} ± {spread}{unit} (95 %: {low} to {high})")
     return told
+
+
+def _as_stiffness(found: Mapping[str, Any]) -> str | None:
+    """A compliance as the stiffness it is; None of anything else."""
+    numbers = {key: found.get(key) for key in ("value", "std", "low", "high")}
+    told = {key: x for key, x in numbers.items() if isinstance(x, (int, float)) and x > 0.0}
+    if found.get("unit") != "rad/(N m)" or len(told) < len(numbers):
+        return None
+    return interval_in_words(Interval(unit="rad/(N m)", **told))
 
 
 def _interval(row: Mapping[str, Any], name: str, value: object) -> Mapping[str, Any]:
@@ -121,7 +136,7 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
     if not before:
         return None
     later = {row.get("posture"): row for row in after}
-    table = _table("posture", "before", "after", "floor", "")
+    table = _table("posture", "before", "after", "noise alone", "")
     for row in before:
         then = later.get(row.get("posture"))
         shown = [
@@ -132,7 +147,11 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
         _add(
             table, str(row.get("posture", "?")), *shown, f"{_bar(_error(row), _error(then))} {held}"
         )
-    return _titled("Gap: difference over the FRFs, %", table)
+    return _titled(
+        "Gap: difference over the FRFs, %",
+        table,
+        "noise alone: what scatter and the errors that every test has would leave",
+    )
 
 
 def _bar(before: float | None, after: float | None) -> str:

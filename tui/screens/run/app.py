@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import ClassVar
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, ClassVar
 
 from textual import events
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
+from textual.screen import Screen
 from textual.worker import Worker
 
 from armodal.daq.events import (
@@ -20,6 +23,7 @@ from armodal.daq.events import (
     SessionOpened,
 )
 from armodal.daq.session_machine import PromptKind
+from armodal.tui.screens.every_action import every_action
 from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.run.ask_angles import AnglesScreen
 from armodal.tui.screens.run.ask_mass import MassScreen
@@ -36,6 +40,7 @@ from armodal.tui.screens.run.steps.point import PointScreen
 from armodal.tui.screens.run.steps.posture import PostureScreen
 from armodal.tui.screens.run.steps.progress import ProgressScreen
 from armodal.tui.screens.run.steps.step import StepScreen
+from armodal.tui.screens.wishes import Look
 
 __all__ = ["RunApp"]
 
@@ -43,7 +48,7 @@ REDRAW_WALL_S = 0.08  # the live views are to come ten times a second, under loa
 SEEN_AT_ONCE = (HitJudged, HitWithdrawn, Prompted, Failed, Finished, SensorsConfirmed)
 
 
-class RunApp(PrintableApp):
+class RunApp(PrintableApp[int]):
     """Guide the operator from the laboratory through postures, points and hits.
 
     Parameters
@@ -54,6 +59,11 @@ class RunApp(PrintableApp):
         Wall seconds.
     make_engine
         Makes the line to the processes from what is to be told of every event.
+
+    Attributes
+    ----------
+    wish
+        The session to be looked at once the app has been left; None: nothing.
     """
 
     TITLE = "armodal run"
@@ -92,6 +102,7 @@ class RunApp(PrintableApp):
         self._stale = True
         self._deriving: Worker[None] | None = None
         self._offered: tuple[bool, ...] = ()
+        self.wish: Look | None = None
 
     @property
     def state(self) -> RunState:
@@ -196,6 +207,9 @@ class RunApp(PrintableApp):
             if place is not None and place != self.state.here:
                 self.conductor.retake(place)
             self.redraw()
+        elif self.state.phase is Phase.ENDED and self.state.session_file is not None:
+            self.wish = Look(session=Path(self.state.session_file))
+            await self.action_leave()
         else:
             self.run_worker(self.conductor.go_on())
 
@@ -261,6 +275,11 @@ class RunApp(PrintableApp):
         """Leave; what was accepted is in the journal, and the session can be gone on with."""
         self.notify("Leaving: the journal is being closed, the session file written.")
         self.run_worker(self._leave(), group="leave", exclusive=True)
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
+        """Textual's commands, and every key that does something now."""
+        yield from super().get_system_commands(screen)
+        yield from every_action(self, screen)
 
     async def _leave(self) -> None:
         """Leave once all is written; the screen says meanwhile what is under way."""

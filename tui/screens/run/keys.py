@@ -46,6 +46,8 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
 def _enter_works(state: RunState) -> bool:
     if state.phase is Phase.LAB:
         return state.board is not None and state.angles_will_come
+    if state.phase is Phase.ENDED:
+        return state.session_file is not None and state.file_problem is None
     prompt = state.prompt
     if state.phase is not Phase.SESSION or prompt is None:
         return False

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -91,3 +92,21 @@ def test_the_proposed_test_runs_in_the_same_terminal(session, tmp_path):
         terminal.until(r"SIMULATED(.|\n)*Are these sensors mounted", DEADLINE_S)
         terminal.keys("q")
         terminal.until(r"ended 0", DEADLINE_S)
+
+
+@pytest.mark.long
+def test_from_home_to_a_report_by_keys_alone_at_80_by_24(session, tmp_path):
+    path = tmp_path / "s.h5"
+    write_session(session, path)
+    home = f"cd {shlex.quote(str(tmp_path))} && exec {shlex.quote(sys.executable)} -m"
+    with ShellTerminal(["sh", "-c", f"{home} armodal.tui.cli"], columns=80, rows=24) as terminal:
+        terminal.until(r"s\.h5(.|\n)*new session", DEADLINE_S)
+        terminal.keys("Enter")
+        terminal.until(r"4 modes automatic", DEADLINE_S)
+        terminal.keys("w")
+        terminal.until(r"report .*s\.html|s\.html", DEADLINE_S)
+        terminal.keys("q")
+        terminal.until(r"new session", DEADLINE_S)
+        terminal.keys("q")
+        terminal.until(r"next: armodal report(.|\n)*ended 0", DEADLINE_S)
+    assert "What to do next" in path.with_suffix(".html").read_text(encoding="utf-8")

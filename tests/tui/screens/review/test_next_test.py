@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -11,12 +12,13 @@ from support.shown_results import GAP
 from armodal.analyzer.gap.records import NextTest
 from armodal.protocols.errors import ArmodalError, PlanError, SessionError
 from armodal.protocols.plan import load_plan
+from armodal.tui.commands import journey
 from armodal.tui.commands.gap_results import gap_json
-from armodal.tui.commands.review import review_then_measure
 from armodal.tui.screens.review.gap_text import gap_view
 from armodal.tui.screens.review.leaving import Leaving
 from armodal.tui.screens.review.measuring import Measuring
 from armodal.tui.screens.review.next_test import NextRun, next_run, next_test_plan
+from armodal.tui.screens.wishes import Measure
 
 
 def plain(renderable, width=100):
@@ -142,42 +144,34 @@ def test_a_session_of_a_real_board_is_followed_by_one_with_real_ports(session, t
 
 @dataclass
 class LeftApp:
-    """A review app that has been left at once."""
+    """A review app that has been left."""
 
     next_run: NextRun | None
     problem: ArmodalError | None = None
     return_code: int = 0
-
-    def run(self):
-        pass
+    path: Path = Path("s.h5")
 
 
-def test_the_plan_runs_after_the_review_has_been_left(session, tmp_path):
+def test_the_plan_is_measured_after_the_review_has_been_left(session, tmp_path):
     wanted = next_run(session, tmp_path / "p.toml")
-    given = []
-
-    def run(**options):
-        given.append(options)
-        return 7
-
-    assert review_then_measure(LeftApp(wanted), run=run) == 7
-    assert given == [
-        {
-            "plan": str(tmp_path / "p.toml"),
-            "arm": session.header.arm,
-            "session": tmp_path / "p.journal",
-            "simulated": True,
-        }
-    ]
+    assert journey.wish_after_review(LeftApp(wanted)) == (
+        0,
+        Measure(
+            journal=tmp_path / "p.journal",
+            arm=session.header.arm,
+            plan=str(tmp_path / "p.toml"),
+            simulated=True,
+        ),
+    )
 
 
-def test_nothing_runs_after_a_review_left_without_a_wish_or_with_a_problem():
-    def run(**options):
-        raise AssertionError(options)
-
-    assert review_then_measure(LeftApp(None), run=run) == 0
+def test_nothing_follows_a_review_left_without_a_wish_or_with_a_problem(monkeypatch):
+    said = []
+    monkeypatch.setattr(journey, "say_next", said.append)
+    assert journey.wish_after_review(LeftApp(None)) == (0, None)
+    assert said == ["report s.h5"]
     with pytest.raises(SessionError):
-        review_then_measure(LeftApp(None, SessionError("no")), run=run)
+        journey.wish_after_review(LeftApp(None, SessionError("no")))
 
 
 def test_without_a_proposed_test_the_key_says_so_and_writes_nothing(drive, notices):

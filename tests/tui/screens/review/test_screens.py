@@ -200,9 +200,12 @@ def test_a_wall_screen_is_filled(drive):
     drive(steps, size=(320, 90))
 
 
-def test_an_unreadable_session_is_said_on_the_screen_with_the_way_back(tmp_path):
+@pytest.mark.parametrize("has_journal", [True, False])
+def test_an_unreadable_session_is_said_with_the_way_back_if_there_is_one(tmp_path, has_journal):
     path = tmp_path / "broken.h5"
     path.write_bytes(b"not a session")
+    if has_journal:
+        path.with_suffix(".journal").write_bytes(b"")
 
     async def main():
         app = ReviewApp(path, environment={})
@@ -211,7 +214,7 @@ def test_an_unreadable_session_is_said_on_the_screen_with_the_way_back(tmp_path)
             await pilot.pause()
             shown = screen_text(app)
             assert "cannot be shown" in shown
-            assert "armodal recover broken.journal" in shown
+            assert ("armodal recover broken.journal" in shown) == has_journal
             await pilot.press("q")
         return app
 

@@ -132,6 +132,7 @@ def outcome_text(state: RunState, width: int) -> Text:
     elif state.session_file is None:
         text.append("the session file is being written ...\n", style=DIM)
     else:
-        text.append(f"look at the modes: armodal review {state.session_file}\n", style="bold")
+        text.append(f"session {state.session_file}\n")
+        again = f"Enter: look at the modes   {again}"
     text.append(f"{again}q: leave", style="bold")
     return text

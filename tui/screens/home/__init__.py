@@ -1,0 +1,1 @@
+"""The home screen: sessions to go on with, a new one, the demo, devices."""

@@ -1,0 +1,18 @@
+"""What to do where a session file cannot be shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["way_back"]
+
+
+def way_back(session: Path) -> str:
+    """Return how the session is built anew; empty where no journal lies beside it."""
+    journal = session.with_suffix(".journal")
+    if not journal.is_file():
+        return ""
+    return (
+        "What was captured is in the journal beside it, which builds the session anew:\n"
+        f"  armodal recover {journal.name}\n\n"
+    )
