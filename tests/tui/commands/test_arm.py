@@ -289,3 +289,21 @@ def test_a_move_that_cannot_be_meant_changes_nothing(options, words, mine):
     before = mine.read_text()
     refused(armodal("arm", "move", mine, "1", *options), words)
     assert mine.read_text() == before
+
+
+def test_points_are_shown_here_and_on_a_page(made, tmp_path):
+    arm = load_arm(made / "robot.toml")
+    page = tmp_path / "points.html"
+    posture = "--posture=0,30,-40,0,20,0"
+    said = armodal("arm", "show", made / "robot.toml", "3", posture, "--html", page)
+    assert said.returncode == 0, said.stderr
+    assert all(f"•{point.id}" in said.stdout for point in points_of(arm, "upper_arm"))
+    assert "Joints at 0, 30, -40, 0, 20, 0 degrees" in page.read_text()
+    told = json.loads(armodal("arm", "show", made / "robot.toml", posture, "--json").stdout)
+    q = np.deg2rad([0, 30, -40, 0, 20, 0])
+    for point, row in zip(arm.points, told["points"], strict=True):
+        T = link_pose(arm, point.link, q)
+        np.testing.assert_allclose(row["place_m"], T[:3, :3] @ point.position_m + T[:3, 3])
+        np.testing.assert_allclose(row["axes"][2], T[:3, :3] @ point.R_link_sensor[:, 2])
+    refused(armodal("arm", "show", made / "robot.toml", "99"), "wanted points of the arm")
+    refused(armodal("arm", "show", made / "robot.toml", "--html", page), "exists already")
