@@ -117,12 +117,30 @@ def test_every_fault_is_in_one_message_and_nothing_is_written(tmp_path):
     assert armodal("arm", "check", path, "--no-meshes").returncode == 0
 
 
+def test_faults_of_the_tree_do_not_hide_those_of_meshes(tmp_path):
+    robot = six_joints()
+    robot.links[0].mesh = "nowhere.stl"
+    robot.links[2].name = "the elbow"
+    robot.more.append('<link name="table"/>')
+    refused(
+        armodal("arm", "check", robot.write(tmp_path / "robot.urdf")),
+        "wanted one root, got 2",
+        "'the elbow': wanted a name without spaces",
+        "wanted the mesh 'nowhere.stl'",
+    )
+
+
 def test_an_open_mesh_serves_by_its_hull(tmp_path):
     robot = six_joints()
     link = robot.links[2]
     link.mesh = box_stl(tmp_path / "open.stl", link.box_m, without=1).name
     path = robot.write(tmp_path / "robot.urdf")
-    assert armodal("arm", "check", path).returncode == 0
+    said = armodal("arm", "check", path, "--json")
+    assert said.returncode == 0
+    assert any(
+        "elbow: 2 of its 2 shapes are not closed" in note
+        for note in json.loads(said.stdout)["notes"]
+    )
 
 
 @pytest.mark.parametrize(
