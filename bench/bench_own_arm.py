@@ -50,7 +50,7 @@ KINDS = (".urdf", ".xacro", ".xml")
 PART = re.compile(
     r"macro|common|material|colou?r|gazebo|transmission|ros2_control|moveit|inc/|test"
 )
-MAKES_A_ROBOT = re.compile(r"<joint\b|<xacro:[a-z_0-9]+[^>]*\bprefix|<mujoco\b")
+MAKES_A_ROBOT = re.compile(r"<joint\b|<xacro:[a-z_0-9]+[^>]*\b(?:prefix|arm_id)|<mujoco\b")
 
 
 def descriptions(folder: Path) -> list[Path]:
