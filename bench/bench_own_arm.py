@@ -1,6 +1,6 @@
 """Other people's arms through `armodal arm new` and `armodal plan`: loaded, or refused for what?
 
-    python bench/bench_own_arm.py DIR [--inertials] [--only REGEX]
+    python bench/bench_own_arm.py DIR [--inertials | --measure] [--only REGEX]
 
 DIR is searched for robot descriptions (URDF, xacro that makes a robot, MJCF) with their packages,
 as their makers publish them; nothing is downloaded. Of each: seconds of processor time, joints,
@@ -8,18 +8,25 @@ links guessed or doubted, points, postures planned, and how many of these collid
 and collision triangles themselves are checked without a margin. `--inertials` instead guesses the
 inertials of arms that have believable ones, the mass of their moving links known, and tells by how
 much a guess is off: each link's mass, and M_jj of every joint over random postures, to which a
-stiffness is proportional.
+stiffness is proportional. `--measure` goes on from the plan: an arm whose springs are 1.3 times as
+stiff as its file says is measured in the simulated laboratory by that plan, and identified.
 """
 
 import argparse
 import re
 import sys
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from support.offline_lab import simulate_session
+
+from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.own_arm.bodies import arm_bodies
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
 from armodal.analyzer.own_arm.guess import believed_links
@@ -29,6 +36,7 @@ from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
 from armodal.analyzer.workspace.spectrum import elastic_joints
+from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.plan import plan_from_text
@@ -37,11 +45,12 @@ from armodal.protocols.robot.read import read_robot
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE
 
+OFF = 1.3  # truth over belief
 KINDS = (".urdf", ".xacro", ".xml")
 PART = re.compile(
     r"macro|common|material|colou?r|gazebo|transmission|ros2_control|moveit|inc/|test"
 )
-MAKES_A_ROBOT = re.compile(r"<joint\b|<xacro:[a-z_0-9]+[^>]*\bprefix|<mujoco\b")
+MAKES_A_ROBOT = re.compile(r"<joint\b|<xacro:[a-z_0-9]+[^>]*\b(?:prefix|arm_id)|<mujoco\b")
 
 
 def descriptions(folder: Path) -> list[Path]:
@@ -83,7 +92,25 @@ def colliding(draft, postures) -> int:
     return sum(bool(met(q) - anyway) for q in postures)
 
 
-def try_arm(path: Path, folders: tuple[Path, ...]) -> str:
+def measured(arm, plan_text: str) -> str:
+    """How far each k is off the hidden truth, after a session by the plan."""
+    k = [OFF * j.stiffness.value if j.stiffness else None for j in arm.joints]
+    c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
+    began = time.process_time()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "plan.toml"
+        path.write_text(plan_text, encoding="utf-8")
+        session = simulate_session(1, plan=path, arm=arm, plant=plant_of_arm(arm, k, c))
+        result = identify(session)
+    truth = [value for value in k if value is not None]
+    off = [100.0 * (j.k_n_m_per_rad / t - 1.0) for j, t in zip(result.joints, truth, strict=True)]
+    return (
+        f"k off by {' '.join(f'{value:+.2f}' for value in off)} %, "
+        f"{time.process_time() - began:.0f} s"
+    )
+
+
+def try_arm(path: Path, folders: tuple[Path, ...], *, measure: bool) -> str:
     said, began = Remarks(), time.process_time()
     try:
         draft = draft_arm(path, "bench", Wanted(folders=folders), said)
@@ -118,7 +145,7 @@ def try_arm(path: Path, folders: tuple[Path, ...]) -> str:
     return (
         f"{row}, plan {plan_s:.1f} s: {len(plan.postures)} postures, {collisions} collide, "
         f"{lost} ways not found, {chosen.hammer.head_kg:g} kg hammer {chosen.told_peak_n} N, "
-        f"{made.minutes:.0f} min"
+        f"{made.minutes:.0f} min" + (f"; {measured(draft.arm, made.text)}" if measure else "")
     )
 
 
@@ -163,6 +190,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--inertials", action="store_true")
+    parser.add_argument("--measure", action="store_true")
     parser.add_argument("--only", default="", help="regular expression of paths")
     given = parser.parse_args()
     folders = tuple(
@@ -181,7 +209,7 @@ def main() -> None:
                 masses += found[1]
                 moments += found[2]
         else:
-            print(f"{name}: {try_arm(path, folders)}", flush=True)
+            print(f"{name}: {try_arm(path, folders, measure=given.measure)}", flush=True)
     if masses:
         for what, errors in (("masses", masses), ("M_jj", moments)):
             within = np.mean(np.abs(errors) <= 0.25)

@@ -84,15 +84,15 @@ def arm_text(
         *(["# Guessed or doubted, each to be checked (README.md):"] if told else []),
         *told,
         'format = "armodal-arm-1"',
-        f"name = {json.dumps(name)}",
-        f"source = {json.dumps(_source(chain, believed))}",
-        f"urdf = {json.dumps(urdf)}",
+        f"name = {_text(name)}",
+        f"source = {_text(_source(chain, believed))}",
+        f"urdf = {_text(urdf)}",
         f"gravity_m_s2 = {_list(gravity_m_s2)}",
     ]
     for body, drive in zip(chain.bodies, drives, strict=True):
         if body.joint is None:
             continue
-        rows += ["", "[[joints]]", f"name = {json.dumps(body.joint.name)}"]
+        rows += ["", "[[joints]]", f"name = {_text(body.joint.name)}"]
         if drive is not None:
             rows += [
                 f"stiffness_n_m_per_rad = {_estimate(drive.stiffness_n_m_per_rad, STD)}",
@@ -105,8 +105,8 @@ def arm_text(
         rows += [
             "",
             "[[points]]",
-            f"id = {json.dumps(point.id)}",
-            f"link = {json.dumps(names[point.body])}",
+            f"id = {_text(point.id)}",
+            f"link = {_text(names[point.body])}",
             f"position_m = {_list(point.position_m, 5)}",
             f"normal = {_list(point.normal, 6)}",
             f"x_axis = {_list(point.x_axis, 6)}",
@@ -116,7 +116,7 @@ def arm_text(
             "",
             "# A box along the base's axes to stay out of; add pedestal, cables, fences likewise.",
             "[[keep_outs]]",
-            f"name = {json.dumps(box.name)}",
+            f"name = {_text(box.name)}",
             f"low_m = {_list(box.low_m, 4)}",
             f"high_m = {_list(box.high_m, 4)}",
         ]
@@ -143,8 +143,13 @@ def _source(chain: CutChain, believed: BelievedLinks) -> str:
     return " ".join(parts)[:_LONGEST_SOURCE]
 
 
+def _text(value: str) -> str:
+    """A TOML string: JSON's escapes are TOML's, but for pairs of surrogates."""
+    return json.dumps(value, ensure_ascii=False)
+
+
 def _estimate(value: float, std: float) -> str:
-    source = json.dumps(SOURCE)
+    source = _text(SOURCE)
     return f"{{ value = {_digits(value)}, std = {_digits(std * value)}, source = {source} }}"
 
 

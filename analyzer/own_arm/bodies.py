@@ -12,10 +12,10 @@ from armodal.analyzer.own_arm.meshes import shape_triangles
 from armodal.analyzer.own_arm.surface import Surface
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.chain import Body, CutChain
-from armodal.protocols.robot.records import Inertial, Shape
+from armodal.protocols.robot.records import Inertial, Robot, Shape
 from armodal.protocols.robot.remarks import Remarks
 
-__all__ = ["ArmBody", "arm_bodies", "joined", "reach_m"]
+__all__ = ["ArmBody", "arm_bodies", "joined", "reach_m", "say_missing_files"]
 
 Array = npt.NDArray[np.float64]
 
@@ -64,6 +64,13 @@ def arm_bodies(
         seen = _shells(cut, "visual", reach, said) if use_meshes else []
         _say_missing(cut, bool(shells or seen), use_meshes, said)
         drawn = bool(shells or seen)
+        opened = sum(bool(shell.open_edges) for shell in (*seen, *shells))
+        if opened:
+            said.note(
+                f"link {cut.name}",
+                f"{opened} of its {len(seen) + len(shells)} shapes are not closed, or their edges "
+                "have more than two triangles: convex hulls serve for volume and collisions",
+            )
         if not drawn:
             shells = [capsule_between(follower, reach)]
             if use_meshes:
@@ -157,6 +164,16 @@ def _shells(cut: Body, kind: str, reach: float, said: Remarks) -> list[Surface]:
                 continue
             found.append(surface)
     return found
+
+
+def say_missing_files(robot: Robot, said: Remarks) -> None:
+    """Say a fault for every mesh of a description that is not there, whatever its chain is."""
+    for link in robot.links.values():
+        for shape in (*link.visual, *link.collision):
+            if shape.kind == "mesh" and shape.file is None:
+                said.fault(
+                    f"link {link.name}", f"wanted the mesh {shape.named!r}, found no such file"
+                )
 
 
 def _say_missing(cut: Body, others: bool, use_meshes: bool, said: Remarks) -> None:

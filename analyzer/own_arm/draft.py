@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from armodal.analyzer.own_arm.arm_text import arm_text, urdf_text
-from armodal.analyzer.own_arm.bodies import ArmBody, arm_bodies, reach_m
+from armodal.analyzer.own_arm.bodies import ArmBody, arm_bodies, reach_m, say_missing_files
 from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.drives import Drive, guessed_drives
 from armodal.analyzer.own_arm.floor import floor_below
@@ -77,6 +77,8 @@ def looked_at(
     robot = read_robot(path, said, folders=wanted.folders, arguments=wanted.arguments)
     chain = None if robot is None else cut_chain(robot, said, tip=wanted.tip)
     bodies = None
+    if chain is None and robot is not None and wanted.use_meshes:
+        say_missing_files(robot, said)  # so that one run tells them too
     if chain is not None:
         bodies = arm_bodies(chain, said, use_meshes=wanted.use_meshes)
     refuse_faults(path.name, said)

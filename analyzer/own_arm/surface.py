@@ -99,15 +99,6 @@ class Surface:
         """The longest side of the box round it."""
         return float(np.ptp(self.vertices_m, axis=0).max())
 
-    def filled(self) -> Filling | None:
-        """What the surface itself encloses; None where it is open, or turns inside out."""
-        if self.open_edges:
-            return None
-        corners = self.vertices_m[self.triangles]
-        found = filling(corners, self.vertices_m.mean(axis=0))
-        hull = self.hull_filling.volume_m3
-        return found if 0.0 < found.volume_m3 <= 1.001 * hull else None
-
 
 def filling(corners_m: Array, origin_m: Array) -> Filling:
     """Volume, centre and second moments of what triangles (n, 3 corners, 3) enclose."""

@@ -68,6 +68,12 @@ def read_tree(
             visual=reader.shapes(element, "visual", f"link {name}"),
             collision=reader.shapes(element, "collision", f"link {name}"),
         )
+    if not links:
+        said.fault(
+            "links",
+            "wanted links, found none; if the file holds macros alone, give the one that uses them",
+        )
+        return None
     joints = [
         joint
         for name, element in reader.named(root, "joint")

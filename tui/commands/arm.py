@@ -30,6 +30,7 @@ from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, Equipment, load_equipment
 from armodal.tui.commands.arm_links import link_rows, link_table
 from armodal.tui.commands.arm_move import move_command
+from armodal.tui.commands.arm_show import show_command
 from armodal.tui.commands.new_folder import check_new_folder, write_new_folder
 from armodal.tui.commands.options import Seed, comma_numbers
 from armodal.tui.commands.plan_json import made_json
@@ -63,6 +64,7 @@ N_TESTS = 6
 _DESCRIBED = {".urdf", ".xacro", ".xml"}
 
 
+app.command("show")(show_command)
 app.command("move")(move_command)
 
 

@@ -22,12 +22,12 @@ def test_a_box_is_filled_as_its_closed_form_says():
     T = np.eye(4)
     T[:3, 3] = [0.3, -0.2, 0.5]
     box = surface_of("box", (0.2, 0.3, 0.5), T)
-    for found in (box.filled(), box.hull_filling):
-        assert found.volume_m3 == pytest.approx(0.03, rel=1e-12)
-        np.testing.assert_allclose(found.center_m, T[:3, 3], atol=1e-12)
-        a, b, c = 0.04, 0.09, 0.25
-        expected = np.diag([b + c, a + c, a + b]) / 12.0
-        np.testing.assert_allclose(found.inertia_over_mass_m2, expected, atol=1e-12)
+    found = box.hull_filling
+    assert found.volume_m3 == pytest.approx(0.03, rel=1e-12)
+    np.testing.assert_allclose(found.center_m, T[:3, 3], atol=1e-12)
+    a, b, c = 0.04, 0.09, 0.25
+    expected = np.diag([b + c, a + c, a + b]) / 12.0
+    np.testing.assert_allclose(found.inertia_over_mass_m2, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -42,13 +42,12 @@ def test_round_shapes_are_closed_and_a_little_inside_the_true_ones(kind, size, v
     drawn = surface_of(kind, size)
     assert drawn.open_edges == 0
     # 24 sides: the area is sin(2 pi/24) 24/(2 pi) = 0.989 of the circle's, less along a sphere.
-    assert 0.97 * volume < drawn.filled().volume_m3 < volume
+    assert 0.97 * volume < drawn.hull_filling.volume_m3 < volume
 
 
 def test_an_open_mesh_has_open_edges_and_its_hull_serves(tmp_path):
     open_box = Surface(*read_mesh(box_stl(tmp_path / "open.stl", (1.0, 1.0, 1.0), without=2)))
     assert open_box.open_edges > 0
-    assert open_box.filled() is None
     assert open_box.hull_filling.volume_m3 == pytest.approx(1.0, rel=1e-6)
 
 

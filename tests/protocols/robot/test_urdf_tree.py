@@ -51,7 +51,7 @@ def test_all_faults_are_told_at_once(tmp_path):
         assert any(part in fault for fault in found), part
 
 
-@pytest.mark.parametrize("text", ["", "<robot", "<sdf/>", "<!DOCTYPE a><robot/>"])
+@pytest.mark.parametrize("text", ["", "<robot", "<sdf/>", "<!DOCTYPE a><robot/>", "<robot/>"])
 def test_what_is_no_urdf_is_one_fault(text, tmp_path):
     assert len(faults(text, tmp_path)) == 1
 

@@ -117,12 +117,30 @@ def test_every_fault_is_in_one_message_and_nothing_is_written(tmp_path):
     assert armodal("arm", "check", path, "--no-meshes").returncode == 0
 
 
+def test_faults_of_the_tree_do_not_hide_those_of_meshes(tmp_path):
+    robot = six_joints()
+    robot.links[0].mesh = "nowhere.stl"
+    robot.links[2].name = "the elbow"
+    robot.more.append('<link name="table"/>')
+    refused(
+        armodal("arm", "check", robot.write(tmp_path / "robot.urdf")),
+        "wanted one root, got 2",
+        "'the elbow': wanted a name without spaces",
+        "wanted the mesh 'nowhere.stl'",
+    )
+
+
 def test_an_open_mesh_serves_by_its_hull(tmp_path):
     robot = six_joints()
     link = robot.links[2]
     link.mesh = box_stl(tmp_path / "open.stl", link.box_m, without=1).name
     path = robot.write(tmp_path / "robot.urdf")
-    assert armodal("arm", "check", path).returncode == 0
+    said = armodal("arm", "check", path, "--json")
+    assert said.returncode == 0
+    assert any(
+        "elbow: 2 of its 2 shapes are not closed" in note
+        for note in json.loads(said.stdout)["notes"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -289,3 +307,21 @@ def test_a_move_that_cannot_be_meant_changes_nothing(options, words, mine):
     before = mine.read_text()
     refused(armodal("arm", "move", mine, "1", *options), words)
     assert mine.read_text() == before
+
+
+def test_points_are_shown_here_and_on_a_page(made, tmp_path):
+    arm = load_arm(made / "robot.toml")
+    page = tmp_path / "points.html"
+    posture = "--posture=0,30,-40,0,20,0"
+    said = armodal("arm", "show", made / "robot.toml", "3", posture, "--html", page)
+    assert said.returncode == 0, said.stderr
+    assert all(f"•{point.id}" in said.stdout for point in points_of(arm, "upper_arm"))
+    assert "Joints at 0, 30, -40, 0, 20, 0 degrees" in page.read_text()
+    told = json.loads(armodal("arm", "show", made / "robot.toml", posture, "--json").stdout)
+    q = np.deg2rad([0, 30, -40, 0, 20, 0])
+    for point, row in zip(arm.points, told["points"], strict=True):
+        T = link_pose(arm, point.link, q)
+        np.testing.assert_allclose(row["place_m"], T[:3, :3] @ point.position_m + T[:3, 3])
+        np.testing.assert_allclose(row["axes"][2], T[:3, :3] @ point.R_link_sensor[:, 2])
+    refused(armodal("arm", "show", made / "robot.toml", "99"), "wanted points of the arm")
+    refused(armodal("arm", "show", made / "robot.toml", "--html", page), "exists already")
