@@ -54,6 +54,10 @@ def acquire_command(
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    accept_teds: Annotated[
+        bool,
+        typer.Option(help="Measure although sensors say otherwise than the board; it is kept."),
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
@@ -85,6 +89,7 @@ def acquire_command(
         journal=journal,
         mirror=mirror,
         resume=resume,
+        teds_confirmed=accept_teds,
         time_scale=time_scale,
         software=SOFTWARE,
     )
