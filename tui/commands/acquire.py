@@ -21,6 +21,7 @@ from armodal.tui.commands.options import (
     ByHand,
     Mirror,
     UrAddress,
+    one_board,
     say_if_on_one_disk,
     told_tolerance_rad,
 )
@@ -43,7 +44,7 @@ def show_event(event: Event) -> None:
 @app.command("acquire")
 def acquire_command(
     plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
-    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
+    board: Annotated[list[str], typer.Option(help="Port of the board, or a front-end file.")],
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
@@ -79,7 +80,7 @@ def acquire_command(
             "--by-hand with the degrees to which you read them yourself"
         )
     settings = AcquisitionSettings(
-        board_port=board,
+        board_port=one_board(board),
         board_baud=baud,
         can_channel=can,
         ur_address=ur,
