@@ -45,8 +45,10 @@ from armodal.protocols.errors import (
 )
 from armodal.protocols.file_layer import DISK, FileLayer
 from armodal.protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
+from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import SessionHeader
+from armodal.protocols.teds import contradictions
 
 __all__ = ["run_acquisition"]
 
@@ -141,6 +143,7 @@ def _run(
     hear_every_joint(joints, clock, settings.can_timeout_s)
     board.prepare()
     _check_same_sensors(board, journal)
+    contradicted = _teds_contradictions(board, settings)
     outbox.put(
         BoardFound(
             port=settings.board_port, dictionary=board.found.dictionary, channel_mask=board.mask
@@ -181,6 +184,8 @@ def _run(
         )
     )
     _note_sensors(loop, board, clock)
+    for said in contradicted:
+        loop.note(f"{CALIBRATION}{said}; confirmed by the operator", clock.now_s())
     # What is there now stays to the end: the collector need not look at it again and again.
     gc.collect()
     gc.freeze()
@@ -311,6 +316,17 @@ def _check_same_sensors(board: BoardSession, journal: _Journal) -> None:
             f"{board.found.dictionary.board_id}, describes itself differently (sensors, scales or "
             "supply): connect the same sensors, or begin another session"
         )
+
+
+def _teds_contradictions(board: BoardSession, settings: AcquisitionSettings) -> list[str]:
+    """Return what sensors say otherwise than the board; refused until somebody has confirmed it."""
+    said = [text for c in board.channels for text in contradictions(c, settings.input_range_v)]
+    if said and not settings.teds_confirmed:
+        raise BoardRefusedError(
+            f"{'; '.join(said)}: mount the sensors that the board describes, or correct its "
+            "description; to measure all the same, give --accept-teds"
+        )
+    return said
 
 
 def _open_journal(

@@ -38,6 +38,8 @@ class AcquisitionSettings:
     settle_s : a hit's `after` angles must be newer than the block's end by one turn of the loop;
         they are waited for at most so long
     stream : whether the board is asked for its preview
+    teds_confirmed : somebody has seen where sensors and board contradict each other
+    input_range_v : largest voltage of the board's inputs, to compare sensitivities by
     max_memory : bytes for blocks in the making
     """
 
@@ -60,6 +62,8 @@ class AcquisitionSettings:
     still_s: float = 0.3
     settle_s: float = 0.5
     stream: bool = True
+    teds_confirmed: bool = False
+    input_range_v: float | None = None
     max_memory: int = 64 * 2**20
     limits: JudgeLimits = field(default_factory=JudgeLimits)
 

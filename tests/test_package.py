@@ -93,7 +93,7 @@ def test_only_armodal_lands_in_site_packages(wheel):
 
 
 def test_every_file_a_package_reads_is_in_the_wheel(wheel):
-    kept = {".c", ".css", ".dbc", ".h", ".html", ".js", ".ld", ".tcss", ".toml", ".urdf"}
+    kept = {".c", ".css", ".dbc", ".h", ".html", ".js", ".ld", ".rules", ".tcss", ".toml", ".urdf"}
     packages = ("analyzer/", "daq/", "hil_sim/", "protocols/", "tui/")
     wanted = {
         f"armodal/{name}"

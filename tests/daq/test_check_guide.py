@@ -68,6 +68,13 @@ def test_the_blocks_take_as_long_as_the_limits_say():
     assert rows("block arithmetic") == wanted
 
 
+def test_the_udev_rules_shown_are_those_of_the_file():
+    shown = (ROOT / "docs" / "can-listen-only.md").read_text(encoding="utf-8")
+    rules = (ROOT / "protocols" / "udev" / "70-armodal.rules").read_text(encoding="utf-8")
+    lines = [line for line in rules.splitlines() if not line.startswith("#")]
+    assert "\n".join(f"    {line}" for line in lines) in shown
+
+
 def test_every_step_is_explained():
     for step in (*BOARD_STEPS, *CAN_STEPS):
         assert f"| `{step.name}` |" in GUIDE

@@ -224,6 +224,12 @@ def test_joint_angles_of_no_source_or_two_are_refused(given, words, small_plan, 
     assert not journal.exists()
 
 
+def test_two_boards_in_a_session_are_refused(small_plan, tmp_path):
+    devices = ["--board", "a", "--board", "b", "--can", "none", "--journal", tmp_path / "j"]
+    said = armodal("acquire", small_plan, *devices)
+    is_one_message(said, "wanted one --board, got a, b", "two clocks")
+
+
 def test_an_arm_without_a_bus_is_told_how_it_goes(tmp_path):
     devices = ["--board", "none", "--can", "none", "--journal", tmp_path / "j"]
     said = armodal("acquire", "ur5-five-postures", "--arm", "ur5", *devices)

@@ -21,6 +21,7 @@ from armodal.tui.commands.options import (
     ByHand,
     Mirror,
     UrAddress,
+    one_board,
     say_if_on_one_disk,
     told_tolerance_rad,
 )
@@ -43,7 +44,7 @@ def show_event(event: Event) -> None:
 @app.command("acquire")
 def acquire_command(
     plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
-    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")],
+    board: Annotated[list[str], typer.Option(help="Port of the board, or a front-end file.")],
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
@@ -54,6 +55,10 @@ def acquire_command(
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
+    accept_teds: Annotated[
+        bool,
+        typer.Option(help="Measure although sensors say otherwise than the board; it is kept."),
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
@@ -75,7 +80,7 @@ def acquire_command(
             "--by-hand with the degrees to which you read them yourself"
         )
     settings = AcquisitionSettings(
-        board_port=board,
+        board_port=one_board(board),
         board_baud=baud,
         can_channel=can,
         ur_address=ur,
@@ -85,6 +90,7 @@ def acquire_command(
         journal=journal,
         mirror=mirror,
         resume=resume,
+        teds_confirmed=accept_teds,
         time_scale=time_scale,
         software=SOFTWARE,
     )

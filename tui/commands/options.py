@@ -23,6 +23,7 @@ __all__ = [
     "SessionPath",
     "UrAddress",
     "comma_numbers",
+    "one_board",
     "refuse_idle",
     "say_if_on_one_disk",
     "told_tolerance_rad",
@@ -87,6 +88,22 @@ def told_tolerance_rad(by_hand: float | None, can: str, ur: str) -> float | None
             "say to how much you can read a joint's angle"
         )
     return math.radians(by_hand)
+
+
+def one_board(ports: list[str]) -> str:
+    """The one board of a session.
+
+    Raises
+    ------
+    SessionError
+        If there are several: their samples are of clocks of their own.
+    """
+    if len(ports) > 1:
+        raise SessionError(
+            f"wanted one --board, got {', '.join(ports)}: two boards sample by two clocks, and a "
+            "session has one; connect all sensors to one board, or measure one after the other"
+        )
+    return ports[0]
 
 
 def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:

@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 from support.acquisition_run import strike
+from support.teds_bits import iepe
 
 from armodal.daq.journal_writer import LAST_BYTES
 from armodal.daq.session_machine import PromptKind
@@ -129,3 +130,29 @@ def test_a_session_of_other_sensors_is_not_resumed(lab, start, fakes):
     run.end()
     lab.board.dictionary_bytes = encode_dictionary(fakes["dictionary"]("other"))
     assert "describes itself differently" in start(resume=True).failure().message
+
+
+@pytest.fixture
+def other_sensor(lab, fakes):
+    """The hammer's own data sheet says another serial number than the board."""
+    found = fakes["dictionary"]()
+    hammer = dataclasses.replace(found.channels[0], teds=iepe(0.00225, is_force=True, serial=7))
+    found = dataclasses.replace(found, channels=(hammer, *found.channels[1:]))
+    lab.board.dictionary_bytes = encode_dictionary(found)
+
+
+def test_a_sensor_that_says_otherwise_than_the_board_is_refused(lab, start, other_sensor):
+    message = start().failure().message
+    assert "hammer: the sensor says serial number 7, the board 1: mount the sensors" in message
+    assert not lab.journal.exists()
+
+
+def test_a_sensor_that_was_confirmed_is_kept_with_the_data(lab, start, other_sensor):
+    run = start(teds_confirmed=True)
+    run.prompt(PromptKind.POINT)
+    run.end()
+    (said,) = load_journal(lab.journal).warnings
+    assert said == (
+        "calibration: hammer: the sensor says serial number 7, the board 1; confirmed by the "
+        "operator"
+    )

@@ -384,6 +384,8 @@ class Conductor:
             can_channel="" if self.options.without_bus else self.state.can_channel,
             ur_address=self.options.ur,
             mirror=self.options.mirror,
+            teds_confirmed=self.state.sensors_confirmed,
+            input_range_v=self.state.input_range_v,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,

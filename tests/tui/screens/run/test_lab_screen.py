@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from support.made_run import LAB_EVENTS, OPENED, mass_hit
+from support.made_run import BOARD, LAB_EVENTS, OPENED, mass_hit
 from support.stage import Stage, play
+from support.teds_bits import iepe
 
 from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.tui.screens.run.happenings import MassChosen, SensorsConfirmed, SessionWanted
@@ -53,5 +56,19 @@ def test_a_pair_of_sensors_that_is_off_is_told_confirmed_and_kept(tmp_path):
         assert len(kept) == 1
         assert "1.10" in kept[0]
         assert "not applied, every FRF comes out 10.0 % too large" in kept[0]
+
+    play(stage, body)
+
+
+def test_a_sensor_that_says_otherwise_than_the_board_is_shown_before_it_is_confirmed(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        hammer, *others = BOARD.dictionary.channels
+        hammer = replace(hammer, serial_number="S-1", teds=iepe(0.00225, is_force=True, serial=7))
+        dictionary = replace(BOARD.dictionary, channels=(hammer, *others))
+        await stage.tell(pilot, *LAB_EVENTS, replace(BOARD, dictionary=dictionary))
+        assert "✗ hammer: the sensor says serial number 7, the board S-1" in stage.text()
+        assert "Are these sensors mounted" in stage.text()
 
     play(stage, body)

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
 from armodal.protocols.board.records import Channel, IepeState
+from armodal.protocols.teds import contradictions
 from armodal.tui.screens.run.measured import active_channels
 from armodal.tui.screens.run.sensitivity import sensitivity_words
 from armodal.tui.screens.run.state import FEWEST_MASS_HITS, RATIO_OFF, Phase, RunState
@@ -157,6 +158,8 @@ def levels_text(state: RunState, width: int) -> Text:
         word, colour = ("TOO HIGH", BAD) if share > HIGH else ("", "")
         text.append("█" * filled + "·" * (bar - filled), style=colour)
         text.append(f" {100 * share:5.2f} % {word}\n", style=colour)
+    for said in (s for c in channels for s in contradictions(c, state.input_range_v)):
+        text.append(f" ✗ {said}\n", style=BAD)
     return text
 
 
