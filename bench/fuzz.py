@@ -1,12 +1,12 @@
 """Fuzz the decoders with their coverage watched: atheris for Python, libFuzzer for C.
 
     make fuzz
-    python bench/fuzz.py [NAME ...] [--seconds 300] [--minimise]
+    python bench/fuzz.py [NAME ...] [--seconds 300] [--keep]
 
 A decoder gets valid files, the corpus of `tests/fuzz_corpus` and a dictionary of telling words, and
 every input that reaches code not reached before is changed further. Inputs found are kept in
-`build/fuzz`, so that the next run goes on; `--minimise` puts the smallest set of them that reaches
-as much into `tests/fuzz_corpus`, which the tests replay. An input that makes a fault is kept in
+`build/fuzz`, so that the next run goes on; `--keep` puts a dozen small ones of each decoder into
+`tests/fuzz_corpus`, which the tests replay. An input that makes a fault is kept in
 `build/fuzz/faults`: put it into `tests/fuzz_corpus` when it is mended. C is fuzzed where clang is
 installed, else that is said.
 """
@@ -102,21 +102,19 @@ def fuzz(name: str, command: list[str], seconds: int) -> tuple[int, str]:
     return tried, f"exit code {done.returncode}: {' | '.join(words)[:600] or done.stderr[-600:]}"
 
 
-def minimise(name: str, command: list[str]) -> None:
-    """Make the repository's corpus the smallest that reaches what the inputs found reach."""
-    merged, corpus = WORK / "merged" / _folder(name), CORPUS / _folder(name)
-    shutil.rmtree(merged, ignore_errors=True)
-    merged.mkdir(parents=True)
-    small = WORK / "small" / _folder(name)
-    shutil.rmtree(small, ignore_errors=True)
-    small.mkdir(parents=True)
-    for path in (WORK / _folder(name)).iterdir():
-        if path.stat().st_size <= KEPT_BYTES:
-            shutil.copy(path, small)
-    subprocess.run([*command, "-merge=1", str(merged), str(small)], capture_output=True, check=True)
-    found = sorted(merged.iterdir(), key=lambda path: path.stat().st_size)
-    step = max(1, len(found) // KEPT_INPUTS)
-    for path in found[::step][:KEPT_INPUTS]:
+def keep(name: str) -> None:
+    """Put a dozen small inputs that reached code not reached before into the repository's corpus.
+
+    libFuzzer keeps such inputs alone, and shortens them as it goes.
+    """
+    corpus = CORPUS / _folder(name)
+    found = [path for path in (WORK / _folder(name)).iterdir() if path.is_file()]
+    small = sorted(
+        (path for path in found if path.stat().st_size <= KEPT_BYTES),
+        key=lambda path: (path.stat().st_size, path.name),
+    )
+    step = max(1, len(small) // KEPT_INPUTS)
+    for path in small[::step][:KEPT_INPUTS]:
         shutil.copy(path, corpus / path.name)
 
 
@@ -137,7 +135,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*")
     parser.add_argument("--seconds", type=int, default=SECONDS)
-    parser.add_argument("--minimise", action="store_true")
+    parser.add_argument("--keep", action="store_true")
     given = parser.parse_args()
     if importlib.util.find_spec("atheris") is None:
         print("atheris is not installed: pip install 'armodal[fuzz]' (Linux)")
@@ -154,8 +152,8 @@ def main() -> int:
         tried, wrong = fuzz(name, command, given.seconds)
         if wrong:
             print(f"{name}: {wrong}", flush=True)
-        elif given.minimise:
-            minimise(name, command)
+        elif given.keep:
+            keep(name)
         good = not wrong and tried > 0
         figures.append(
             Figure(f"coverage-guided, {name}: inputs", f"{tried:,}", "1, no fault", good)

@@ -35,6 +35,8 @@ def main() -> int:
     for seed in range(given.first, given.first + given.runs):
         found = disturbed_session(seed)
         announced += found.announced
+        if seed % 100 == 99:
+            print(f"{seed + 1 - given.first} sessions, {announced} hits announced", flush=True)
         lost += len(found.lost)
         ended[found.endings[-1].partition(":")[0]] += 1
         if found.lost or found.wrong:

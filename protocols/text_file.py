@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
 from pathlib import Path
 
 from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.protocols.whole_file import whole_file
 
 __all__ = ["replace_text", "write_new_text"]
 
@@ -19,17 +18,13 @@ def replace_text(path: Path, text: str) -> None:
     SessionError
         If that is refused; what was there before is left as it was.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+        with whole_file(path) as file:
+            file.write(text.encode())
     except OSError as problem:
         raise SessionError(
             f"cannot write {path}: {problem.strerror}; check the folder and the disk"
         ) from problem
-    finally:
-        with suppress(OSError):
-            part.unlink()
 
 
 def write_new_text(path: Path, text: str, *, error: type[ArmodalError]) -> None:

@@ -11,9 +11,7 @@ averages   one number, or (n_resp, n_ref) where they differ
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +22,7 @@ import scipy.io
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.units import SI
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.whole_file import whole_file
 
 __all__ = ["write_mat", "write_npz"]
 
@@ -56,18 +55,13 @@ def write_npz(frf: FrequencyResponse, path: str | Path) -> None:
 
 
 def _write(path: Path, write: Callable[[Any], None]) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with temporary.open("wb") as file:
+        with whole_file(path) as file:
             write(file)
-        temporary.replace(path)
     except OSError as error:
         raise ForeignFileError(
             f"{path}: cannot be written ({error}); choose another place"
         ) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
 
 
 def _variables(frf: FrequencyResponse, texts: Callable[[list[str]], Any]) -> dict[str, Any]:

@@ -9,10 +9,8 @@ and of binary datasets pyuff makes the header only.
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +28,7 @@ from armodal.protocols.foreign.uff_records import (
     UffTraceLine,
     UffUnits,
 )
+from armodal.protocols.whole_file import whole_file
 
 __all__ = ["SI_UNITS", "write_uff"]
 
@@ -57,21 +56,15 @@ def write_uff(file: UffFile, path: str | Path, *, binary: bool = False) -> None:
         If a value is not finite or has no place in the format, or the file cannot be written.
     """
     path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder, whole_file(path) as out:
             scratch = Path(folder) / "one.uff"
-            with temporary.open("wb") as out:
-                for content in _datasets(file, binary=binary):
-                    out.write(_by_pyuff(content, scratch))
-        temporary.replace(path)
+            for content in _datasets(file, binary=binary):
+                out.write(_by_pyuff(content, scratch))
     except OSError as error:
         raise ForeignFileError(
             f"{path}: cannot be written ({error}); choose another place"
         ) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
 
 
 def _datasets(file: UffFile, *, binary: bool) -> Iterator[dict[str, Any]]:
