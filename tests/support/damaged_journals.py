@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -81,16 +82,24 @@ def damaged(
 
 
 def run_of(
-    header: SessionHeader, hits: Sequence[Hit], *, session_id: str, start_s: float
+    header: SessionHeader,
+    hits: Sequence[Hit],
+    *,
+    session_id: str,
+    start_s: float,
+    late_s: float = 0.0,
 ) -> list[bytes]:
-    """Return HEADER and HIT records of a session whose board was started at `start_s`."""
+    """Return HEADER and HIT records of a session whose board was started at `start_s`.
+
+    The computer's clock is read up to `late_s` late: at every other hit.
+    """
     rate = float(header.plan.sampling.rate_hz) * header.time_scale
     head = begin_journal(replace(header, session_id=session_id))[len(MAGIC) :]
     return [
         head,
         *(
-            encode_hit(replace(hit, trigger_host_s=start_s + hit.trigger_sample / rate))
-            for hit in hits
+            encode_hit(replace(hit, trigger_host_s=start_s + hit.trigger_sample / rate + late))
+            for hit, late in zip(hits, itertools.cycle([0.0, late_s]), strict=False)
         ),
     ]
 

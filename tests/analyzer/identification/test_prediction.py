@@ -60,6 +60,8 @@ def test_slopes_of_frequencies_are_shares_of_strain_energy(superset):
         share = structure.all_stiffness()[spring] * vectors[spring] ** 2 / squares
         expected = found.modes.f_hz / 2 * share * 0.01 * SPREAD
         np.testing.assert_allclose(found.f_std_hz, expected, atol=1e-6 * expected.max())
+    energy = structure.all_stiffness()[:, None] * vectors**2
+    np.testing.assert_allclose(found.strain_share, energy / energy.sum(axis=0), atol=1e-6)
 
 
 def test_fully_correlated_springs_move_frequencies_together(superset):

@@ -1,8 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from support.simulated_frfs import record
 
 from armodal.analyzer.modal import coherence_random_error
 from armodal.analyzer.modal.estimators import single_reference
+from armodal.analyzer.modal.random_error import typical_random_errors
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfEstimator
 
@@ -82,3 +86,20 @@ def test_the_random_error_from_coherence_is_the_true_scatter():
 def test_impossible_coherence_is_refused(coherence, n):
     with pytest.raises(EstimateError):
         coherence_random_error(coherence, n)
+
+
+def test_typical_random_errors_are_of_the_frfs_that_tell_one():
+    """Half of E|error|^2 lies along the FRF; holes and single hits tell nothing."""
+    values = np.full((4, 1, 50), 2.0 + 0.0j)
+    variance = np.full(values.shape, 0.08)
+    variance[1], variance[2] = 0.0, np.inf
+    frf = record(values, np.arange(1.0, 51.0), variance=variance)
+    coherence, n_hits = np.full(values.shape, 0.9), frf.n_hits.copy()
+    coherence[1], n_hits[2] = np.nan, 1
+    by_scatter, by_coherence = typical_random_errors(
+        replace(frf, coherence=coherence, n_hits=n_hits)
+    )
+    assert by_scatter == pytest.approx(np.sqrt(0.5 * 0.08) / 2.0)
+    assert by_coherence == pytest.approx(float(coherence_random_error(np.array(0.9), 3)))
+    nothing = replace(frf, variance=np.zeros(values.shape), n_hits=np.ones_like(n_hits))
+    assert typical_random_errors(nothing) == (None, None)

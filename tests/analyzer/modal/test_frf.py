@@ -158,6 +158,19 @@ def test_a_hit_without_any_force_is_refused_by_its_number():
         posture_frf(dead, "p", axes)
 
 
+@pytest.mark.parametrize("missing", [1, 2, 3])
+def test_a_channel_that_was_not_recorded_has_no_column(missing):
+    """The mask tells which of the dictionary's channels the counts hold, bit 0 the first."""
+    session = hammer.session(POLES, residues(np.random.default_rng(9), 1))
+    channels = session.header.dictionary.channels
+    mask = (1 << len(channels)) - 1 - (1 << missing)
+    header = dataclasses.replace(session.header, channel_mask=mask)
+    force, acceleration, columns = active_channels(dataclasses.replace(session, header=header))
+    assert force == channels[0]
+    assert acceleration == tuple(c for i, c in enumerate(channels) if i not in {0, missing})
+    assert columns == [0, 1, 2]
+
+
 def test_a_posture_without_hits_is_refused():
     session = hammer.session(POLES, residues(np.random.default_rng(9), 1))
     with pytest.raises(EstimateError, match="no accepted hits"):

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.stats import t as student
@@ -8,6 +10,7 @@ from armodal.analyzer.modal.correlation import to_real_axis
 from armodal.analyzer.modal.rank_one import refine_rank_one
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import modal_data, residual_terms
+from armodal.analyzer.modal.shape_uncertainty import participation_covariance
 from armodal.protocols.frf_records import FrfForm
 
 FREQ = np.arange(5.0, 60.0, 0.5)
@@ -166,3 +169,16 @@ def test_a_line_at_0_hz_and_a_rigid_body_part_give_no_mode_there():
     clean = modal_frf(poles, residues, freq, FrfForm.ACCELERANCE)
     model = fit_modes(noisy_record(rng, clean, freq, form=FrfForm.ACCELERANCE, level=0.01))
     np.testing.assert_allclose(model.f_hz, [12.0, 30.0], rtol=2e-3)
+
+
+def test_a_participation_that_is_held_has_no_scatter_and_the_others_have_their_own():
+    """Of two modes over three references: four entries of poles, then the free participations."""
+    fit = SimpleNamespace(participation=np.zeros((3, 2)), held=np.array([1, 0]))
+    theta = np.arange(144.0).reshape(12, 12)
+    # Reference by reference, mode by mode: (0, 0), (1, 1), (2, 0), (2, 1) are free.
+    of_mode = {0: [4, 5, None, None, 8, 9], 1: [None, None, 6, 7, 10, 11]}
+    for mode, at in of_mode.items():
+        found = participation_covariance(fit, theta, mode)
+        for i, j in np.ndindex(6, 6):
+            both = at[i] is not None and at[j] is not None
+            assert found[i, j] == (theta[at[i], at[j]] if both else 0.0)

@@ -4,6 +4,7 @@ from support.simulated_frfs import modal_frf, poles_of
 
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import modal_data, regress
+from armodal.analyzer.modal.selection import lack_of_fit
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian
 from armodal.protocols.frf_records import FrfForm
 
@@ -75,3 +76,21 @@ def test_frequency_damping_jacobian_is_the_derivative():
         shift[column // 2] = 1e-3 * (1.0, 1j)[column % 2]
         slope = (quantities(POLES + shift) - quantities(POLES - shift)) / 2e-3
         np.testing.assert_allclose(J[:, column], slope, rtol=1e-5, atol=1e-12)  # step squared
+
+
+def test_noise_of_the_stated_variance_leaves_half_a_misfit_a_degree_of_freedom():
+    """On few lines, where the parameters take a third of the freedom."""
+    few = slice(20, 80, 5)
+    found = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        residues = rng.standard_normal((2, 6, 1)) / (2j * POLES.imag[:, None, None])
+        clean = modal_frf(POLES, residues, FREQ[few], FrfForm.RECEPTANCE)
+        sigma = 1e-3 * np.abs(clean).mean() * np.ones(clean.shape)
+        error = rng.standard_normal((2, *clean.shape)) / np.sqrt(2.0)
+        values = clean + sigma * (error[0] + 1j * error[1])
+        s = 2j * np.pi * FREQ[few]
+        fit = refine_poles(modal_data(FrfForm.RECEPTANCE, s, values, sigma**2), POLES)
+        found.append(lack_of_fit(fit, s.size))
+    # 60 draws of 6 (24 - 4 - 3) - 4 = 98 degrees of freedom: three deviations are 5.5 %.
+    assert np.mean(found) == pytest.approx(0.5, rel=0.055)

@@ -6,6 +6,7 @@ import resource
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,11 +68,15 @@ def test_without_any_header_it_says_what_is_there_and_wants_another(records):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_two_sessions_in_one_file_are_told_apart(header, make_hit, seed):
-    """By the run of the board: a session that goes on after a stop starts it anew."""
+    """By the run of the board: a session that goes on after a stop starts it anew.
+
+    Also in a slowed laboratory, and where the computer reads its clock late at times.
+    """
     rng = np.random.default_rng(seed)
+    header = replace(header, time_scale=(1.0, 0.125)[seed % 2])
     hits = [make_hit(n) for n in range(1, 15)]
-    one = run_of(header, hits, session_id="aa", start_s=1000.0)
-    other = run_of(header, hits[:9], session_id="bb", start_s=1007.0)
+    one = run_of(header, hits, session_id="aa", start_s=1000.0, late_s=0.3)
+    other = run_of(header, hits[:9], session_id="bb", start_s=1007.0, late_s=0.3)
     both = mixed(one, other, rng)
     ours = salvage(InMemory(MAGIC + b"".join(both)))
     assert taken(ours) == [MAGIC + b"".join(one), MAGIC + b"".join(other)]
