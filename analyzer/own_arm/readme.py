@@ -51,7 +51,8 @@ def readme_text(draft: Draft, said: Remarks) -> str:
         "  Move it in the arm file if not.",
         "- A `[can]` table tells where the joint angles are found (docs/arm-file.md).",
         "",
-        f"Then: `armodal arm check {arm.name}.toml`, `armodal plan {arm.name}.toml`.",
+        f"Then `armodal arm check {arm.name}.toml`, `armodal plan {arm.name}.toml` for another",
+        f"plan, and a rehearsal: `armodal run plan.toml --arm {arm.name}.toml --sim`.",
         "",
     ]
     return "\n".join(rows)

@@ -108,10 +108,13 @@ def cut_chain(robot: Robot, said: Remarks, *, tip: str | None = None) -> CutChai
 
 
 def _root(robot: Robot, said: Remarks) -> str | None:
+    """The link without a parent; None where links and joints are no tree."""
     parents: dict[str, str] = {}
+    tree = True
     for joint in robot.joints:
         if joint.child in parents:
             said.fault(f"link {joint.child}", "wanted one parent, got two; cut the loop")
+            tree = False
         parents[joint.child] = joint.parent
     roots = [name for name in robot.links if name not in parents]
     if len(roots) != 1:
@@ -123,7 +126,8 @@ def _root(robot: Robot, said: Remarks) -> str | None:
     if len(reached) < len(robot.links):
         loop = [name for name in robot.links if name not in reached]
         said.fault("links", f"wanted every link on the tree, got a loop of {_few(loop)}")
-    return roots[0]
+        tree = False
+    return roots[0] if tree else None
 
 
 def _tip(robot: Robot, root: str, said: Remarks) -> str | None:

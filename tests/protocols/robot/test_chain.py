@@ -90,7 +90,8 @@ def test_two_roots_and_loops_are_told(tmp_path):
     robot.more.append(
         '<joint name="rod" type="fixed"><parent link="shoulder"/><child link="elbow"/></joint>'
     )
-    _, said = cut(robot, tmp_path)
+    chain, said = cut(robot, tmp_path)
+    assert chain is None
     assert "link elbow: wanted one parent, got two" in str(said.of("fault")[0])
 
 
