@@ -26,7 +26,7 @@ needs_qemu = pytest.mark.skipif(
 )
 BOARDS = [pytest.param("pty", marks=needs_cc), pytest.param("an386", marks=needs_qemu)]
 QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-display", "none", "-monitor", "none"]
-OPTIONS = BoardCheckOptions(duration_s=1.0, rate_hz=Fraction(51_200, 8))
+OPTIONS = BoardCheckOptions(duration_s=1.0, rate_hz=Fraction(51_200, 16))
 
 
 @pytest.fixture(scope="module")
