@@ -77,8 +77,8 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
     first, fallen = _blown_up(frf.values), 0 if told else _fallen(frf)
     if first or fallen:
         why = (
-            "what falls there from 0 Hz on, as integrated drift does, outweighs every peak; a band "
-            "asked for holds what it is told"
+            "what falls there from 0 Hz on, as integrated drift does, outweighs every peak; ask "
+            "for a band above 0 Hz to keep them"
             if fallen > first
             else "noise that integration, drift or AC coupling has blown up, larger than the FRFs "
             "themselves"

@@ -42,6 +42,10 @@ def review(
     Example: armodal review demo/demo.h5
     """
     if follow:
+        if band is not None:
+            raise SessionError(
+                "wanted --band with a session file only, got --follow; leave one out"
+            )
         raise typer.Exit(_follow(session, gap))
     if not session.is_file():
         raise SessionError(f"{session} is not a file; give the .h5 file of a session")

@@ -179,3 +179,12 @@ def test_a_stiffness_that_nothing_tells_is_doubted(superset):
             [predicted],
         )
         assert any("hardly tells the axis" in doubt for doubt in axis.doubts) == said
+
+
+def test_a_line_is_told_by_its_point_nearest_to_the_axis(results):
+    """Square to the line from where distances are taken, as far away as it says."""
+    (axis,) = results
+    for mozzi in axis.mozzi:
+        across = mozzi.line.point_link_m - axis.near_point_link_m
+        assert across @ mozzi.line.direction_link == pytest.approx(0.0, abs=1e-12)
+        assert 1e3 * np.linalg.norm(across) == pytest.approx(mozzi.line.off_mm, abs=1e-9)

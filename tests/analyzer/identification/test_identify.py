@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from support.offline_lab import simulate_session
 
+from armodal.analyzer.arm.inertia import moments_about_joints
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE
 from armodal.analyzer.screws import line_angle_rad, line_distance_m
@@ -23,6 +24,27 @@ def test_joint_stiffness_is_within_two_per_cent_and_three_sigma(identified, plan
         error = joint.k_n_m_per_rad - truth[joint.joint]
         assert abs(error) < 0.02 * truth[joint.joint]
         assert abs(error) < 3 * joint.k_std
+
+
+def test_a_joint_by_itself_has_the_stiffness_of_its_modes_frequency(identified, superset):
+    """File 000, Eqs. (1) and (2): k = (2 pi f)^2 I, c = zeta k / (pi f), of the same mode."""
+    names = [joint.name for joint in superset.arm.joints]
+    alone = [joint for joint in identified.joints if joint.one_joint_posture is not None]
+    assert alone
+    for joint in alone:
+        (frf,) = [f for f in identified.frfs if f.posture == joint.one_joint_posture]
+        (mode,) = [
+            mode
+            for model in identified.modal_models
+            for mode in model.modes
+            if mode.f_hz == joint.one_joint_f_hz
+        ]
+        links = superset.posture(frf.joints_rad).T_base_link
+        inertia = moments_about_joints(superset.arm, links)[names.index(joint.joint)]
+        k = inertia * (2.0 * np.pi * mode.f_hz) ** 2
+        assert joint.k_one_joint_n_m_per_rad == pytest.approx(k, rel=1e-9)
+        c = mode.damping_ratio * k / (np.pi * mode.f_hz)
+        assert joint.c_one_joint_n_m_s_per_rad == pytest.approx(c, rel=1e-9)
 
 
 def test_the_hidden_axis_is_found_in_its_link(identified, plant):

@@ -38,6 +38,7 @@ def test_clean_lines_are_all_kept():
     assert lines.notes == ()
     assert lines.freq_hz.size == frf.freq_hz.size
     assert lines.told
+    assert not fitted_lines(record(frf.values, frf.freq_hz, form=frf.form), None).told
 
 
 def test_a_misfit_tells_the_noise_it_was_made_of():
