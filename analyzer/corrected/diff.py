@@ -76,7 +76,8 @@ def _effects(before: Arm, after: Arm) -> Iterator[Change]:
     for key, effect in new.items():
         what = f"{key[0]} ({key[1]})"
         if key not in old:
-            yield _said(f"added: {what}, {100 * effect.evidence.confidence:.0f} % sure")
+            sure = effect.evidence.confidence
+            yield _said(f"added: {what}" + ("" if sure is None else f", {100 * sure:.0f} % sure"))
         yield from _parameters(what, old.get(key), effect)
 
 

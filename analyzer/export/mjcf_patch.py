@@ -25,7 +25,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.arm.urdf import parsed_with_comments
 from armodal.protocols.errors import ArmError
 
-__all__ = ["patched_mjcf"]
+__all__ = ["link_bodies", "patched_mjcf"]
 
 Array = npt.NDArray[np.float64]
 
@@ -79,6 +79,21 @@ def patched_mjcf(
         (ET.SubElement(root, "tendon") if holder is None else holder).extend(tendons)
     ET.indent(root)
     return head + ET.tostring(root, encoding="unicode") + "\n", tuple(_notes(arm, model, elements))
+
+
+def link_bodies(arm: Arm, source: Path, mujoco: Any) -> tuple[tuple[str, ...], str]:
+    """Return the body of each joint of the arm in a user's MJCF, and the one before the first.
+
+    Raises
+    ------
+    ArmError
+        As `patched_mjcf`.
+    """
+    _, root, _ = _read(source, mujoco)
+    parents = {child: parent for parent in root.iter() for child in parent}
+    elements = _link_elements(arm, root, parents, source)
+    names = tuple(own.get("name", "") for own in elements)
+    return names, parents[elements[0]].get("name", "world")
 
 
 def _read(source: Path, mujoco: Any) -> tuple[str, ET.Element, Any]:

@@ -57,9 +57,9 @@ class ParameterTable(FileModel):
 class EvidenceTable(FileModel):
     """What the name stands on."""
 
-    gain_nats: Finite
-    held_out_gain_nats: Finite
-    confidence: Annotated[float, Field(ge=0.0, le=1.0)]
+    gain_nats: Finite | None = None
+    held_out_gain_nats: Finite | None = None
+    confidence: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     session_sha256: Sha256
     created: CreatedText
 

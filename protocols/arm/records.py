@@ -153,9 +153,9 @@ class EffectParameter:
 class EffectEvidence:
     """What an effect of the arm stands on."""
 
-    gain_nats: float  # of log evidence over the model without it
-    held_out_gain_nats: float  # of log density on postures it was not fitted to
-    confidence: float  # that it is this and no other effect of the library, 0 to 1
+    gain_nats: float | None  # of log evidence over the model without it; None: not weighed
+    held_out_gain_nats: float | None  # of log density on postures it was not fitted to
+    confidence: float | None  # that it is this and no other effect of the library, 0 to 1
     session_sha256: str  # of the session file it was found in
     created: str  # ISO 8601, with zone
 

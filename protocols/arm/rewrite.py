@@ -204,9 +204,14 @@ def _effect(effect: AddedEffect) -> Table:
         table["description"] = description
     e = effect.evidence
     evidence = tomlkit.table()
-    evidence["gain_nats"] = float(e.gain_nats)
-    evidence["held_out_gain_nats"] = float(e.held_out_gain_nats)
-    evidence["confidence"] = float(e.confidence)
+    weighed = {
+        "gain_nats": e.gain_nats,
+        "held_out_gain_nats": e.held_out_gain_nats,
+        "confidence": e.confidence,
+    }
+    for key, told in weighed.items():
+        if told is not None:
+            evidence[key] = float(told)
     evidence["session_sha256"] = e.session_sha256
     evidence["created"] = e.created
     table["evidence"] = evidence

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,11 +14,13 @@ import typer
 from armodal import SOFTWARE
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
+from armodal.analyzer.identification.as_effects import axes_as_effects
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.modal import ModalModel, fit_modes, record_notes
 from armodal.daq.judge_imported import judged
-from armodal.protocols.arm.updated import JointValues, arm_text_with
+from armodal.protocols.arm.records import Estimate, PastSession
+from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
 from armodal.protocols.foreign.import_session import import_session
@@ -137,8 +140,12 @@ def _check_ending(path: Path, endings: Sequence[str], what: str) -> None:
         )
 
 
-def export_model(session: Session, result: Identification, path: Path, *, software: str) -> None:
-    """Write the identified model: as JSON, or as the arm file with the values identified.
+def export_model(
+    session: Session, result: Identification, path: Path, *, software: str, session_sha256: str
+) -> None:
+    """Write the identified model: as JSON, or as the arm file with what was identified.
+
+    A structural axis becomes an effect of the arm file, as `armodal gap` writes it.
 
     Raises
     ------
@@ -147,17 +154,31 @@ def export_model(session: Session, result: Identification, path: Path, *, softwa
     """
     _check_ending(path, _MODEL_ENDINGS, "model")
     if path.suffix.lower() == ".json":
-        text = json_text(identification_json(session, result))
-    else:
-        values = {
-            joint.joint: JointValues(
-                stiffness=(joint.k_n_m_per_rad, float(np.hypot(joint.k_std, joint.k_std_model))),
-                damping=(joint.c_n_m_s_per_rad, joint.c_std),
+        replace_text(path, json_text(identification_json(session, result)))
+        return
+    arm = session.header.arm
+    source = f"identified by {software} from session {session.header.session_id[:8]}"
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    axes = axes_as_effects(result, session_sha256=session_sha256, created=now)
+    fitted = {(effect.name, effect.place) for effect in axes}
+    kept = [effect for effect in arm.effects if (effect.name, effect.place) not in fitted]
+    text = text_with_effects(
+        arm,
+        (*kept, *axes),
+        stiffness={
+            joint.joint: Estimate(
+                value=joint.k_n_m_per_rad,
+                std=float(np.hypot(joint.k_std, joint.k_std_model)),
+                source=source,
             )
             for joint in result.joints
-        }
-        source = f"identified by {software} from session {session.header.session_id[:8]}"
-        text = arm_text_with(session.header.arm, values, source)
+        },
+        damping={
+            joint.joint: Estimate(value=joint.c_n_m_s_per_rad, std=joint.c_std, source=source)
+            for joint in result.joints
+        },
+        past=PastSession(session_sha256=session_sha256, by="armodal identify", created=now),
+    )
     replace_text(path, text)
 
 
@@ -262,13 +283,9 @@ def export_command(
         measured, path, modes=modes, binary=binary, software=SOFTWARE, band_hz=band
     )
     if model is not None and result is not None:
-        export_model(measured, result, model, software=SOFTWARE)
+        digest = sha256(session.read_bytes()).hexdigest()
+        export_model(measured, result, model, software=SOFTWARE, session_sha256=digest)
     summary["model"] = None if model is None else str(model)
-    if model is not None and model.suffix.lower() == ".toml" and result and result.axes:
-        summary["warnings"].append(
-            f"{model.name}: an arm file has no place for the structural axis found; write the "
-            "model as .json to have it"
-        )
     if as_json:
         print_json(summary)
         return

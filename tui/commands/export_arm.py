@@ -57,18 +57,18 @@ def export_arm(
     found: dict[str, Any] = {"arm": arm.name, "files": [], "notes": list(ready.notes)}
     found["effects"] = [f"{effect.name} ({effect.place})" for effect in arm.effects]
     found["elastic_joints"] = list(ready.tree.elastic)
+    # What one of them refuses is known before any is written.
+    texts: list[tuple[Path, str, tuple[str, ...]]] = []
+    if urdf is not None:
+        new = own is None and arm.urdf_text is None
+        made = urdf_text(arm, ready.tree) if new else patched_urdf(arm, ready.tree, own)
+        texts.append((urdf, *made))
+    if sdf is not None:
+        texts.append((sdf, *sdf_text(arm, ready.tree)))
     if mjcf is not None:
         _write_mjcf(arm, ready, mjcf, own, found)
-    if urdf is not None:
-        text, notes = (
-            urdf_text(arm, ready.tree)
-            if own is None and arm.urdf_text is None
-            else patched_urdf(arm, ready.tree, own)
-        )
-        _write(urdf, text, found, notes)
-    if sdf is not None:
-        text, notes = sdf_text(arm, ready.tree)
-        _write(sdf, text, found, notes)
+    for path, text, notes in texts:
+        _write(path, text, found, notes)
     return found
 
 

@@ -32,6 +32,7 @@ from armodal.protocols.text_file import replace_text
 from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
 from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
+from armodal.tui.commands.gap_simulator import show_simulator
 from armodal.tui.commands.options import refuse_idle
 from armodal.tui.commands.rehearsed import plan_to_rehearse
 from armodal.tui.console import Json, out, print_json, say, say_next
@@ -79,6 +80,13 @@ def gap_command(
     ] = "medium",
     seed: Annotated[int, typer.Option(min=0, help="Of everything in it.")] = 1,
     budget: Annotated[int, typer.Option(min=0, help="Further tests at most.")] = 2,
+    simulator: Annotated[
+        str | None,
+        typer.Option(help="mujoco: the session's hits in your own simulator, before and after."),
+    ] = None,
+    model: Annotated[
+        Path | None, typer.Option(help="With --simulator: your MJCF of the arm.")
+    ] = None,
     folder: Annotated[
         Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
     ] = Path("gap-lab"),
@@ -93,6 +101,15 @@ def gap_command(
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
+    if simulator is not None or model is not None:
+        refuse_idle(
+            context,
+            (*_OF_LAB, "more", "arm_out", "lab"),
+            here="--simulator",
+            there="the search",
+        )
+        show_simulator(session, arm, simulator, model, html, as_json=as_json)
+        return
     if lab == (session is not None):
         raise SessionError(
             "wanted either a session or --lab, got "

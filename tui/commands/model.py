@@ -75,11 +75,12 @@ def check_command(
     Example: armodal model check demo/demo.arm.toml demo/demo.h5
     """
     the_arm = load_arm(arm)
-    digests = {path: sha256(path.read_bytes()).hexdigest() for path in sessions or ()}
+    read = {path: read_session(path) for path in sessions or ()}
+    digests = {path: sha256(path.read_bytes()).hexdigest() for path in read}
     known = known_sessions(the_arm, set(digests.values()), datetime.now(UTC))
     own = {row.session_sha256 for row in known}
     rows: dict[str, tuple[CheckedPosture, ...]] = {
-        str(path): check_posture_rows(the_arm, read_session(path), known=digest in own)
+        str(path): check_posture_rows(the_arm, read[path], known=digest in own)
         for path, digest in digests.items()
     }
     if as_json:

@@ -50,7 +50,8 @@ def test_an_axis_is_fitted_anew_and_the_rest_is_held_and_both_are_said():
     assert len(ready.axes) == 1
     held, anew = ready.notes
     assert held.startswith("as the arm file has them, not fitted: Rotor")
-    assert anew.startswith("fitted anew from where the arm file has them: Compliance axis")
+    assert anew.startswith("fitted anew from where the arm file has them: ")
+    assert anew.endswith("(elbow)")
 
 
 def test_what_cannot_be_held_is_named_with_its_reason_all_at_once():

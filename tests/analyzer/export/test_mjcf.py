@@ -3,9 +3,9 @@
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from support.added import added, any_of, axis, with_effects
+from support.own_mjcf import own_mjcf
 
 from armodal.analyzer.export.by_mujoco import compare_frequencies
 from armodal.analyzer.export.exported import ready_for_export
@@ -81,36 +81,6 @@ def test_what_changes_with_the_posture_has_no_counterpart():
 
 
 # --- a user's own file: other frames, names, a mesh-free picture, an actuator and a comment.
-
-
-def own_mjcf(arm, *, order=None, names=True, extra=""):
-    """Somebody's MJCF of an arm: every body's frame turned by 90 degrees, masses of their own."""
-    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    text, closing, before = "", "", np.eye(3)
-    joints = [arm.joints[i] for i in order or range(len(arm.joints))]
-    for joint in joints:
-        R = before.T @ joint.T_parent_joint[:3, :3] @ turn
-        quat = np.zeros(4)
-        mujoco.mju_mat2Quat(quat, R.reshape(9))
-        pos = before.T @ joint.T_parent_joint[:3, 3]
-        named = f'name="{joint.name}"' if names else ""
-        text += (
-            f'<body name="{joint.link.name}" pos="{_list(pos)}" quat="{_list(quat)}">'
-            f'<joint {named} axis="{_list(turn.T @ joint.axis)}" range="-3 3"/>'
-            f'<geom name="skin {joint.link.name}" type="sphere" size="0.05" mass="1"/>'
-        )
-        closing += "</body>"
-        before = turn
-    return (
-        '<mujoco model="mine"><compiler angle="radian"/><!-- kept -->'
-        f'<worldbody><body name="stand" pos="0.3 0 0.2">{text}{closing}</body></worldbody>'
-        f'<actuator><motor name="drive" joint="{joints[1].name if names else ""}"/></actuator>'
-        f"{extra}</mujoco>"
-    )
-
-
-def _list(values):
-    return " ".join(str(float(v)) for v in values)
 
 
 def patched(arm, text, tmp_path):

@@ -11,7 +11,9 @@ from support import foreign_samples as chain
 from support.command import armodal
 from typer.testing import CliRunner
 
+from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.identification.predicted_posture import predict_posture
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.foreign.uff_read import read_uff
 from armodal.protocols.session.hdf5 import read_session, write_session
@@ -311,13 +313,24 @@ def test_joint_stiffness_survives_the_way_through_a_universal_file(tmp_path, ses
 
 
 def test_the_identified_model_is_an_arm_file_with_the_values_found(tmp_path, session, identified):
-    export_model(session, identified, tmp_path / "model.toml", software="armodal test")
+    told = {"software": "armodal test", "session_sha256": "c" * 64}
+    export_model(session, identified, tmp_path / "model.toml", **told)
     arm = load_arm(tmp_path / "model.toml")
     for joint, found in zip(arm.joints[:3], identified.joints, strict=True):
         assert joint.stiffness.value == found.k_n_m_per_rad
         assert joint.damping.value == found.c_n_m_s_per_rad
         assert "identified" in joint.stiffness.source
-    export_model(session, identified, tmp_path / "model.json", software="armodal test")
+    # The structural axis is the effect that the gap workflow would name, and gives its modes.
+    (effect,), (axis,) = arm.effects, identified.axes
+    assert (effect.name, effect.place) == ("link_axis", axis.link)
+    assert effect.evidence.confidence is None
+    assert [own.by for own in arm.history] == ["armodal identify"]
+    posture = session.header.plan.postures[0]
+    own = predict_posture(session.header.arm, identified, np.rad2deg(posture.joints_rad))
+    (filed,) = predict_arm(arm, [np.rad2deg(posture.joints_rad)])
+    assert filed.modes.f_hz == pytest.approx(own.predicted.modes.f_hz, rel=1e-6)
+    assert filed.modes.damping_ratio == pytest.approx(own.predicted.modes.damping_ratio, rel=1e-6)
+    export_model(session, identified, tmp_path / "model.json", **told)
     model = json.loads((tmp_path / "model.json").read_text())
     assert len(model["joints"]) == 3
     assert len(model["structural"]) == 1

@@ -60,9 +60,9 @@ def test_frequencies_that_are_others_leave_nothing_behind(corrected, tmp_path, m
 def test_an_effect_without_a_counterpart_leaves_nothing_behind(tmp_path):
     path = tmp_path / "arm.toml"
     path.write_text(text_with_effects(RV, [any_of(RV, "rotor")]), encoding="utf-8")
-    result = run(path, "--urdf", tmp_path / "arm.urdf")
+    result = run(path, "--mjcf", tmp_path / "arm.xml", "--urdf", tmp_path / "arm.urdf")
     assert "write --mjcf, which has all of it" in str(result.exception)
-    assert not (tmp_path / "arm.urdf").exists()
+    assert [own.name for own in tmp_path.iterdir()] == ["arm.toml"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,59 @@
+"""Structural axes as effects of an arm file: the same axis, in the gap workflow's words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.identification.records import AxisResult, Identification
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+
+__all__ = ["axes_as_effects"]
+
+_TWO_SIDED_95 = 1.96
+
+
+def axes_as_effects(
+    result: Identification, *, session_sha256: str, created: str
+) -> tuple[AddedEffect, ...]:
+    """Return what a session's fit found inside links, for an arm file.
+
+    `created`: ISO 8601 time with its zone. An identification weighs no models against others: the
+    evidence has neither a gain nor a confidence.
+    """
+    evidence = EffectEvidence(
+        gain_nats=None,
+        held_out_gain_nats=None,
+        confidence=None,
+        session_sha256=session_sha256,
+        created=created,
+    )
+    return tuple(_as_effect(axis, evidence) for axis in result.axes)
+
+
+def _as_effect(axis: AxisResult, evidence: EffectEvidence) -> AddedEffect:
+    k, c = axis.k_n_m_per_rad, axis.c_n_m_s_per_rad
+    k_std = float(np.hypot(axis.k_std, axis.k_std_model))
+    loss = c / k
+    loss_std = loss * float(np.hypot(axis.c_std / c, axis.k_std / k)) if c > 0.0 else 0.0
+    return AddedEffect(
+        name=link_axis.WORDS.name,
+        place=axis.link,
+        parameters=(
+            _parameter("axis_compliance", "rad/(N m)", 1.0 / k, k_std / k**2),
+            _parameter("axis_loss", "s", loss, loss_std),
+        ),
+        description={
+            "link": axis.link,
+            "direction": tuple(axis.direction_link.tolist()),
+            "point_m": tuple(axis.point_link_m.tolist()),
+        },
+        evidence=evidence,
+    )
+
+
+def _parameter(name: str, unit: str, value: float, std: float) -> EffectParameter:
+    reach = _TWO_SIDED_95 * std
+    return EffectParameter(
+        name=name, unit=unit, value=value, std=std, low=max(value - reach, 0.0), high=value + reach
+    )

@@ -1,0 +1,28 @@
+"""`armodal gap --simulator mujoco`: what it wants."""
+
+from __future__ import annotations
+
+import pytest
+from typer.testing import CliRunner
+
+from armodal.protocols.errors import ArmodalError
+from armodal.tui.cli import app
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("s.h5", "--simulator=mujoco"), "wanted --model with your MJCF and --arm with the"),
+        (("s.h5", "--simulator=gazebo", "--model=m.xml", "--arm=rv4frl"), "--simulator mujoco"),
+        (("--simulator=mujoco", "--model=m.xml", "--arm=rv4frl"), "wanted a session for the gap"),
+        (
+            ("s.h5", "--simulator=mujoco", "--model=m.xml", "--arm=rv4frl"),
+            "got one without [[effects]]",
+        ),
+        (("s.h5", "--simulator=mujoco", "--budget=2"), "wanted --budget with the search only"),
+    ],
+)
+def test_a_user_s_mistake_is_one_message(arguments, message):
+    result = CliRunner().invoke(app, ["gap", *arguments])
+    assert isinstance(result.exception, ArmodalError), result.output
+    assert message in str(result.exception)
