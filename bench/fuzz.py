@@ -16,11 +16,13 @@ from __future__ import annotations
 import argparse
 import hashlib
 import importlib.util
+import os
 import re
 import shutil
 import subprocess
 import sys
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from figures import Figure, told
@@ -141,25 +143,26 @@ def main() -> int:
         print("atheris is not installed: pip install 'armodal[fuzz]' (Linux)")
         return 2
     WORK.mkdir(parents=True, exist_ok=True)
-    figures = []
-    for name in given.names or [*python_names(), C_NAME]:
-        command: list[str] | None = [sys.executable, __file__, "--child", name]
-        if name == C_NAME:
-            command = c_command()
-        if command is None:
-            print(f"{name}: no clang with libFuzzer on this machine, not fuzzed", flush=True)
-            continue
-        tried, wrong = fuzz(name, command, given.seconds)
-        if wrong:
-            print(f"{name}: {wrong}", flush=True)
-        elif given.keep:
-            keep(name)
-        good = not wrong and tried > 0
-        figures.append(
-            Figure(f"coverage-guided, {name}: inputs", f"{tried:,}", "1, no fault", good)
-        )
-        print(f"{name}: {tried:,} inputs in {given.seconds} s", flush=True)
-    return told(figures)
+    names = given.names or [*python_names(), C_NAME]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = pool.map(lambda name: figure_of(name, given.seconds, kept=given.keep), names)
+        return told([figure for figure in found if figure is not None])
+
+
+def figure_of(name: str, seconds: int, *, kept: bool) -> Figure | None:
+    """Fuzz one decoder; return its figure, None where it cannot be fuzzed here."""
+    command: list[str] | None = [sys.executable, __file__, "--child", name]
+    if name == C_NAME:
+        command = c_command()
+    if command is None:
+        print(f"{name}: no clang with libFuzzer on this machine, not fuzzed", flush=True)
+        return None
+    tried, wrong = fuzz(name, command, seconds)
+    print(f"{name}: {tried:,} inputs in {seconds} s{': ' if wrong else ''}{wrong}", flush=True)
+    if kept and not wrong:
+        keep(name)
+    good = not wrong and tried > 0
+    return Figure(f"coverage-guided, {name}: inputs", f"{tried:,}", "1, no fault", good)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ HERE = Path(__file__).parent
 KEPT = HERE.parent / "build" / "torture"
 HEAD = "| figure | reached | wanted | good | date | commit |\n|---|---|---|---|---|---|"
 # Long studies of their own follow: as they take long, the short ones go first.
-LAST = ("fuzz", "soak")
+LAST = ("fuzz", "soak", "coverage")
 
 
 def commit() -> str:

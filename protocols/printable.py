@@ -9,15 +9,17 @@ __all__ = ["UNSEEN", "printable"]
 # C0 and C1 controls, and those that turn or break a line (Unicode UAX 9: bidirectional marks,
 # embeddings, overrides, isolates). As a class of characters in a regular expression.
 UNSEEN = r"\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"
-_NOT_SHOWN = re.compile(rf"(?![\n\t])[{UNSEEN}\ud800-\udfff]")
+_NOT_SHOWN = re.compile(rf"[{UNSEEN}\ud800-\udfff]")
 
 
-def printable(text: str) -> str:
+def printable(text: str, *, keep: str = "\n\t") -> str:
     r"""Return `text` with every character that is not seen as Python writes it.
 
-    Line ends and tabs stay.
+    Those of `keep` stay: where lines are wanted, line ends and tabs.
 
     >>> print(printable("test \x9b2J \u202e1"))
     test \x9b2J \u202e1
     """
-    return _NOT_SHOWN.sub(lambda found: ascii(found.group())[1:-1], text)
+    return _NOT_SHOWN.sub(
+        lambda found: found.group() if found.group() in keep else ascii(found.group())[1:-1], text
+    )

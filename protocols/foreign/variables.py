@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.printable import printable
+
 __all__ = ["Axis", "Listed", "Variable", "Variables", "listing", "one_line"]
 
 _MOST_LISTED = 24
@@ -97,10 +99,10 @@ class Variables:
 def one_line(text: str) -> str:
     r"""Return text that may hold a file's own bytes as a message may show it.
 
-    >>> one_line("a\nb")
-    'a?b'
+    >>> print(one_line("a\nb"))
+    a\nb
     """
-    return "".join(c if c.isprintable() else "?" for c in text[:_LONGEST])
+    return printable(text[:_LONGEST], keep="")
 
 
 def listing(listed: Sequence[Listed]) -> str:
