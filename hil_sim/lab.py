@@ -204,6 +204,11 @@ def _ready_line(process: subprocess.Popen[bytes]) -> dict[str, object]:
 def _why(process: subprocess.Popen[bytes]) -> str:
     """Why a laboratory has ended by itself: its last words, and where it was."""
     told = b"" if process.stderr is None or process.stderr.closed else process.stderr.read()
+    if process.returncode < 0:
+        return (
+            f"the simulated laboratory was ended from outside by signal {-process.returncode}; "
+            "start it again"
+        )
     lines = [line.strip() for line in told.decode(errors="replace").splitlines() if line.strip()]
     where = [found for line in lines if (found := _FRAME.match(line))]
     words = lines[-1] if lines else "it left no word"

@@ -1,6 +1,8 @@
 """Any arm in the laboratory: drawn, sealed, spoken of on its bus."""
 
 import json
+import os
+import signal
 import sys
 from dataclasses import replace
 
@@ -221,3 +223,11 @@ def test_a_laboratory_that_crashes_says_why_and_nobody_blames_a_cable():
     assert "not of a device" in str(caught.value)
     with pytest.raises(DeviceLostError, match="IndexError"), launch([*command, "later"]) as running:
         lose_the_board_of(running)
+
+
+def test_a_laboratory_that_is_killed_is_no_fault_of_the_simulation(tmp_path):
+    arm = with_generic_can(chain_arm(1))
+    with start_laboratory(Rehearsal(arm=arm), directory=tmp_path / "lab") as laboratory:
+        os.kill(laboratory.pid, signal.SIGKILL)
+        with pytest.raises(DeviceLostError, match="ended from outside by signal 9"):
+            laboratory.wait()

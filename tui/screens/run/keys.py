@@ -30,8 +30,13 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
     answers = {
         "go_on": overview or _enter_works(state),
         "angles": state.awaits_word and not overview,
-        "hand": state.simulated and (in_session or in_lab) and not overview,
-        "simulate": in_lab and not state.board_port and not state.lab_starting,
+        "hand": state.simulated
+        and state.lab_ended is None
+        and (in_session or in_lab)
+        and not overview,
+        "simulate": in_lab
+        and (not state.board_port or state.lab_ended is not None)
+        and not state.lab_starting,
         "take_trigger": in_lab and not state.resuming and suggested_level_n(state) is not None,
         "mass": in_lab and state.board is not None,
         "retake": in_session and not overview,

@@ -36,6 +36,7 @@ from armodal.tui.screens.run.happenings import (
     SessionWanted,
     Tick,
 )
+from armodal.tui.screens.run.keys import works
 from armodal.tui.screens.run.reducer import KEPT_PREVIEWS
 from armodal.tui.screens.run.state import SILENT_AFTER_S, Phase, Step, begin_state
 from armodal.tui.screens.run.views.lab import devices_text, next_step
@@ -200,5 +201,7 @@ def test_a_laboratory_that_has_ended_is_told_before_the_session_and_can_be_start
     shown = devices_text(state).plain
     assert "IndexError" in shown
     assert "cable" not in shown
+    assert works("simulate", state, overview=False)
+    assert not works("hand", state, overview=False)
     wanted = LabWanted(board_port="b", can_channel="c", simulated=True)
     assert after(state, wanted).lab_ended is None
