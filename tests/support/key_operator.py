@@ -10,7 +10,7 @@ from support.terminal import LOOK_EVERY_S, PATIENCE, Terminal
 
 # What the screen says, and the key that follows from it; the first that fits is pressed.
 RULES: tuple[tuple[str, str], ...] = (
-    (r"look at the modes: armodal review", ""),
+    (r"Enter: look at the modes", ""),
     (r"STOPPED|try again and go on", ""),
     (r"Enter: yes, it is", "Enter"),
     (r"Are these sensors mounted", "Enter"),

@@ -55,8 +55,8 @@ def demo(
     )
     out.print(f"session {found['session']}\nreport  {found['report']}")
     out.print(f"\n{gap.summary}")
-    for table in gap_tables(gap):
-        out.print(table)
+    for part in gap_tables(gap):
+        out.print(part)
     for effect in found["gap"]["effects"]:
         if "truth_k_n_m_per_rad" in effect:
             k, truth = effect["k_n_m_per_rad"], effect["truth_k_n_m_per_rad"]

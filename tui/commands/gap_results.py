@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -10,19 +10,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import RenderableType
 from rich.table import Table
+from rich.text import Text
 
 from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.corrected.to_file import arm_with, filed
 from armodal.analyzer.gap.add import added_effects, joint_estimates
-from armodal.analyzer.gap.records import GapResult, PostureGap, Verdict
+from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
+from armodal.analyzer.report.effect_words import certainty, effect_sentence
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
+from armodal.tui.commands.narrow_table import narrow_table
 
 __all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "with_arm"]
 
@@ -137,57 +141,57 @@ def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:
     return found | files
 
 
-def gap_tables(result: GapResult) -> list[Table]:
-    """The result as tables, what matters first."""
-    tables = []
-    if result.effects:
-        table = Table(
-            "effect", "place", "parameter", "value", "± std", "unit", "sure", title="Named"
-        )
-        for effect in result.effects:
-            for name, value in effect.parameters.items():
-                table.add_row(
-                    effect.title,
-                    effect.place,
-                    name,
-                    f"{value.value:.4g}",
-                    f"{value.std:.2g}",
-                    value.unit,
-                    f"{100 * effect.confidence:.0f} %",
-                )
-        tables.append(table)
+def gap_tables(result: GapResult) -> list[RenderableType]:
+    """The result for people, what matters first; what has long words is a list and no table."""
+    parts: list[RenderableType] = [_effect_lines(effect) for effect in result.effects]
     if result.rivals:
-        table = Table("rival", "place", "gain", "behind", "stands", "matters", title="Rivals")
-        for rival in result.rivals:
-            table.add_row(
-                rival.title,
-                rival.place,
-                f"{rival.gain:.1f}",
-                f"{rival.behind:.1f}",
-                "yes" if rival.standing else "",
-                "yes" if rival.material else "no",
-            )
-        tables.append(table)
-    table = Table("joint", "k N m/rad", "± std", "range", title="Stiffness over what stands")
+        parts.append(_rival_lines(result.rivals))
+    table = narrow_table(
+        "Stiffness over what stands", ("joint", "  k N m/rad", "  ± std", "  range")
+    )
     for row in result.joint_stiffness_ranges:
         table.add_row(
             row.joint,
             f"{row.k_n_m_per_rad:.0f}",
             f"{row.k_std:.0f}",
-            f"{row.low:.0f} to {row.high:.0f}",
+            f"  {row.low:.0f} to {row.high:.0f}",
         )
-    tables.append(table)
-    tables.append(_gap_table(result.gap_before, result.gap_after))
-    return tables
+    return [*parts, table, _gap_table(result.gap_before, result.gap_after)]
+
+
+def _effect_lines(effect: EffectFound) -> Text:
+    """What was named, and all its parameters."""
+    lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
+    lines += [
+        f"  {name}: {value.value:.4g} ± {value.std:.2g} {value.unit}".rstrip()
+        for name, value in effect.parameters.items()
+    ]
+    return Text("\n".join([*lines, ""]))
+
+
+def _rival_lines(rivals: Sequence[RivalRow]) -> Text:
+    """Rivals of the last step, best first."""
+    lines = ["Rivals (evidence over the model without, in nats):"]
+    for rival in rivals:
+        stands = "stands" if rival.standing else "does not stand"
+        size = "" if rival.material else ", too small to matter"
+        lines.append(
+            f"  {rival.title} ({rival.place}): gain {rival.gain:.1f}, {rival.behind:.1f} behind "
+            f"the best; {stands}{size}"
+        )
+    return Text("\n".join([*lines, ""]))
 
 
 def _gap_table(before: tuple[PostureGap, ...], after: tuple[PostureGap, ...]) -> Table:
-    table = Table("posture", "", "FRF before", "after", "floor", "frequency before", "after")
-    table.title = "Gap"
+    table = narrow_table(
+        "Gap: FRF error, and the worst frequency, before and after",
+        ("posture", "", "  before", "  after", "  noise alone", "  f before", "  f after"),
+    )
+    table.caption = "noise alone: what scatter and the errors every test has would leave"
     for old, new in zip(before, after, strict=True):
         table.add_row(
             old.posture,
-            "held out" if old.held_out else "fitted",
+            "  not fitted" if old.held_out else "  fitted",
             f"{100 * old.frf_error:.2f} %",
             f"{100 * new.frf_error:.2f} %",
             f"{100 * new.floor:.2f} %",

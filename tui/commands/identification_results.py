@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from rich import box
 from rich.table import Table
 
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
 from armodal.protocols.session.records import Session
+from armodal.tui.commands.narrow_table import narrow_table
 
 __all__ = ["identification_json", "identification_tables"]
 
@@ -135,7 +135,7 @@ def identification_tables(result: Identification) -> list[Table]:
             f"{joint.c_std:.2f}",
         )
     axes = _axis_table(result)
-    modes = _narrow(
+    modes = narrow_table(
         "Measured modes",
         ("posture", "f Hz", "±", "damping\n%", "±", "joint\nshare", "", "model\nHz", "MAC"),
     )
@@ -153,7 +153,7 @@ def identification_tables(result: Identification) -> list[Table]:
         )
     tables = [joints, modes] if axes is None else [joints, axes, modes]
     if result.validation:
-        checked = _narrow(
+        checked = narrow_table(
             "Validation postures: predicted ± std, then measured",
             (
                 "posture",
@@ -188,19 +188,11 @@ def identification_tables(result: Identification) -> list[Table]:
     return tables
 
 
-def _narrow(title: str, columns: tuple[str, ...]) -> Table:
-    """A table that keeps to 80 columns: the first one left, no lines between."""
-    table = Table(title=title, box=box.SIMPLE_HEAD, pad_edge=False, padding=0)
-    for i, column in enumerate(columns):
-        table.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
-    return table
-
-
 def _axis_table(result: Identification) -> Table | None:
     """Compliance axes beside the Mozzi axes of their modes, all in the link's frame."""
     if not result.axes:
         return None
-    table = _narrow(
+    table = narrow_table(
         "Structural compliance (link frame): the model's axis, the modes' Mozzi axes",
         ("axis", "f Hz", "k, c", "direction", "point mm", "off deg, mm"),
     )

@@ -123,8 +123,7 @@ class ReviewApp(PrintableApp[int]):
         self.path, self.gap_file, self.band_hz = path, gap, band_hz
         self.problem: ArmodalError | None = None
         self.next_run: NextRun | None = None
-        self._opened = opened
-        self._clock = clock
+        self._opened, self._clock = opened, clock
         self._environment = environment
         self._command = command
         self.state: ReviewState | None = None
