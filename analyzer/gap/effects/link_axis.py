@@ -13,7 +13,7 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across, skew
-from armodal.analyzer.gap.model.long_links import SPREAD, SPREAD_STD, long_links, reach_m
+from armodal.analyzer.gap.model.long_links import long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -38,8 +38,11 @@ _MATERIAL = 0.012  # of the arm's compliance
 # stood at 9 of its deviations, the faintest true one at 27.
 _LEAST_CERTAIN = 15.0
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
+_LEAST_M, _LEAST_KG = 1e-6, 1e-6
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # to a joint's axis: 11 degrees, 30 mm
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
+# Of an even rod's, how far apart both pieces' centres are; at most, halves of a rod are points.
+_SPREAD, _SPREAD_STD, _SPREAD_MOST = 0.8, 0.3, 2.0 / np.sqrt(3.0)
 _BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.25, 0.2, 0.8  # of the link's mass
 
 
@@ -66,7 +69,7 @@ def at_axis(
     gamma, loss, part, spread = (
         f"axis {what} {name}" for what in ("compliance", "loss", "mass before", "mass spread")
     )
-    middles = 0.5 * reach_m(ordinary.superset, link)
+    middles = 0.5 * _even_length(ordinary, link)
     moves = [f"axis {what} {name}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
     still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
     inside = Inside(
@@ -131,7 +134,9 @@ def at_axis(
 
     freedoms = [("", _TILT_STD)] * 2 + [("m", _SHIFT_STD_M)] * 2
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
-    spreads = Parameter(name=spread, unit="", mean=SPREAD, std=SPREAD_STD, low=0.0, high=1.0)
+    apart = Parameter(
+        name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=_SPREAD_MOST
+    )
     own = {gamma, loss, part, spread, *moves}
     return Instance(
         effect=WORDS,
@@ -143,7 +148,7 @@ def at_axis(
                 Parameter(name=move, unit=unit, mean=0.0, std=std)
                 for move, (unit, std) in zip(moves, freedoms, strict=True)
             ),
-            *((split, spreads) if before else ()),
+            *((split, apart) if before else ()),
         ),
         builder=build,
         describe=describe,
@@ -245,6 +250,17 @@ def axis_of(
     u = u / np.linalg.norm(u)
     p = point_m + sides @ np.array(moves[2:])
     return u, p - u * (u @ p)
+
+
+def _even_length(ordinary: Ordinary, link: int) -> Array:
+    """(3,) along the link, as long as an even rod of its mass and its inertia that way."""
+    body = ordinary.arm.joints[link].link
+    reach = reach_m(ordinary.superset, link)
+    along = reach / max(float(np.linalg.norm(reach)), _LEAST_M)
+    inertia = np.asarray(body.inertia_kg_m2)
+    second = 0.5 * np.trace(inertia) - along @ inertia @ along  # integral of x^2 dm along it
+    length = np.sqrt(12.0 * max(float(second), 0.0) / max(body.mass_kg, _LEAST_KG))
+    return np.asarray(along * length)
 
 
 def _twist(

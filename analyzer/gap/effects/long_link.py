@@ -10,7 +10,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.long_links import SLICES, SPREAD, SPREAD_STD, LongLink
+from armodal.analyzer.gap.model.long_links import SLICES, LongLink
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -18,6 +18,7 @@ __all__ = ["given_way"]
 
 Array = npt.NDArray[np.float64]
 
+_SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
 _START = 0.03  # of the size's deviation: from nothing a first step goes astray
 
 
@@ -72,7 +73,7 @@ def given_way(
         parameters=(
             size,
             loss_parameter(loss),
-            Parameter(name=spread, unit="", mean=SPREAD, std=SPREAD_STD, low=0.0, high=1.0),
+            Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
         ),
         builder=build,
         starts=starts,

@@ -12,12 +12,11 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Inside
 from armodal.analyzer.gap.model.geometry import skew
 
-__all__ = ["SLICES", "SPREAD", "SPREAD_STD", "LongLink", "long_links", "reach_m"]
+__all__ = ["SLICES", "LongLink", "long_links", "reach_m"]
 
 Array = npt.NDArray[np.float64]
 
 _LEAST_M = 0.2  # shorter links are stiff
-SPREAD, SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
 SLICES = 3  # three hinges at 1/6, 1/2, 5/6 give a tip wrench's deflection to 3 %
 
 

@@ -181,10 +181,15 @@ def test_a_stiffness_that_nothing_tells_is_doubted(superset):
         assert any("hardly tells the axis" in doubt for doubt in axis.doubts) == said
 
 
-def test_a_line_is_told_by_its_point_nearest_to_the_axis(results):
-    """Square to the line from where distances are taken, as far away as it says."""
+def test_a_line_is_told_by_its_point_nearest_to_the_origin_and_its_way_off_the_axis(arm, results):
+    """Off the axis: from its point nearest to the next joint, square to the line."""
     (axis,) = results
+    link = next(i for i, joint in enumerate(arm.joints) if joint.link.name == axis.link)
+    next_joint = arm.joints[link + 1].T_parent_joint[:3, 3]
+    u = axis.direction_link
+    near = axis.point_link_m + u * (u @ (next_joint - axis.point_link_m))
     for mozzi in axis.mozzi:
-        across = mozzi.line.point_link_m - axis.near_point_link_m
-        assert across @ mozzi.line.direction_link == pytest.approx(0.0, abs=1e-12)
-        assert 1e3 * np.linalg.norm(across) == pytest.approx(mozzi.line.off_mm, abs=1e-9)
+        line = mozzi.line
+        assert line.point_link_m @ line.direction_link == pytest.approx(0.0, abs=1e-12)
+        across = np.cross(near - line.point_link_m, line.direction_link)
+        assert 1e3 * np.linalg.norm(across) == pytest.approx(line.off_mm, abs=1e-9)
