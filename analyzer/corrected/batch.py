@@ -36,6 +36,7 @@ class BatchedArm:
 
     batch: ArmBatch
     elastic: ElasticJoints
+    titles: tuple[str, ...]  # of the effects it is computed with
     notes: tuple[str, ...]
 
 
@@ -48,7 +49,7 @@ def batched(arm: Arm) -> BatchedArm:
         If no joint is elastic, or an effect is not the same in every posture.
     """
     if not arm.effects:
-        return BatchedArm(batch=ArmBatch(arm), elastic=elastic_joints(arm), notes=())
+        return BatchedArm(batch=ArmBatch(arm), elastic=elastic_joints(arm), titles=(), notes=())
     elastic_joints(arm)
     correction = correction_of(arm)
     chain = chain_of(correction)
@@ -64,7 +65,12 @@ def batched(arm: Arm) -> BatchedArm:
             names=chain.names,
         ),
     )
-    return BatchedArm(batch=ChainBatch(arm, chain), elastic=elastic, notes=correction.notes)
+    return BatchedArm(
+        batch=ChainBatch(arm, chain),
+        elastic=elastic,
+        titles=correction.titles,
+        notes=correction.notes,
+    )
 
 
 class ChainBatch(ArmBatch):

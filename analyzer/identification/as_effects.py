@@ -1,26 +1,66 @@
-"""Structural axes as effects of an arm file: the same axis, in the gap workflow's words."""
+"""What was identified, in an arm: structural axes are effects, in the gap workflow's words."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.identification.records import AxisResult, Identification
-from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.protocols.arm.records import (
+    AddedEffect,
+    Arm,
+    EffectEvidence,
+    EffectParameter,
+    Estimate,
+)
 
-__all__ = ["axes_as_effects"]
+__all__ = ["identified_arm"]
 
 _TWO_SIDED_95 = 1.96
 
 
-def axes_as_effects(
+def identified_arm(
+    arm: Arm, result: Identification, *, source: str, session_sha256: str, created: str
+) -> Arm:
+    """Return a session's arm with what was identified; its text is still the old one.
+
+    Joints have the fitted stiffness and damping. Effects that were held stay; a structural axis
+    takes the place of the one that the arm had in that link.
+
+    Parameters
+    ----------
+    source
+        Of the values.
+    created
+        ISO 8601 time with its zone. An identification weighs no models against others: the
+        evidence of an axis has neither a gain nor a confidence.
+    """
+    by_name = {row.joint: row for row in result.joints}
+    axes = _axes_as_effects(result, session_sha256=session_sha256, created=created)
+    fitted = {(effect.name, effect.place) for effect in axes}
+    kept = [effect for effect in arm.effects if (effect.name, effect.place) not in fitted]
+    joints = tuple(
+        joint
+        if (row := by_name.get(joint.name)) is None
+        else replace(
+            joint,
+            stiffness=Estimate(
+                value=row.k_n_m_per_rad,
+                std=float(np.hypot(row.k_std, row.k_std_model)),
+                source=source,
+            ),
+            damping=Estimate(value=row.c_n_m_s_per_rad, std=row.c_std, source=source),
+        )
+        for joint in arm.joints
+    )
+    return replace(arm, joints=joints, effects=(*kept, *axes))
+
+
+def _axes_as_effects(
     result: Identification, *, session_sha256: str, created: str
 ) -> tuple[AddedEffect, ...]:
-    """Return what a session's fit found inside links, for an arm file.
-
-    `created`: ISO 8601 time with its zone. An identification weighs no models against others: the
-    evidence has neither a gain nor a confidence.
-    """
     evidence = EffectEvidence(
         gain_nats=None,
         held_out_gain_nats=None,

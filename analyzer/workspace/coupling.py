@@ -34,6 +34,7 @@ def sweep_coupling(
     *,
     joint: int,
     limits_rad: tuple[float, float],
+    batch: ArmBatch | None = None,
 ) -> CouplingSweep:
     """Sweep one joint, the others at zero, and follow the coupling of two.
 
@@ -42,14 +43,16 @@ def sweep_coupling(
     joint
         The joint swept (0-based), over `limits_rad`; its own range does not limit it, as in the
         paper, whose zeros lie outside it.
+    batch
+        Of an arm with effects; the plain arm's otherwise.
     """
     angle = np.linspace(*limits_rad, _N_ANGLES)
-    batch = ArmBatch(arm)
+    calculation = batch or ArmBatch(arm)
 
     def coupling(angles: Array) -> Array:
         q = np.zeros((len(angles), len(arm.joints)))
         q[:, joint] = angles
-        return batch.mass(q)
+        return calculation.masses(q)[0]
 
     mass = coupling(angle)
     i, j = pair

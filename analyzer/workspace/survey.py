@@ -69,7 +69,11 @@ def survey_workspace(
     if len(arm.joints) > SWEPT:
         middle = sum(arm.joints[SWEPT].range_rad) / 2
         sweep = sweep_coupling(
-            arm, (1, 2), joint=SWEPT, limits_rad=(middle - np.pi, middle + np.pi)
+            arm,
+            (1, 2),
+            joint=SWEPT,
+            limits_rad=(middle - np.pi, middle + np.pi),
+            batch=batch,
         )
     try:
         mapped = map_frequencies(arm, elastic, batch=batch)

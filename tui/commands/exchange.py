@@ -8,18 +8,17 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 
 from armodal import SOFTWARE
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.given_frfs import with_variances
-from armodal.analyzer.identification.as_effects import axes_as_effects
+from armodal.analyzer.identification.as_effects import identified_arm
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.modal import ModalModel, fit_modes, record_notes
 from armodal.daq.judge_imported import judged
-from armodal.protocols.arm.records import Estimate, PastSession
+from armodal.protocols.arm.records import PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import EstimateError, ForeignFileError
 from armodal.protocols.foreign.export_uff import ExportedMode, posture_uff
@@ -159,24 +158,14 @@ def export_model(
     arm = session.header.arm
     source = f"identified by {software} from session {session.header.session_id[:8]}"
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    axes = axes_as_effects(result, session_sha256=session_sha256, created=now)
-    fitted = {(effect.name, effect.place) for effect in axes}
-    kept = [effect for effect in arm.effects if (effect.name, effect.place) not in fitted]
+    found = identified_arm(arm, result, source=source, session_sha256=session_sha256, created=now)
+    fitted = {row.joint for row in result.joints}
+    joints = [joint for joint in found.joints if joint.name in fitted]
     text = text_with_effects(
         arm,
-        (*kept, *axes),
-        stiffness={
-            joint.joint: Estimate(
-                value=joint.k_n_m_per_rad,
-                std=float(np.hypot(joint.k_std, joint.k_std_model)),
-                source=source,
-            )
-            for joint in result.joints
-        },
-        damping={
-            joint.joint: Estimate(value=joint.c_n_m_s_per_rad, std=joint.c_std, source=source)
-            for joint in result.joints
-        },
+        found.effects,
+        stiffness={joint.name: joint.stiffness for joint in joints if joint.stiffness},
+        damping={joint.name: joint.damping for joint in joints if joint.damping},
         past=PastSession(session_sha256=session_sha256, by="armodal identify", created=now),
     )
     replace_text(path, text)

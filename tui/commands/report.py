@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated
 
@@ -83,7 +84,8 @@ def report(
         sections = []
         if workspace:
             say("workspace")
-            sections.append(workspace_section(measured.header.arm, result, workspace))
+            digest = sha256(session.read_bytes()).hexdigest()
+            sections.append(workspace_section(measured, result, workspace, session_sha256=digest))
         write_report(
             measured,
             result,

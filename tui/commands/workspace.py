@@ -13,11 +13,11 @@ import typer
 from rich.table import Table
 
 from armodal.analyzer.corrected.batch import batched
+from armodal.analyzer.identification.as_effects import identified_arm
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.report import ReportSection
 from armodal.analyzer.report.page_text import shown
 from armodal.analyzer.report.policy import under_policy
-from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.analyzer.workspace.study import WorkspaceStudy
 from armodal.analyzer.workspace.survey import (
     WorkspaceSurvey,
@@ -28,6 +28,7 @@ from armodal.analyzer.workspace.survey import (
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
+from armodal.protocols.session.records import Session
 from armodal.tui.commands.options import ArmName, Seed
 from armodal.tui.commands.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, progress
@@ -97,26 +98,36 @@ def survey_to_files(
     return value, study
 
 
-def workspace_section(arm: Arm, result: Identification, n_postures: int) -> ReportSection:
-    """The workspace with the joints' identified stiffness and damping, for the report."""
-    structure = result.fit.state.structure
+def workspace_section(
+    session: Session, result: Identification, n_postures: int, *, session_sha256: str
+) -> ReportSection:
+    """The workspace with what was identified and what was held beside it, for the report.
+
+    `session_sha256`: of the session file.
+    """
+    found = identified_arm(
+        session.header.arm,
+        result,
+        source=f"identified from session {session.header.session_id[:8]}",
+        session_sha256=session_sha256,
+        created=session.header.created,
+    )
+    ready = batched(found)
     survey = survey_workspace(
-        arm,
-        ElasticJoints(
-            joints=structure.joints,
-            stiffness_n_m_per_rad=structure.stiffness_n_m_per_rad,
-            damping_n_m_s_per_rad=structure.damping_n_m_s_per_rad,
-        ),
+        found,
+        ready.elastic,
         n_postures=n_postures,
+        batch=ready.batch,
         progress=told_progress("postures"),
     )
-    notes = list(survey.notes)
-    if structure.axes:
-        notes.append("structural axes are left out here: these are the modes of the joints alone")
     return ReportSection(
-        title="Workspace, with the identified stiffness and damping of the joints",
-        notes=tuple(notes),
-        figures=tuple(survey_figures(arm, survey)),
+        title="Workspace, with the identified stiffness and damping",
+        notes=(
+            *(f"computed with {title}" for title in ready.titles),
+            *ready.notes,
+            *survey.notes,
+        ),
+        figures=tuple(survey_figures(found, survey)),
     )
 
 
