@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -72,6 +72,11 @@ class Structure:
             np.zeros(len(self.joints) + len(self.axes)),
             None if self.held is None else self.held.mass,
         )
+
+    def held_alone(self) -> Structure:
+        """Return the same freedoms with joints that resist nothing: what is beside their own."""
+        still = np.zeros(len(self.joints))
+        return replace(self, stiffness_n_m_per_rad=still, damping_n_m_s_per_rad=still)
 
     def _filled(
         self, own: npt.NDArray[np.float64], held: npt.NDArray[np.float64] | None

@@ -68,6 +68,7 @@ class _Pairs:
     share: Array  # (n_pairs, n_joints) of strain energy
     squared_shape: Array  # (n_pairs, n_joints), unit modal mass
     damping: Array
+    beside: Array  # phiᵀ C phi of what damps beside the joints
     posture: Array
     mac: Array
 
@@ -85,7 +86,7 @@ def fit_by_penalty(
     Parameters
     ----------
     structure
-        Joints only; its stiffnesses are where the search starts.
+        Its joints' stiffnesses are where the search starts; axes and what is held stay.
     chosen
         Positions in `structure.joints`.
     added_mass_kg
@@ -134,7 +135,8 @@ def _paired(
     masses: tuple[Array, ...],
 ) -> _Pairs:
     k = structure.stiffness_n_m_per_rad
-    rows: list[tuple[float, float, Array, Array, float, int, float]] = []
+    rows: list[tuple[float, float, Array, Array, float, float, int, float]] = []
+    dampers = structure.held_alone().dampers()
     for number, (posture, mass) in enumerate(zip(postures, masses, strict=True)):
         if not posture.modes:
             continue
@@ -151,10 +153,13 @@ def _paired(
                 continue
             mode = posture.modes[i]
             f_model = float(np.sqrt(squares[j]) / (2 * np.pi))
-            square = vectors[:, j] ** 2
+            square = vectors[: len(k), j] ** 2
+            beside = float(vectors[:, j] @ dampers @ vectors[:, j])
             share = k * square / squares[j]
-            rows.append((mode.f_hz, f_model, share, square, mode.damping_ratio, number, mac))
-    columns = list(zip(*rows, strict=True)) or [()] * 7
+            rows.append(
+                (mode.f_hz, f_model, share, square, mode.damping_ratio, beside, number, mac)
+            )
+    columns = list(zip(*rows, strict=True)) or [()] * 8
     n = len(k)
     return _Pairs(
         f_measured=np.array(columns[0]),
@@ -162,8 +167,9 @@ def _paired(
         share=np.array(columns[2]).reshape(-1, n),
         squared_shape=np.array(columns[3]).reshape(-1, n),
         damping=np.array(columns[4]),
-        posture=np.array(columns[5], dtype=np.int64),
-        mac=np.array(columns[6]),
+        beside=np.array(columns[5]),
+        posture=np.array(columns[6], dtype=np.int64),
+        mac=np.array(columns[7]),
     )
 
 
@@ -201,11 +207,12 @@ def _damping(pairs: _Pairs) -> Array:
     rows = pairs.squared_shape / (4 * np.pi * pairs.f_model[:, None])
     scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0.0] = 1.0
-    return np.asarray(scipy.optimize.nnls(rows / scale, pairs.damping)[0] / scale)
+    own = pairs.damping - pairs.beside / (4 * np.pi * pairs.f_model)
+    return np.asarray(scipy.optimize.nnls(rows / scale, own)[0] / scale)
 
 
 def _rows(pairs: _Pairs, structure: Structure) -> tuple[PairedMode, ...]:
-    modal = pairs.squared_shape @ structure.damping_n_m_s_per_rad
+    modal = pairs.squared_shape @ structure.damping_n_m_s_per_rad + pairs.beside
     predicted = modal / (4 * np.pi * pairs.f_model)
     return tuple(
         PairedMode(

@@ -8,12 +8,13 @@ import numpy as np
 
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.penalty import PenaltyFit, fit_by_penalty
 from armodal.analyzer.identification.prediction import roving_mass
 from armodal.analyzer.identification.records import Identification
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import ArmError, EstimateError
+from armodal.protocols.errors import EstimateError
 from armodal.protocols.session.records import Session
 
 __all__ = ["SessionPenalty", "chosen_joints", "penalty_of_session"]
@@ -67,24 +68,21 @@ def penalty_of_session(
     """Fit the chosen joints by Eq. (13) to the modes of all postures but those for validation.
 
     As in file 002, section 5, every joint starts from its one-joint stiffness where it has a mode
-    of its own, else from the arm file's belief; those not chosen stay there. Structural axes are
-    no part of this method: modes with their shapes find no partner and have no say.
+    of its own, else from the arm file's belief; those not chosen stay there. Structural axes that
+    the fit found are no part of this method: modes with their shapes find no partner and have no
+    say. The arm file's own axes and other effects stay as the file has them.
 
     Raises
     ------
     EstimateError
         As `fit_by_penalty` does.
     ArmError
-        If the arm file has effects.
+        If an effect of the arm file cannot stay as it is while joints are fitted.
     """
-    arm = session.header.arm
-    if arm.effects:
-        named = ", ".join(f"{effect.name} ({effect.place})" for effect in arm.effects)
-        raise ArmError(
-            f"arm '{arm.name}': wanted an arm without effects for eq13, which knows joints alone, "
-            f"got {named}; leave --method eq13 out"
-        )
-    superset, structure = Superset(arm), believed_structure(arm)
+    ready = held_arm(session.header.arm)
+    arm = ready.arm
+    superset = Superset(arm)
+    structure = replace(believed_structure(arm), axes=ready.axes, held=ready.held)
     own = {row.joint: row.k_one_joint_n_m_per_rad for row in result.joints}
     names = tuple(arm.joints[joint].name for joint in structure.joints)
     start = np.array(

@@ -39,6 +39,10 @@ def joint_results(
     std, dof = fit.scatter.std(), fit.scatter.degrees_of_freedom()
     n = len(structure.joints)
     believed = believed_structure(superset.arm)
+    beside = structure.held_alone()
+    mass, spring, damper = (
+        np.diag(matrix) for matrix in (beside.held_mass(), beside.springs(), beside.dampers())
+    )
     results = []
     for i, joint in enumerate(structure.joints):
         k, c = structure.stiffness_n_m_per_rad[i], structure.damping_n_m_s_per_rad[i]
@@ -48,8 +52,9 @@ def joint_results(
             at, mode = own
             inertia = moments_about_joints(superset.arm, measured[at].dynamics.T_base_link)[joint]
             f_hz, posture = mode.f_hz, frfs[at].posture
-            one_k = float((2 * np.pi * f_hz) ** 2 * inertia)  # 000 Eq. (1), 002 Eq. (11)
-            one_c = mode.damping_ratio * one_k / (np.pi * f_hz)  # 000 Eq. (2), 002 Eq. (12)
+            whole = (2 * np.pi * f_hz) ** 2 * (inertia + mass[i])  # 000 Eq. (1), 002 Eq. (11)
+            one_k = float(whole - spring[i])
+            one_c = float(mode.damping_ratio * whole / (np.pi * f_hz) - damper[i])  # Eqs. (2), (12)
         results.append(
             JointResult(
                 joint=superset.arm.joints[joint].name,

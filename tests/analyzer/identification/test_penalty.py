@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.added import any_of, axis, with_effects
 from support.made_modes import dofs_of, made_modes, mode_of
 from support.plain_arm import TESTS_DEG
 from support.small_fit import true_structure
 from support.viper_session import true_values, viper_result, viper_session
 
 from armodal.analyzer.arm.reduced import model_modes, reduce_model
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.penalty import fit_by_penalty
 from armodal.analyzer.identification.penalty_of_session import chosen_joints, penalty_of_session
@@ -182,3 +185,26 @@ def test_wrong_joints_are_refused(wanted, message, tmp_path_factory):
     arm = viper_session(tmp_path_factory.getbasetemp()).header.arm
     with pytest.raises(EstimateError, match=message):
         chosen_joints(arm, wanted)
+
+
+def test_effects_of_the_arm_file_stay_and_their_damping_is_no_joint_s(arm):
+    effects = [any_of(arm, kind) for kind in ("bearing", "coupling", "payload", "rotor")]
+    ready = held_arm(with_effects(arm, axis("elbow"), *effects))
+    superset = Superset(ready.arm)
+    held = replace(ready.held, damping=1e-3 * ready.held.damping)
+    axes = tuple(
+        replace(own, damping_n_m_s_per_rad=1e-3 * own.damping_n_m_s_per_rad) for own in ready.axes
+    )
+    truth = replace(lightly_damped(), axes=axes, held=held)
+    found = fit_by_penalty(
+        superset, guessed(truth, (0, 1, 2)), all_modes(superset, truth), (0, 1, 2)
+    )
+    assert found.left_out == 0
+    np.testing.assert_allclose(
+        found.structure.stiffness_n_m_per_rad, truth.stiffness_n_m_per_rad, rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        found.structure.damping_n_m_s_per_rad, truth.damping_n_m_s_per_rad, rtol=1e-3
+    )
+    for pair in found.pairs:
+        assert pair.predicted_damping == pytest.approx(pair.measured_damping, rel=1e-3)
