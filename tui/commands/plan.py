@@ -8,17 +8,17 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from armodal.analyzer.corrected.loaded import loaded_arm
 from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.planning.beside import other_plan
 from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.spectrum import elastic_joints
-from armodal.protocols.arm.files import ARMS_DIRECTORY, shipped_arms
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
 from armodal.protocols.errors import PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
 from armodal.tui.commands.options import ArmName, Seed
-from armodal.tui.commands.plain_arm import plain_arm
 from armodal.tui.commands.plan_json import made_json, plan_json
 from armodal.tui.commands.plan_tables import made_lines, plan_tables
 from armodal.tui.console import Json, out, print_json, progress, say_next
@@ -54,7 +54,8 @@ def plan_command(
 
     Example: armodal plan viper_s650 --out viper-plan.toml
     """
-    the_arm = plain_arm(arm)
+    loaded = loaded_arm(load_arm(arm))
+    the_arm = loaded.arm
     elastic = elastic_joints(the_arm)
     other = other_plan(the_arm, elastic, beside)
     home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
@@ -74,7 +75,8 @@ def plan_command(
         write_new_text(out_path, made.text, error=PlanError)
     if as_json:
         told = plan_json(found, other) | made_json(made)
-        print_json(told | {"plan": None if out_path is None else str(out_path)})
+        file = None if out_path is None else str(out_path)
+        print_json(told | {"notes": list(loaded.notes), "plan": file})
         return
     for table in plan_tables(found, other, made.inertia_std):
         out.print(table)
@@ -83,6 +85,8 @@ def plan_command(
     if found.not_isolated:
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
         out.print(f"no test shows {names} alone: identify by the fit of all modes")
+    for note in loaded.notes:
+        out.print(f"note: {note}")
     if out_path is not None:
         out.print(f"plan {out_path}")
         say_next(f"run {out_path} --arm {arm}")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 
 import pytest
-from support.added import axis
+from support.added import any_of, axis
 from typer.testing import CliRunner
 
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmodalError
+from armodal.protocols.plan import load_plan
 from armodal.tui.cli import app
 
 POSTURE = "--posture=0,30,30,0,90,0"
@@ -67,6 +68,22 @@ def test_a_plan_for_an_arm_with_effects_is_refused_by_name(corrected):
     result = CliRunner().invoke(app, ["plan", corrected])
     assert isinstance(result.exception, ArmodalError)
     assert "got the effects link_axis (shoulder)" in str(result.exception)
+
+
+def test_a_plan_for_an_arm_with_a_payload_is_of_the_loaded_links(tmp_path):
+    arm = load_arm("rv4frl")
+    path, plan = tmp_path / "arm.toml", tmp_path / "plan.toml"
+    path.write_text(text_with_effects(arm, [any_of(arm, "payload")]), encoding="utf-8")
+    arguments = ["--tests=3", "--out", str(plan), "--json"]
+    with_load, without = (
+        json.loads(CliRunner().invoke(app, ["plan", own, *rest]).stdout)
+        for own, rest in ((str(path), arguments), ("rv4frl", ["--tests=3", "--json"]))
+    )
+    assert load_plan(plan, load_arm(path)).fixed_point == with_load["hit_point"]
+    (note,) = with_load["notes"]
+    assert "the room it takes is not known" in note
+    assert without["notes"] == []
+    assert with_load["most_selective"] != without["most_selective"]
 
 
 def test_the_tool_gives_way_more_with_what_effects_let_give_way(corrected):
