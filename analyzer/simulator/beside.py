@@ -21,7 +21,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 
-__all__ = ["PostureBeside", "beside_simulator"]
+__all__ = ["PostureBeside", "beside_simulator", "simulated_arm"]
 
 Array = npt.NDArray[np.float64]
 
@@ -65,7 +65,7 @@ def beside_simulator(
     found: dict[str, tuple[FrequencyResponse, ...]] = {}
     for when, arm in (("plain", plain), ("corrected", corrected)):
         tell(f"hits on the {when} arm, in time")
-        found[when] = _frfs(simulated_session(chosen, _simulated_arm(arm, source, mujoco)))
+        found[when] = _frfs(simulated_session(chosen, simulated_arm(arm, source, mujoco)))
     held_out = {p.name for p in session.header.plan.postures if p.validation}
     top_hz = _ABOVE * _highest(corrected, measured)
     return tuple(
@@ -94,7 +94,8 @@ def _frfs(session: Session) -> tuple[FrequencyResponse, ...]:
     return estimate_frfs(session, Superset(session.header.arm))
 
 
-def _simulated_arm(arm: Arm, source: Path, mujoco: Any) -> SimulatedArm:
+def simulated_arm(arm: Arm, source: Path, mujoco: Any) -> SimulatedArm:
+    """Return a user's MJCF with an arm's springs and effects in it."""
     tree = ready_for_export(arm).tree
     text, _ = patched_mjcf(arm, tree, source, source, mujoco)
     bodies, before = link_bodies(arm, source, mujoco)

@@ -7,6 +7,7 @@ hit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import Any
@@ -21,11 +22,11 @@ from armodal.protocols.arm.records import Arm, Point
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.session.records import Hit, Session
 
-__all__ = ["SimulatedArm", "first_hits", "simulated_session"]
+__all__ = ["HELD", "SimulatedArm", "first_hits", "simulated_session", "standing_model"]
 
 Array = npt.NDArray[np.float64]
 
-_HELD = 1e9  # kg m^2 of a driven joint: it does not move
+HELD = 1e9  # kg m^2 of a driven joint: it does not move
 _STABLE = 1.3  # of a fourth-order Runge-Kutta step times omega; beyond 2.8 it is unstable
 _FEWEST_STEPS = 8  # a force is even over a step: half of one is a delay
 _MOST_STEPS = 128  # of the simulation, a sample
@@ -79,20 +80,8 @@ def _of_posture(session: Session, own: SimulatedArm, hits: list[Hit]) -> list[Hi
     mujoco: Any = own.mujoco
     points = {point.id: point for point in own.arm.points}
     sensors = list(dict.fromkeys(hit.sensor_point for hit in hits))
-    spec = mujoco.MjSpec.from_string(own.text)
-    for name in sensors:
-        _add_sensor(mujoco, spec, own, points[name])
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    spec.option.disableflags = (
-        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    )
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    _rest(mujoco, model, data, own, _angles(hits))
-    n_steps = _steps_of_sample(
-        mujoco, model, data, own, float(session.header.plan.sampling.rate_hz)
-    )
-    model.opt.timestep = 1.0 / (n_steps * float(session.header.plan.sampling.rate_hz))
+    rate_hz = float(session.header.plan.sampling.rate_hz)
+    model, data, n_steps = standing_model(own, sensors, _angles(hits), rate_hz)
     force, acceleration, columns = active_channels(session)
     control, starts = [], []
     state = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
@@ -132,6 +121,33 @@ def _of_posture(session: Session, own: SimulatedArm, hits: list[Hit]) -> list[Hi
             counts[:, column] = np.round(seen[:, axis] / channel.scale).astype(counts.dtype)
         found.append(replace(hit, counts=counts))
     return found
+
+
+def standing_model(
+    own: SimulatedArm, sensors: Sequence[str], angles: Array, rate_hz: float
+) -> tuple[Any, Any, int]:
+    """Return model and data of the arm at rest, accelerometers last, and steps of a sample.
+
+    Raises
+    ------
+    EstimateError
+        If a spring is too stiff to be followed.
+    """
+    mujoco: Any = own.mujoco
+    points = {point.id: point for point in own.arm.points}
+    spec = mujoco.MjSpec.from_string(own.text)
+    for name in sensors:
+        _add_sensor(mujoco, spec, own, points[name])
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.disableflags = (
+        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    )
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    _rest(mujoco, model, data, own, angles)
+    n_steps = _steps_of_sample(mujoco, model, data, own, rate_hz)
+    model.opt.timestep = 1.0 / (n_steps * rate_hz)
+    return model, data, n_steps
 
 
 def _angles(hits: list[Hit]) -> Array:
@@ -175,7 +191,7 @@ def _rest(mujoco: Any, model: Any, data: Any, own: SimulatedArm, angles: Array) 
     for joint, angle in zip(own.arm.joints, angles, strict=True):
         at = model.joint(joint.name)
         data.qpos[at.qposadr[0]] = angle
-        model.dof_armature[at.dofadr[0]] = _HELD
+        model.dof_armature[at.dofadr[0]] = HELD
     model.actuator_gainprm[:] = 0.0
     model.actuator_biasprm[:] = 0.0
     mujoco.mj_forward(model, data)

@@ -87,6 +87,10 @@ def gap_command(
     model: Annotated[
         Path | None, typer.Option(help="With --simulator: your MJCF of the arm.")
     ] = None,
+    motion: Annotated[
+        Path | None,
+        typer.Option(help="With --simulator: a log of motion (CSV), in place of the hits."),
+    ] = None,
     folder: Annotated[
         Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
     ] = Path("gap-lab"),
@@ -101,14 +105,14 @@ def gap_command(
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
-    if simulator is not None or model is not None:
+    if simulator is not None or model is not None or motion is not None:
         refuse_idle(
             context,
             (*_OF_LAB, "more", "arm_out", "lab"),
             here="--simulator",
             there="the search",
         )
-        show_simulator(session, arm, simulator, model, html, as_json=as_json)
+        show_simulator(session, arm, simulator, model, motion, html, as_json=as_json)
         return
     if lab == (session is not None):
         raise SessionError(

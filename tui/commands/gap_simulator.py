@@ -1,4 +1,4 @@
-"""`armodal gap --simulator mujoco`: a session's hits in the user's own simulator."""
+"""`armodal gap --simulator mujoco`: hits, or a trajectory, in the user's own simulator."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from armodal.analyzer.export.by_mujoco import load_mujoco
 from armodal.analyzer.report.policy import under_policy
 from armodal.analyzer.simulator.beside import PostureBeside, beside_simulator
 from armodal.protocols.arm.files import load_arm
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
+from armodal.tui.commands.gap_motion import show_motion
 from armodal.tui.console import out, print_json, say
 from armodal.tui.output_file import check_output
 
@@ -27,39 +29,27 @@ def show_simulator(
     arm: str | None,
     simulator: str | None,
     model: Path | None,
+    motion: Path | None,
     html: Path | None,
     *,
     as_json: bool,
 ) -> None:
-    """Simulate the hits with the session's own arm and with the corrected one, and compare.
+    """Simulate hits, or a log of motion, with the session's own arm and the corrected one.
 
     Raises
     ------
-    SessionError, ArmError, EstimateError
-        If something is missing, or the model is not of this arm.
+    SessionError, ArmError, EstimateError, ForeignFileError
+        If something is missing, the log is faulty, or the model is not of this arm.
     """
-    if simulator != "mujoco" or model is None or session is None or arm is None:
-        missing = [
-            name
-            for name, value in (
-                ("a session", session),
-                ("--simulator mujoco", simulator if simulator == "mujoco" else None),
-                ("--model with your MJCF", model),
-                ("--arm with the corrected arm file", arm),
-            )
-            if value is None
-        ]
-        raise SessionError(
-            f"wanted {' and '.join(missing)} for the gap in a simulator, got none; such as "
-            "`armodal gap demo/demo.h5 --arm demo/demo.arm.toml --simulator mujoco --model "
-            "robot.xml`"
-        )
+    session, model, corrected = _wanted(session, arm, simulator, model)
+    if motion is not None and html is not None:
+        raise SessionError("wanted --html with a session's hits only, got it with --motion too")
     if html is not None:
         check_output(html, session, model)
-    corrected = load_arm(arm)
-    if not corrected.effects:
-        raise ArmError(f"{arm}: wanted a corrected arm file, got one without [[effects]]")
     measured = read_session(session)
+    if motion is not None:
+        show_motion(measured.header.arm, corrected, model, motion, as_json=as_json)
+        return
     rows = beside_simulator(measured, measured.header.arm, corrected, model, load_mujoco(), say)
     if html is not None:
         replace_text(html, _page(corrected.name, rows))
@@ -80,6 +70,38 @@ def show_simulator(
     if html is not None:
         out.print(f"page {html}")
     out.print("next: armodal export ARM --mjcf OUT --from YOURS writes the corrected model")
+
+
+def _wanted(
+    session: Path | None, arm: str | None, simulator: str | None, model: Path | None
+) -> tuple[Path, Path, Arm]:
+    """Return session, MJCF and corrected arm.
+
+    Raises
+    ------
+    SessionError, ArmError
+        If one is missing; all that are missing are named.
+    """
+    if simulator != "mujoco" or model is None or session is None or arm is None:
+        missing = [
+            name
+            for name, value in (
+                ("a session", session),
+                ("--simulator mujoco", simulator if simulator == "mujoco" else None),
+                ("--model with your MJCF", model),
+                ("--arm with the corrected arm file", arm),
+            )
+            if value is None
+        ]
+        raise SessionError(
+            f"wanted {' and '.join(missing)} for the gap in a simulator, got none; such as "
+            "`armodal gap demo/demo.h5 --arm demo/demo.arm.toml --simulator mujoco --model "
+            "robot.xml`"
+        )
+    corrected = load_arm(arm)
+    if not corrected.effects:
+        raise ArmError(f"{arm}: wanted a corrected arm file, got one without [[effects]]")
+    return session, model, corrected
 
 
 def _json(row: PostureBeside) -> dict[str, object]:

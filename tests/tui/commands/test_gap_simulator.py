@@ -19,6 +19,7 @@ from armodal.tui.cli import app
             ("s.h5", "--simulator=mujoco", "--model=m.xml", "--arm=rv4frl"),
             "got one without [[effects]]",
         ),
+        (("s.h5", "--motion=l.csv"), "wanted --simulator mujoco and --model with your MJCF"),
         (("s.h5", "--simulator=mujoco", "--budget=2"), "wanted --budget with the search only"),
     ],
 )
