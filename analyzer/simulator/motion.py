@@ -24,7 +24,7 @@ from armodal.analyzer.export.exported import BELOW_HZ
 from armodal.analyzer.simulator.beside import simulated_arm
 from armodal.analyzer.simulator.in_time import HELD, SimulatedArm, standing_model
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import EstimateError
+from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.foreign.motion_log import MotionLog
 
 __all__ = ["PointBeside", "beside_motion"]
@@ -62,6 +62,7 @@ def beside_motion(
     ArmError, EstimateError
         If the file is not of this arm, the log is too short or too slow, or the simulation fails.
     """
+    _check_arms(log, plain, corrected)
     band_hz = _band(log, corrected)
     n = int(np.ceil(_SETTLED * log.rate_hz / band_hz[0]))
     if len(log.angles_rad) < 4 * n:
@@ -92,6 +93,20 @@ def beside_motion(
             )
         )
     return tuple(rows)
+
+
+def _check_arms(log: MotionLog, plain: Arm, corrected: Arm) -> None:
+    """One log serves both: their joints and the points with sensors are the same."""
+    joints, others = ([joint.name for joint in arm.joints] for arm in (plain, corrected))
+    lacking = sorted(set(log.acceleration_m_s2) - {point.id for point in plain.points})
+    if joints != others or lacking:
+        raise ArmError(
+            f"wanted the joints {', '.join(others)} and the points "
+            f"{', '.join(log.acceleration_m_s2)} of arm '{corrected.name}' in the session's arm "
+            f"'{plain.name}' too, got the joints {', '.join(joints)}"
+            f"{', without points ' + ', '.join(lacking) if lacking else ''}; give the arm file "
+            "that came from this session"
+        )
 
 
 def _band(log: MotionLog, arm: Arm) -> tuple[float, float]:

@@ -24,6 +24,7 @@ Array = npt.NDArray[np.float64]
 
 _EVEN = 0.1  # of a period that a time may be off: the angles are differentiated twice
 _FEWEST_ROWS = 200
+_BEYOND_RAD = 0.05  # that an arm may overrun its range
 _LIMIT = 500_000_000  # bytes
 _NAMED = 5  # faults of one kind that are told by row
 
@@ -53,8 +54,8 @@ def read_motion_log(path: Path, arm: Arm) -> MotionLog:
     Raises
     ------
     ForeignFileError
-        If it cannot be read, a column is missing, a value is no number, or its time is not even;
-        all faults of the columns, or of the rows, at once.
+        If it cannot be read, a column is missing, a value is no number, its time is not
+        even, or a joint is where it cannot be; all faults of the columns, or of the rows, at once.
     """
     text = read_text(path, what="log of motion", limit_bytes=_LIMIT, error=ForeignFileError)
     rows = [row for row in csv.reader(text.splitlines()) if row]
@@ -74,6 +75,9 @@ def read_motion_log(path: Path, arm: Arm) -> MotionLog:
         return np.asarray(np.deg2rad(np.stack([column[name] for name in wanted], axis=1)))
 
     encoder, command = of_joints("encoder"), of_joints("command")
+    for angles in (encoder, command):
+        if angles is not None:
+            _check_ranges(path, angles, arm)
     acceleration = {}
     for point in arm.points:
         own = _of_point(point.id)
@@ -116,6 +120,24 @@ def _check_columns(path: Path, names: list[str], arm: Arm) -> None:
         raise ForeignFileError(
             f"{path.name}: wanted {'; '.join(faults)}; got the columns "
             f"{', '.join(names) or 'none'}; name them so, with these units"
+        )
+
+
+def _check_ranges(path: Path, angles: Array, arm: Arm) -> None:
+    """Angles in another unit are mostly where the joints cannot be."""
+    beyond = []
+    for joint, own in zip(arm.joints, angles.T, strict=True):
+        low, high = joint.range_rad
+        if own.min() < low - _BEYOND_RAD or own.max() > high + _BEYOND_RAD:
+            seen, limits = np.rad2deg([own.min(), own.max()]), np.rad2deg([low, high])
+            beyond.append(
+                f"{joint.name} within {limits[0]:.4g} to {limits[1]:.4g} deg, got {seen[0]:.4g} to "
+                f"{seen[1]:.4g}"
+            )
+    if beyond:
+        raise ForeignFileError(
+            f"{path.name}: wanted {'; '.join(beyond)}; give degrees of the joints as the arm file "
+            "counts them"
         )
 
 

@@ -1,5 +1,7 @@
 """A log of motion beside somebody's MJCF, against the linear equations of small motions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.signal
@@ -11,6 +13,7 @@ from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.simulator.motion import beside_motion
+from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.foreign.motion_log import MotionLog
 
 mujoco = pytest.importorskip("mujoco")
@@ -82,3 +85,18 @@ def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
     assert true.error_before > 0.1
     assert null.error_before < 0.02
     assert null.error_after > 0.1
+
+
+def test_a_log_of_other_joints_or_points_is_refused(arm, model):
+    other = replace(arm, name="other", points=arm.points[1:])
+    log = logged(arm, arm, seconds=1.0)
+    with pytest.raises(ArmError, match="without points 1; give"):
+        beside_motion(log, other, arm, model, mujoco, lambda _: None)
+
+
+def test_a_short_or_slow_log_is_refused(arm, model):
+    log = logged(arm, arm, seconds=1.0)
+    with pytest.raises(EstimateError, match="wanted a log of at least"):
+        beside_motion(log, arm, arm, model, mujoco, lambda _: None)
+    with pytest.raises(EstimateError, match="rows a second"):
+        beside_motion(replace(log, rate_hz=20.0), arm, arm, model, mujoco, lambda _: None)

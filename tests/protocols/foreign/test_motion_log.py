@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.motion_log import read_motion_log
 
@@ -19,6 +20,10 @@ def written(folder, names, values=None, lines=()):
     rng = np.random.default_rng(1)
     if values is None:
         values = np.column_stack([0.002 * np.arange(N), rng.normal(size=(N, len(names) - 1))])
+        for joint in load_arm("rv4frl").joints:
+            for i, name in enumerate(names):
+                if name.startswith(joint.name):
+                    values[:, i] += np.rad2deg(np.mean(joint.range_rad))
     rows = [",".join(repr(float(v)) for v in row) for row in values]
     for number, text in lines:
         rows[number - 2] = text
@@ -76,6 +81,16 @@ def test_faulty_rows_and_a_clock_that_jumps_are_told_by_line(arm, tmp_path):
     )
     values[:, 0] = 0.0
     assert "a time_s that grows" in refused(written(tmp_path, names, values)[0], arm)
+
+
+def test_angles_in_another_unit_are_told_by_joint(arm, tmp_path):
+    path, values = written(tmp_path, columns(arm))
+    values[:, 2:4] *= 1000.0
+    written(tmp_path, columns(arm), values)
+    said = refused(path, arm)
+    assert "joint_2 within" in said
+    assert "joint_3 within" in said
+    assert "joint_4" not in said
 
 
 def test_a_file_that_is_short_empty_or_not_there_is_one_message(arm, tmp_path):
