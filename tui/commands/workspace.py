@@ -30,7 +30,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.tui.commands.options import ArmName, Seed
 from armodal.tui.commands.worker_processes import worker_processes
-from armodal.tui.console import Json, out, print_json, progress
+from armodal.tui.console import Json, out, print_json, progress, say_next
 from armodal.tui.console import progress as told_progress
 
 __all__ = ["app", "workspace_section"]
@@ -185,3 +185,4 @@ def workspace_command(
     for note in value["notes"]:
         out.print(f"note: {note}")
     out.print(f"page   {value['page']}\narrays {value['arrays']}")
+    say_next(f"plan {arm}", "postures, hits and points that identify its joints")
