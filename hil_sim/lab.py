@@ -8,7 +8,6 @@ import select
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -16,6 +15,7 @@ from types import TracebackType
 from typing import Self
 
 from armodal.hil_sim.rehearsal import Rehearsal, write_rehearsal
+from armodal.hil_sim.temporary import new_lab_folder
 from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError, PlantError
 
 __all__ = ["Laboratory", "launch", "start_laboratory"]
@@ -150,7 +150,7 @@ def start_laboratory(
     DeviceTimeoutError, DeviceLostError
         If it does not become ready.
     """
-    temporary = Path(tempfile.mkdtemp(prefix="armodal-")) if directory is None else None
+    temporary = new_lab_folder() if directory is None else None
     home = directory or temporary or Path()
     command = [sys.executable, "-m", "armodal.hil_sim", "--seed", str(seed)]
     command += ["--time-scale", str(time_scale), "--directory", str(home), "--watch-stdin"]

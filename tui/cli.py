@@ -104,7 +104,7 @@ class _Armodal(TyperGroup):
 
 
 app = typer.Typer(
-    cls=_Armodal, no_args_is_help=False, add_completion=False, pretty_exceptions_enable=False
+    cls=_Armodal, no_args_is_help=False, add_completion=True, pretty_exceptions_enable=False
 )
 
 
@@ -138,7 +138,7 @@ def _armodal(
 def main() -> None:
     """Run the command line: a user's mistake is one message and exit code 2."""
     try:
-        app(standalone_mode=True)
+        app(prog_name="armodal", standalone_mode=True)
     except ArmodalError as error:
         err.print(f"armodal: {error}")
         sys.exit(USER_ERROR)

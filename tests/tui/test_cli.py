@@ -59,6 +59,18 @@ def test_every_command_has_help_with_an_example(command):
     assert "completion" not in said.stdout
 
 
+@pytest.mark.parametrize(
+    ("typed", "wanted"), [("armodal ident", "identify"), ("armodal devices --js", "--json")]
+)
+def test_a_shell_completes_commands_and_options(monkeypatch, typed, wanted):
+    monkeypatch.setenv("_ARMODAL_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", typed)
+    monkeypatch.setenv("COMP_CWORD", str(typed.count(" ")))
+    said = armodal()
+    assert said.returncode == 0
+    assert said.stdout.split() == [wanted]
+
+
 def test_a_command_that_is_mistyped_is_told_the_one_that_was_meant():
     said = process("identfy")
     assert said.returncode == 2

@@ -16,7 +16,7 @@ from armodal.daq.serial_port import SerialPort
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.check_session import session_checks
-from armodal.tui.console import Json, TimeScale, err, out, print_json, say
+from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
 from armodal.tui.this_system import check_runs_devices
 
 __all__ = ["app"]
@@ -65,7 +65,7 @@ def check_board_command(
         only=step or (),
         tell=_tell,
     )
-    _finish(report, as_json=as_json)
+    _finish(report, "board", port, as_json=as_json)
 
 
 @app.command("can")
@@ -90,7 +90,7 @@ def check_can_command(
         only=step or (),
         tell=_tell,
     )
-    _finish(report, as_json=as_json)
+    _finish(report, "can", channel, as_json=as_json)
 
 
 @app.command("session")
@@ -109,7 +109,10 @@ def check_session_command(
         print_json(value)
     else:
         out.print(table)
-    if any(row["fault"] for row in value["checks"]):
+    faulty = any(row["fault"] for row in value["checks"])
+    if not as_json:
+        say_next(f"review {session}" if faulty else f"fit {session}")
+    if faulty:
         raise typer.Exit(FAILED)
 
 
@@ -132,7 +135,7 @@ def _tell(news: StepResult | str) -> None:
         err.print(f"  {news.verdict}: {news.came}")
 
 
-def _finish(report: Report, *, as_json: bool) -> None:
+def _finish(report: Report, kind: str, port: str, *, as_json: bool) -> None:
     if as_json:
         print_json(report.as_json())
     else:
@@ -142,6 +145,9 @@ def _finish(report: Report, *, as_json: bool) -> None:
                 out.print(f"{step.title}: {step.hint}")
         counts = ", ".join(f"{report.count(verdict)} {verdict}" for verdict in Verdict)
         out.print(f"{report.device}: {counts}")
+        passed = (f"run PLAN --{kind} {port}", "")
+        failed = (f"check {kind} {port}", "once what is said above is put right")
+        say_next(*(passed if report.passed else failed))
     if not report.passed:
         raise typer.Exit(FAILED)
 

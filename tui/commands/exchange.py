@@ -254,9 +254,8 @@ def export_command(
     if mjcf is not None or urdf is not None or sdf is not None:
         of_session = ("output", "modes", "binary", "model", "band")
         refuse_idle(context, of_session, here="--mjcf, --urdf or --sdf", there="a session")
-        print_export(
-            export_arm(str(session), mjcf=mjcf, urdf=urdf, sdf=sdf, own=own), as_json=as_json
-        )
+        found = export_arm(str(session), mjcf=mjcf, urdf=urdf, sdf=sdf, own=own)
+        print_export(str(session), found, as_json=as_json)
         return
     refuse_idle(context, ("own",), here="a session", there="--mjcf or --urdf")
     path = output or session.with_suffix(".uff")
@@ -286,3 +285,4 @@ def export_command(
         out.print(f"note: {text}")
     if model is not None:
         out.print(f"model {model}")
+    say_next(f"report {session}")

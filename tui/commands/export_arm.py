@@ -17,7 +17,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.console import out, print_json
+from armodal.tui.console import out, print_json, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["export_arm", "print_export"]
@@ -72,8 +72,8 @@ def export_arm(
     return found
 
 
-def print_export(found: dict[str, Any], *, as_json: bool) -> None:
-    """Print what `export_arm` did."""
+def print_export(arm: str, found: dict[str, Any], *, as_json: bool) -> None:
+    """Print what `export_arm` did of an arm file."""
     if as_json:
         print_json(found)
         return
@@ -90,6 +90,7 @@ def print_export(found: dict[str, Any], *, as_json: bool) -> None:
         out.print(f"note: {note}")
     for path in found["files"]:
         out.print(f"written {path}")
+    say_next(f"predict --arm {arm} --posture=DEG,DEG,...", "to compare with your simulator")
 
 
 def _write(path: Path, text: str, found: dict[str, Any], notes: tuple[str, ...]) -> None:

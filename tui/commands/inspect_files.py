@@ -11,7 +11,7 @@ import typer
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.looked_at import LookedAt, look_at
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app", "guess_json", "is_manifest", "manifest_beside", "unanswered"]
 
@@ -107,6 +107,7 @@ def inspect_command(
         for why in errors.values():
             out.print(f"refused: {why}")
         _show_manifest(guess, question)
+        _say_next(looked, guess)
     if errors:
         raise typer.Exit(_USER_ERROR)
 
@@ -178,3 +179,15 @@ def _show_manifest(guess: Guess | None, question: str) -> None:
             out.print(f"needs `responses`: {doubt.why}")
     out.print("manifest:")
     out.print(guess.text.rstrip("\n"))
+
+
+def _say_next(looked: list[LookedAt], guess: Guess | None) -> None:
+    """Say how to import what was read; nothing where nothing could be."""
+    if guess is None:
+        return
+    if guess.doubts:
+        why = "with the manifest above kept as MANIFEST.toml, what it needs filled in"
+        say_next("import MANIFEST.toml --out session.h5", why)
+    else:
+        names = " ".join(str(one.path) for one in looked)
+        say_next(f"import {names} --out session.h5")

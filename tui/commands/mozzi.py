@@ -21,7 +21,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.tui.commands.options import ArmName, Seed, comma_numbers
-from armodal.tui.console import Json, out, print_json
+from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]
 
@@ -210,6 +210,7 @@ def mozzi_command(
         for row in rows:
             angles = " ".join(f"{angle:7.1f}" for angle in row["posture_deg"])
             out.print(f"{1e3 * row['displacement_m']:9.4f} mm  at {angles} deg")
+        say_next(f"workspace {arm}", "frequencies over all postures")
         return
     if (posture is None) == (wrist is None):
         raise ArmError(
@@ -226,3 +227,4 @@ def mozzi_command(
         return
     for table in deflection_tables(the_arm, found, lines):
         out.print(table)
+    say_next(f"workspace {arm}", "frequencies over all postures")

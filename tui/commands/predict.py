@@ -20,7 +20,7 @@ from armodal.protocols.errors import ArmError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.commands.arm_prediction import arm_prediction_json, arm_prediction_table
 from armodal.tui.commands.options import comma_numbers, refuse_idle
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app"]
 
@@ -166,6 +166,8 @@ def _of_arm(
         out.print(arm_prediction_table(prediction))
     for note in notes:
         out.print(f"note: {note}")
+    posture = ",".join(f"{angle:g}" for angle in asked[0])
+    say_next(f"shaper {source} --posture={posture}", "a path that does not excite these modes")
 
 
 def _of_session(session: Path, asked: list[list[float]], *, as_json: bool) -> None:
@@ -186,3 +188,4 @@ def _of_session(session: Path, asked: list[list[float]], *, as_json: bool) -> No
             out.print(table)
     for note in notes:
         out.print(f"note: {note}")
+    say_next(f"report {session}", "holds predictions against postures that were measured")

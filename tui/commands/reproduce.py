@@ -20,7 +20,7 @@ from armodal.analyzer.reproduce.file_002 import figures_002
 from armodal.analyzer.reproduce.records import Figure, FittedModel, Status
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
 from armodal.protocols.inertia_targets import load_inertia_targets
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app"]
 
@@ -162,3 +162,4 @@ def reproduce_command(
             f"{model.arm}: {model.parameters} parameter(s) fitted to {model.figures} figures: "
             f"{model.words}"
         )
+    say_next("demo", "a whole test of an arm in the simulated laboratory")

@@ -31,7 +31,7 @@ from armodal.protocols.errors import ArmError
 from armodal.protocols.session.records import Session
 from armodal.tui.commands.options import ArmName, Seed
 from armodal.tui.commands.worker_processes import worker_processes
-from armodal.tui.console import Json, out, print_json, progress
+from armodal.tui.console import Json, out, print_json, progress, say_next
 from armodal.tui.console import progress as told_progress
 
 __all__ = ["app", "workspace_section"]
@@ -196,3 +196,4 @@ def workspace_command(
     for note in value["notes"]:
         out.print(f"note: {note}")
     out.print(f"page   {value['page']}\narrays {value['arrays']}")
+    say_next(f"plan {arm}", "postures, hits and points that identify its joints")

@@ -58,6 +58,11 @@ class KeyLine(Widget, can_focus=False):
             self._keys = keys
             self.refresh()
 
+    @property
+    def words(self) -> str:
+        """The keys and what they do, as a list in a sentence."""
+        return ", ".join(f"{written} {does}" for _, written, does in self._keys)
+
     def render(self) -> Text:
         """Return the line."""
         style = self.get_component_rich_style("key-line--key")

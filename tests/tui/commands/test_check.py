@@ -39,6 +39,7 @@ def test_a_board_check_prints_what_was_wanted_and_what_came(laboratory):
     assert "armodal-sim" in said.stdout
     assert re.search("2 pass, 0 fail, 0 not checked", said.stdout)
     assert "Dictionary" in said.stderr
+    assert said.stderr.splitlines()[-1] == f"next: armodal run PLAN --board {laboratory.board}"
 
 
 def test_a_failing_board_is_exit_code_1_and_says_what_to_do(laboratory):

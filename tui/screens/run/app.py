@@ -193,9 +193,13 @@ class RunApp(PrintableApp[int]):
             return False  # a dialogue has the keys
         return works(action, self.state, overview=self._overview)
 
-    async def on_key(self, event: events.Key) -> None:
+    def takes_key(self, key: str) -> bool:
+        """Whether a key is a digit of the list of ports."""
+        return key.isdigit() and self.state.phase is Phase.LAB
+
+    def on_key(self, event: events.Key) -> None:
         """Take digits: the ports of the list."""
-        if event.key.isdigit():
+        if self.takes_key(event.key):
             self.conductor.choose_port(int(event.key))
 
     async def action_go_on(self) -> None:

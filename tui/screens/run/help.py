@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.screen import ModalScreen
@@ -41,6 +42,7 @@ class HelpScreen(ModalScreen[None]):
         with VerticalScroll(id="help"):
             yield Static(WORDS)
 
-    def on_key(self) -> None:
+    def on_key(self, event: events.Key) -> None:
         """Go back."""
+        event.stop()  # it is no key of the screen beneath
         self.dismiss()

@@ -14,6 +14,7 @@ from armodal.daq.judge import channels_of, force_column
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.board.records import Channel
 from armodal.protocols.errors import ArmodalError
+from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader
 from armodal.tui.screens.run.overview import all_hits, counts_accepted
@@ -44,6 +45,7 @@ class PointFrf:
 
     point: str
     n_hits: int
+    frf: FrequencyResponse  # what is drawn, with its phase and variance
     freq_hz: Array  # (n_freq,)
     magnitude_db: Array  # (n_axes, n_freq) re 1 m/s^2/N
     coherence: Array | None  # (n_freq,) the lowest of the axes; None with fewer than two hits
@@ -162,6 +164,7 @@ def point_frf(state: RunState, here: tuple[str, str]) -> PointFrf | None:
     return PointFrf(
         point=here[1],
         n_hits=len(hits),
+        frf=frf,
         freq_hz=frf.freq_hz,
         magnitude_db=20.0 * np.log10(np.maximum(np.abs(frf.values[:, 0, :]), 1e-9)),
         coherence=frf.coherence[:, 0, :].min(axis=0) if several else None,

@@ -20,8 +20,23 @@ from armodal.tui.drawing import (
     log_scale,
     plot,
 )
+from armodal.tui.screens.run.craft import (
+    check_driving_point,
+    excited_band,
+    good_hit_before,
+    place_before,
+    resonance_moved,
+    scatter_at_resonance,
+)
 from armodal.tui.screens.run.measured import PointFrf, active_channels, last_pulse, point_frf
 from armodal.tui.screens.run.state import RunState
+from armodal.tui.screens.run.views.craft import (
+    craft_text,
+    drift_line,
+    driving_line,
+    scatter_line,
+    tip_line,
+)
 
 __all__ = ["HitPictures", "live_picture", "point_picture"]
 
@@ -130,13 +145,14 @@ class HitPictures:
         self._pulse: tuple[object, Text] = (None, Text(""))
         self._frf: tuple[object, Text] = (None, Text(""))
         self._estimate: tuple[object, PointFrf | None] = (None, None)
+        self._craft: tuple[object, tuple[Text, ...]] = (None, ())
 
     def pulse(self, state: RunState, columns: int, rows: int) -> Text:
         """Return the last pulse above its spectrum."""
         judged = state.last_hit
         if judged is None or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
             return Text("")
-        key = (judged.hit.number, columns, rows)
+        key = (judged.hit.number, len(state.withdrawn), columns, rows)
         if self._pulse[0] != key:
             self._pulse = (key, _pulse_text(state, columns, rows))
         return self._pulse[1]
@@ -146,13 +162,51 @@ class HitPictures:
         judged = state.last_hit
         if judged is None or here is None or columns < LEAST_COLUMNS or rows < LEAST_ROWS:
             return Text("")
+        found = self._found(state, here)
+        key = (self._estimate[0], columns, rows)
+        if self._frf[0] != key:
+            self._frf = (key, _frf_text(found, here[1], columns, rows))
+        return self._frf[1]
+
+    def craft(self, state: RunState, columns: int, rows: int) -> Text:
+        """Return what the hits so far say about tip, driving point, drift and scatter."""
+        here = state.here
+        if state.last_hit is None or here is None:
+            return Text("")
+        found = self._found(state, here)
+        key = (self._estimate[0], state.prompt)
+        if self._craft[0] != key:
+            self._craft = (key, _craft_lines(state, found, here))
+        return craft_text(self._craft[1], columns, rows)
+
+    def _found(self, state: RunState, here: tuple[str, str]) -> PointFrf | None:
         made_of = (here, len(state.hits), len(state.withdrawn))
         if self._estimate[0] != made_of:
             self._estimate = (made_of, point_frf(state, here))
-        key = (*made_of, columns, rows)
-        if self._frf[0] != key:
-            self._frf = (key, _frf_text(self._estimate[1], here[1], columns, rows))
-        return self._frf[1]
+        return self._estimate[1]
+
+
+def _craft_lines(
+    state: RunState, found: PointFrf | None, here: tuple[str, str]
+) -> tuple[Text, ...]:
+    lines = []
+    band = None if state.last_hit is None else excited_band(state, state.last_hit.hit)
+    if band is not None:
+        lines.append(tip_line(band))
+    if found is None:
+        return tuple(lines)
+    driving = check_driving_point(found)
+    if driving is not None:
+        lines.append(driving_line(driving))
+    place = place_before(state, here)
+    before = None if place is None else point_frf(state, place)
+    moved = None if before is None else resonance_moved(before.frf, found.frf)
+    if before is not None and moved is not None:
+        lines.append(drift_line(moved, before.point))
+    prompt = state.prompt
+    left = 0 if prompt is None else max(prompt.wanted - prompt.accepted, 0)
+    lines.append(scatter_line(scatter_at_resonance(found), left))
+    return tuple(lines)
 
 
 def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
@@ -160,7 +214,7 @@ def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
     pulse = None if judged is None else last_pulse(state, judged.hit)
     if pulse is None:
         return Text().append("the last record has no pulse to show", style="dim")
-    upper = rows - rows // 2 if rows >= 2 * LEAST_ROWS else rows
+    upper = rows // 2 if rows >= 2 * LEAST_ROWS else rows
     title = f"last pulse (N), hit {judged.hit.number}" if judged is not None else ""
     picture = plot(
         columns,
@@ -174,13 +228,16 @@ def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
     ).text()
     if rows - upper < LEAST_ROWS:
         return picture
+    before = good_hit_before(state)
+    good = None if before is None else last_pulse(state, before)
+    under = [] if good is None else [Series(x=good.freq_hz, y=good.spectrum_db, style="dim")]
     spectrum = plot(
         columns,
         rows - upper,
-        [Series(x=pulse.freq_hz, y=pulse.spectrum_db, style="cyan")],
+        [*under, Series(x=pulse.freq_hz, y=pulse.spectrum_db, style="cyan")],
         x=linear_scale(pulse.freq_hz, floor=0.0),
         y=Scale(low=LEAST_SHOWN_DB, high=0.0),
-        title="its spectrum (dB)",
+        title="spectrum (dB)" + (f", dim: hit {before.number}" if before and good else ""),
         x_name="Hz",
         x_axis=rows - upper >= 5,
     ).text()

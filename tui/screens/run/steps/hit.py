@@ -1,4 +1,4 @@
-"""Hit: verdict, hits left, live envelope, last pulse, FRF and coherence."""
+"""Hit: verdict, hits left, craft, live envelope, last pulse, FRF and coherence."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ class HitScreen(StepScreen):
         with Horizontal(id="verdict-row"):
             yield Pane(id="verdict")
             yield Pane(id="left")
+        yield Pane(id="craft")
         with Horizontal(id="live"):
             yield Pane(id="force")
             yield Pane(id="acceleration")
@@ -37,6 +38,7 @@ class HitScreen(StepScreen):
         """Fill the panes; the verdict first, it is what the operator waits for."""
         high = self.size.height >= 38
         self.widget("verdict-row").styles.height = 8 if high else 6
+        self.widget("craft").styles.height = 3 if high else 1
         self.widget("live").styles.height = max((self.size.height - (8 if high else 6) - 3) // 3, 5)
         width = self.pane("verdict").room[0]
         self.pane("verdict").show(verdict_text(state, width, 8 if high else 6))
@@ -45,6 +47,7 @@ class HitScreen(StepScreen):
 
     def draw_pictures(self, state: RunState) -> None:
         """Draw what takes longer than words."""
+        self.pane("craft").show(self._pictures.craft(state, *self.pane("craft").room))
         self.pane("pulse").show(self._pictures.pulse(state, *self.pane("pulse").room))
         self.pane("frf").show(self._pictures.frf(state, *self.pane("frf").room, state.here))
         for name in ("force", "acceleration"):
