@@ -25,11 +25,11 @@ from armodal.analyzer.planning.tolerance import inertia_std
 from armodal.analyzer.workspace.postures import random_postures
 from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import EstimateError, PlanError
+from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.sensors_file import Equipment
 
-__all__ = ["MadePlan", "made_plan"]
+__all__ = ["MadePlan", "made_plan", "refuse_effects"]
 
 Array = npt.NDArray[np.float64]
 
@@ -79,11 +79,14 @@ def made_plan(
 
     Raises
     ------
+    ArmError
+        If the arm has effects.
     EstimateError
         If no posture is free, or no point takes a hit for every joint.
     PlanError
         If no accelerometer fits, or the fewest points take longer than `minutes`.
     """
+    refuse_effects(arm)
     floor = floor_m if floor_m is not None or arm.keep_outs else 0.0
     found = room_of_arm(arm, bodies, floor_m=floor)
     room: Room = found.room
@@ -141,6 +144,17 @@ def made_plan(
         ),
         by_capsules=not found.drawn,
     )
+
+
+def refuse_effects(arm: Arm) -> None:
+    """Refuse an arm with effects, by an ArmError that names them: plans know links and joints."""
+    if arm.effects:
+        named = ", ".join(f"{effect.name} ({effect.place})" for effect in arm.effects)
+        raise ArmError(
+            f"arm '{arm.name}': wanted links and joints alone, which is what is planned for, got "
+            f"the effects {named}; give the arm file without its [[effects]]. The next test of a "
+            "corrected arm is proposed by `armodal gap --arm`"
+        )
 
 
 def _wound(plan: SelectivePlan) -> SelectivePlan:

@@ -10,15 +10,14 @@ import typer
 
 from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.planning.beside import other_plan
-from armodal.analyzer.planning.made import made_plan
+from armodal.analyzer.planning.made import made_plan, refuse_effects
 from armodal.analyzer.workspace.spectrum import elastic_joints
-from armodal.protocols.arm.files import ARMS_DIRECTORY, shipped_arms
+from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
 from armodal.protocols.errors import PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
 from armodal.tui.commands.options import ArmName, Minutes, Seed
-from armodal.tui.commands.plain_arm import plain_arm
 from armodal.tui.commands.plan_json import made_json, plan_json
 from armodal.tui.commands.plan_tables import made_lines, plan_tables
 from armodal.tui.console import Json, out, print_json, progress, say_next
@@ -55,7 +54,8 @@ def plan_command(
 
     Example: armodal plan viper_s650 --out viper-plan.toml
     """
-    the_arm = plain_arm(arm)
+    the_arm = load_arm(arm)
+    refuse_effects(the_arm)
     elastic = elastic_joints(the_arm)
     other = other_plan(the_arm, elastic, beside)
     home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
