@@ -19,6 +19,10 @@ A session file, once measured or imported, is read, fitted and explained by
     armodal.predict(session, found, posture_deg=[0, 30, 30, 0, 90, 0])
     armodal.find_gap(session).summary
 
+A plan with postures free of collisions is made, and written, by
+
+    Path("plan.toml").write_text(armodal.plan(arm, minutes=120).text)
+
 Units are SI (m, kg, s, N, rad, Hz) but where a name says otherwise. Errors a user can act on are
 `ArmodalError`; their message says what was wanted, what came and what to do. Parts of the analysis
 that stand here by no name of their own are in `armodal.analyzer`, files in `armodal.protocols`.
@@ -36,7 +40,7 @@ if TYPE_CHECKING:
     from armodal.analyzer.identification.predicted_posture import Prediction
     from armodal.analyzer.identification.records import Identification
     from armodal.analyzer.modal import ModalModel, Mode
-    from armodal.analyzer.planning.selective import SelectivePlan
+    from armodal.analyzer.planning.made import MadePlan
     from armodal.api.figures import figure
     from armodal.api.models import find_gap, identify, plan, predict, report
     from armodal.api.sessions import (
@@ -59,10 +63,10 @@ __all__ = [
     "FrequencyResponse",
     "GapResult",
     "Identification",
+    "MadePlan",
     "ModalModel",
     "Mode",
     "Prediction",
-    "SelectivePlan",
     "Session",
     "__version__",
     "figure",
@@ -90,10 +94,10 @@ _HOME = {
     "FrequencyResponse": "protocols.frf_records",
     "GapResult": "analyzer.gap.records",
     "Identification": "analyzer.identification.records",
+    "MadePlan": "analyzer.planning.made",
     "ModalModel": "analyzer.modal",
     "Mode": "analyzer.modal",
     "Prediction": "analyzer.identification.predicted_posture",
-    "SelectivePlan": "analyzer.planning.selective",
     "Session": "protocols.session.records",
     "figure": "api.figures",
     "find_gap": "api.models",

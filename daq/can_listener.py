@@ -12,6 +12,8 @@ import can
 
 from armodal.daq.clock import Clock, SystemClock, waits
 from armodal.daq.serial_port import BytePort, SerialPort
+from armodal.protocols.arm.records import CanMapping
+from armodal.protocols.can_database import fd_messages
 from armodal.protocols.can_records import CanFrame
 from armodal.protocols.errors import CanError, DeviceLostError, DeviceTimeoutError
 from armodal.protocols.slcan import (
@@ -23,13 +25,19 @@ from armodal.protocols.slcan import (
     listen_only_commands,
 )
 
-__all__ = ["CanSource", "PythonCanListener", "SlcanListener", "open_can"]
+__all__ = ["CanSource", "PythonCanListener", "SlcanListener", "check_hears", "open_can"]
 
 ADAPTER_TIMEOUT_S = 3.0  # of the wall clock: the adapter is no part of the laboratory's time
 CLOSE_TIMEOUT_S = 0.2  # some adapters are silent when a closed channel is closed
 FRAMES_AT_ONCE = 4096
 
 _BUILT_IN = ("socketcan", "udp_multicast", "virtual")  # no bit rate of their own
+# Interfaces that hear CAN FD: the system has set both bit rates.
+_FD: dict[str, dict[str, Any]] = {
+    "socketcan": {"fd": True},
+    "udp_multicast": {"fd": True},
+    "virtual": {},
+}
 _SILENT: dict[str, dict[str, Any]] = {
     "cantact": {"monitor": True},
     "kvaser": {"driver_mode": False},
@@ -103,6 +111,24 @@ def open_can(
             f"socketcan:can0, got {channel!r}"
         )
     return PythonCanListener(interface, rest, bitrate)
+
+
+def check_hears(channel: str, mapping: CanMapping) -> None:
+    """Refuse a channel that cannot hear the frames of a mapping.
+
+    Raises
+    ------
+    CanError
+        If a mapped message is longer than a classic frame, and the channel hears no CAN FD; or if
+        the mapping is not one.
+    """
+    long = fd_messages(mapping)
+    if long and channel.partition(":")[0] not in _FD:
+        raise CanError(
+            f"CAN channel {channel}: wanted one that hears CAN FD, since {', '.join(long)} of "
+            f"{mapping.database} are longer than 8 bytes; give it as socketcan:can0, set up with "
+            "`ip link set can0 type can bitrate ... dbitrate ... fd on listen-only on`"
+        )
 
 
 class SlcanListener:
@@ -223,7 +249,7 @@ class PythonCanListener:
 
     def __init__(self, interface: str, channel: str, bitrate: int) -> None:
         self.name = f"{interface}:{channel}"
-        options = dict(_SILENT.get(interface, {}))
+        options = _SILENT.get(interface, {}) | _FD.get(interface, {})
         if interface not in _BUILT_IN:
             options["bitrate"] = bitrate
         try:
@@ -250,7 +276,7 @@ class PythonCanListener:
         return self._fd
 
     def collect(self, now_s: float) -> None:
-        """Fetch the classic frames that have come."""
+        """Fetch the frames that have come."""
         self._fetched.append((now_s, self._read()))
 
     def take(self) -> list[tuple[float, list[CanFrame]]]:
@@ -276,7 +302,7 @@ class PythonCanListener:
                 if message is None:
                     break
                 self.error_frames += message.is_error_frame
-                if message.is_error_frame or message.is_fd:
+                if message.is_error_frame:
                     continue
                 frames.append(
                     CanFrame(
@@ -284,6 +310,7 @@ class PythonCanListener:
                         extended=message.is_extended_id,
                         data=bytes(message.data),
                         remote=message.is_remote_frame,
+                        fd=message.is_fd,
                     )
                 )
         except (can.CanError, OSError) as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from armodal.daq.can_listener import CanSource
+from armodal.daq.can_listener import CanSource, check_hears
 from armodal.daq.clock import Clock
 from armodal.daq.joint_source import CanJoints, JointSource
 from armodal.daq.joint_state import JointState
@@ -38,6 +38,7 @@ def open_joints(settings: AcquisitionSettings, surroundings: Surroundings) -> Jo
         check_ur(settings.arm)
         return RtdeSource(settings.ur_address)
     mapping = can_mapping(settings.arm)
+    check_hears(settings.can_channel, mapping)
     return can_joints(surroundings.open_can(settings, mapping.bitrate), mapping, settings.arm)
 
 

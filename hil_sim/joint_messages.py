@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cantools.database.can
 
 from armodal.protocols.arm.records import CanMapping
+from armodal.protocols.can_records import CLASSIC_BYTES
 from armodal.protocols.errors import PlantError
 from armodal.protocols.slcan import encode_slcan
 
@@ -49,7 +50,8 @@ class JointMessages:
     Raises
     ------
     PlantError
-        If the mapping leaves a joint out, or its drive state has no value for a moving arm.
+        If the mapping leaves a joint out, its drive state has no value for a moving arm, or a
+        message needs CAN FD, which an slcan adapter does not carry.
     """
 
     def __init__(self, mapping: CanMapping, joints: Sequence[str]) -> None:
@@ -71,6 +73,12 @@ class JointMessages:
         self._sent: list[_Sent] = []
         for name in names:
             message = database.get_message_by_name(name)
+            if message.length > CLASSIC_BYTES:
+                raise PlantError(
+                    f"the CAN section: wanted messages of at most {CLASSIC_BYTES} bytes, which the "
+                    f"simulated adapter carries, got {message.length} of {name}; to rehearse, take "
+                    "a copy of the arm file without its [can] section"
+                )
             signals = {signal.name: signal for signal in message.signals}
             positions = []
             for own in mapping.joints:

@@ -15,7 +15,7 @@ import cantools
 import cantools.database.can
 
 from armodal.protocols.arm.records import CanMapping, JointSignal
-from armodal.protocols.can_records import CanFrame
+from armodal.protocols.can_records import CLASSIC_BYTES, CanFrame, bytes_carried
 from armodal.protocols.errors import CanError
 
 __all__ = [
@@ -108,7 +108,7 @@ class CanDecoder:
         if mapped is None or frame.remote:
             return None
         definition = mapped.definition
-        signals = _decode_signals(definition, frame.data)
+        signals = _decode_signals(definition, frame)
         name = definition.name
         counter, lost, repeated = self._count(name, mapped, signals)
         if mapped.state is not None:
@@ -186,8 +186,22 @@ class CanEncoder:
                 raise CanError(
                     f"{mapped.definition.name} cannot be encoded: {problem}"
                 ) from problem
-            frames.append(CanFrame(can_id=can_id, extended=extended, data=bytes(data)))
+            fd = len(data) > CLASSIC_BYTES
+            data = bytes(data).ljust(bytes_carried(len(data), fd=fd), b"\0")
+            frames.append(CanFrame(can_id=can_id, extended=extended, data=data, fd=fd))
         return tuple(frames)
+
+
+def fd_messages(mapping: CanMapping) -> tuple[str, ...]:
+    """Mapped messages that only a CAN FD frame can carry, since they are longer than 8 bytes.
+
+    Raises
+    ------
+    CanError
+        If the database cannot be read or lacks a mapped message or signal.
+    """
+    definitions = [mapped.definition for mapped in _mapped_messages(mapping).values()]
+    return tuple(each.name for each in definitions if each.length > CLASSIC_BYTES)
 
 
 def load_database(text: str, name: str) -> cantools.database.can.Database:
@@ -227,15 +241,15 @@ def mapped_message(
     Raises
     ------
     CanError
-        If either is absent, or the message is multiplexed, a container or no classic frame, or
-        the signal is no plain number where one is wanted.
+        If either is absent, or the message is multiplexed, or a container, or the
+        signal is no plain number where one is wanted.
     """
     known = {m.name: m for m in database.messages}
     if message not in known:
         raise CanError(f"wanted a message of the database ({_listed(known)}), got {message!r}")
     definition = known[message]
-    if definition.is_multiplexed() or definition.is_container or definition.length > 8:
-        raise CanError(f"wanted a plain message of at most 8 bytes, got {message!r}, which is not")
+    if definition.is_multiplexed() or definition.is_container:
+        raise CanError(f"wanted a plain message, got {message!r}, which is not")
     signals = {s.name: s for s in definition.signals}
     if signal not in signals:
         raise CanError(f"wanted a signal of {message} ({_listed(signals)}), got {signal!r}")
@@ -275,11 +289,12 @@ def _mapped_messages(mapping: CanMapping) -> dict[tuple[int, bool], _MappedMessa
     return messages
 
 
-def _decode_signals(definition: cantools.database.can.Message, data: bytes) -> dict[str, float]:
-    if len(data) != definition.length:
-        raise CanError(f"{definition.name}: wanted {definition.length} bytes, got {len(data)}")
+def _decode_signals(definition: cantools.database.can.Message, frame: CanFrame) -> dict[str, float]:
+    carried = bytes_carried(definition.length, fd=frame.fd)
+    if len(frame.data) != carried:
+        raise CanError(f"{definition.name}: wanted {carried} bytes, got {len(frame.data)}")
     try:
-        decoded = definition.decode(data, decode_choices=False)
+        decoded = definition.decode(frame.data[: definition.length], decode_choices=False)
     except _PARSER_ERRORS as problem:
         raise CanError(f"{definition.name} cannot be decoded: {problem}") from problem
     if not isinstance(decoded, dict):

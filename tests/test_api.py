@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import plotly.graph_objects as go
 import pytest
+from support.command import armodal as command
 from support.foreign_samples import chain_file
 from support.gap_results import made_result
 
 import armodal
 from armodal.analyzer.gap.records import PostureGap
+from armodal.analyzer.planning import search
 
 
 def test_a_session_becomes_frfs_and_modes(session, tmp_path):
@@ -47,6 +49,28 @@ def test_frfs_and_a_gap_are_drawn(session):
     assert [list(bar.y) for bar in armodal.figure(found).data] == [[20.0], [2.0]]
     with pytest.raises(armodal.ArmodalError, match="no posture was compared"):
         armodal.figure(nothing)
+
+
+def test_a_plan_is_the_command_s_own(tmp_path, monkeypatch):
+    """Of a search so small that it is quick: both plan with the same numbers."""
+    monkeypatch.setattr(search, "N_RANDOM", 3000)
+    monkeypatch.setattr(search, "ROUNDS", 2)
+    made = armodal.plan(armodal.load_arm("viper_s650"), n_tests=2, minutes=40.0, seed=3)
+    path = tmp_path / "plan.toml"
+    done = command(
+        "plan", "viper_s650", "--tests", "2", "--minutes", "40", "--seed", "3", "--out", str(path)
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert path.read_text(encoding="utf-8") == made.text
+    assert made.minutes <= 40.0
+    assert len(armodal.figure(made).data[0].y) == 2
+
+
+def test_an_arm_with_meshes_is_planned_in_its_folder_and_refused_without(tmp_path):
+    arm = armodal.load_arm("rv4frl")
+    meshes = replace(arm, urdf_text='<robot><link><mesh filename="a.stl"/></link></robot>')
+    with pytest.raises(armodal.ArmodalError, match=r"names meshes; wanted the folder"):
+        armodal.plan(meshes)
 
 
 def test_what_cannot_be_drawn_is_refused_with_what_can():

@@ -26,7 +26,7 @@ print(json.dumps({
     "file": armodal.__file__,
     "at_once": loaded_at_once,
     "missing": [name for name in armodal.__all__ if name not in page and name != "__version__"],
-    "tests": len(plan.tests),
+    "tests": len(plan.plan.tests),
     "traces": len(figure.data),
     "elsewhere": sorted(name for name in sys.modules if name in
         {"analyzer", "daq", "hil_sim", "protocols", "tui"}),

@@ -12,21 +12,24 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.own_arm.bodies import ArmBody
 from armodal.analyzer.own_arm.room_of_arm import room_of_arm
 from armodal.analyzer.planning.clearance import Clearance
-from armodal.analyzer.planning.duration import minutes
+from armodal.analyzer.planning.duration import minutes as minutes_of
+from armodal.analyzer.planning.duration import mounting_s
 from armodal.analyzer.planning.equipment import Chosen, chosen_equipment
+from armodal.analyzer.planning.fewer_points import fewer_points
+from armodal.analyzer.planning.measured_points import measured_points
 from armodal.analyzer.planning.plan_text import plan_text
 from armodal.analyzer.planning.room import Room
 from armodal.analyzer.planning.route import Leg, route, wound
-from armodal.analyzer.planning.selective import SelectivePlan, plan_tests
+from armodal.analyzer.planning.selective import SelectivePlan, plan_tests, seen_only_by
 from armodal.analyzer.planning.tolerance import inertia_std
 from armodal.analyzer.workspace.postures import random_postures
 from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import EstimateError
+from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.sensors_file import Equipment
 
-__all__ = ["MadePlan", "made_plan"]
+__all__ = ["MadePlan", "made_plan", "refuse_effects"]
 
 Array = npt.NDArray[np.float64]
 
@@ -42,6 +45,7 @@ class MadePlan:
     equipment: Chosen
     legs: tuple[Leg, ...]
     minutes: float
+    mountings: int  # of a sensor, in all tests
     inertia_std: Array  # (n,) relative, of each elastic joint's k, by the arm's tolerances alone
     touching: tuple[str, ...]  # pairs of bodies that meet in all postures, not checked
     by_capsules: bool  # whether capsules stand for links of which nothing is drawn
@@ -57,6 +61,7 @@ def made_plan(
     floor_m: float | None,
     equipment: Equipment,
     n_tests: int,
+    minutes: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> MadePlan:
     """Find a plan that can be run.
@@ -67,14 +72,21 @@ def made_plan(
         The arm's, base first (`bodies_of_arm`).
     floor_m
         Height of the floor; where it is None the arm's keep-outs, and without any a floor at 0.
+    n_tests
+        As in `plan_tests`.
+    minutes
+        The plan may take; where all points take longer, fewer are measured (`fewer_points`).
 
     Raises
     ------
+    ArmError
+        If the arm has effects.
     EstimateError
         If no posture is free, or no point takes a hit for every joint.
     PlanError
-        If no accelerometer fits.
+        If no accelerometer fits, or the fewest points take longer than `minutes`.
     """
+    refuse_effects(arm)
     floor = floor_m if floor_m is not None or arm.keep_outs else 0.0
     found = room_of_arm(arm, bodies, floor_m=floor)
     room: Room = found.room
@@ -102,20 +114,47 @@ def made_plan(
     )
     plan = _wound(plan)
     legs = route(arm, [test.joints_rad for test in plan.tests], room, rng)
-    text = plan_text(plan, name, equipment=chosen, legs=legs)
+    points = measured_points(plan)
+    text = plan_text(plan, name, points=points, equipment=chosen, legs=legs)
+    written = plan_from_text(text, arm)
+    if minutes is not None and minutes_of(written) > minutes:
+        too_many = np.ceil(60.0 * (minutes_of(written) - minutes) / mounting_s(written))
+        points = fewer_points(plan, points, int(too_many))
+        plan = seen_only_by(plan, points, chosen.instruments)
+        text = plan_text(plan, name, points=points, equipment=chosen, legs=legs)
+        written = plan_from_text(text, arm)
+        if minutes_of(written) > minutes:
+            least = np.ceil(minutes_of(written))
+            raise PlanError(
+                f"wanted a plan of at most {minutes:g} minutes, got {least:.0f} for "
+                f"{len(plan.tests)} tests with the fewest points that still show how every link "
+                f"moves; ask `armodal plan` for fewer --tests, or for --minutes {least:.0f}"
+            )
     collisions = found.collisions
     return MadePlan(
         plan=plan,
         text=text,
         equipment=chosen,
         legs=legs,
-        minutes=minutes(plan_from_text(text, arm)),
+        minutes=minutes_of(written),
+        mountings=sum(len(posture.points) for posture in written.postures),
         inertia_std=inertia_std(plan),
         touching=tuple(
             f"{collisions.name(a)} and {collisions.name(b)}" for a, b in collisions.touching
         ),
         by_capsules=not found.drawn,
     )
+
+
+def refuse_effects(arm: Arm) -> None:
+    """Refuse an arm with effects, by an ArmError that names them: plans know links and joints."""
+    if arm.effects:
+        named = ", ".join(f"{effect.name} ({effect.place})" for effect in arm.effects)
+        raise ArmError(
+            f"arm '{arm.name}': wanted links and joints alone, which is what is planned for, got "
+            f"the effects {named}; give the arm file without its [[effects]]. The next test of a "
+            "corrected arm is proposed by `armodal gap --arm`"
+        )
 
 
 def _wound(plan: SelectivePlan) -> SelectivePlan:

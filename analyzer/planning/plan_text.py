@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.planning.equipment import Chosen
+from armodal.analyzer.planning.measured_points import measured_points
 from armodal.analyzer.planning.route import Leg
 from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
 from armodal.protocols.plan import plan_from_text
@@ -22,6 +23,7 @@ def plan_text(
     plan: SelectivePlan,
     name: str,
     *,
+    points: Sequence[Sequence[str]] | None = None,
     equipment: Chosen | None = None,
     legs: Sequence[Leg] | None = None,
 ) -> str:
@@ -29,6 +31,8 @@ def plan_text(
 
     Parameters
     ----------
+    points
+        Measured in each test; else all that a hand reaches (`measured_points`).
     equipment
         What the plan is measured with; else a light hammer and sensor.
     legs
@@ -57,10 +61,12 @@ trigger = {{ level_n = {trigger}, slope = "rising" }}
 sensor = {{ mass_kg = {sensor} }}
 """
     text = head
+    if points is None:
+        points = measured_points(plan)
     for number, test in enumerate(plan.tests, start=1):
         if legs is not None and number > 1:
             text += _way(legs[number - 2], number)
-        text += _posture_table(number, test, _points(plan, test))
+        text += _posture_table(number, test, points[number - 1], validation=number > plan.n_fitted)
     plan_from_text(text, plan.arm, origin="plan made")
     return text
 
@@ -73,15 +79,6 @@ def _told(equipment: Chosen) -> str:
         f"# Accelerometer: {sensor.name}, {1e3 * sensor.mass_kg:g} g, to {sensor.range_m_s2:g} "
         f"m/s².\n# Of: {equipment.source}.\n"
     )
-
-
-def _points(plan: SelectivePlan, test: PlannedTest) -> list[str]:
-    """Points on what moves, then those that watch the base; only such as a hand reaches."""
-    moving = [point.id for point in plan.arm.points if point.link != "base"]
-    if test.reachable is None:
-        return moving
-    base = [point.id for point in plan.arm.points if point.link == "base"]
-    return [point for point in (*moving, *base) if point in test.reachable]
 
 
 def _way(leg: Leg, number: int) -> str:
@@ -98,9 +95,12 @@ def _angles(joints_rad: npt.NDArray[np.float64]) -> str:
     return "[" + ", ".join(f"{angle:.2f}" for angle in np.rad2deg(joints_rad)) + "]"
 
 
-def _posture_table(number: int, test: PlannedTest, points: list[str]) -> str:
+def _posture_table(
+    number: int, test: PlannedTest, points: Sequence[str], *, validation: bool
+) -> str:
     direction = ", ".join(f"{value:.4f}" for value in test.hit.direction_base)
     listed = ", ".join(f'"{point}"' for point in points)
+    held_out = "validation = true\n" if validation else ""
     return f"""
 [[postures]]
 name = "test {number}"
@@ -108,4 +108,4 @@ joints_deg = {_angles(test.joints_rad)}
 tolerance_deg = {TOLERANCE_DEG}
 points = [{listed}]
 hit_direction = [{direction}]
-"""
+{held_out}"""

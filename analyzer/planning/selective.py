@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,13 +28,21 @@ from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import EstimateError
 
-__all__ = ["GravityCheck", "PlannedTest", "SelectivePlan", "describe_tests", "plan_tests"]
+__all__ = [
+    "GravityCheck",
+    "PlannedTest",
+    "SelectivePlan",
+    "describe_tests",
+    "plan_tests",
+    "seen_only_by",
+]
 
 Array = npt.NDArray[np.float64]
 
 DOMINATED = 0.8  # of a mode's strain energy: the joint's own mode
 N_OTHERS = 40  # random postures from which further tests are taken
 ANOTHER_RAD = 0.35  # 20 degrees of any joint
+WITH_VALIDATION = 4  # tests of which one can be spared: three are left to fit
 # Where the arm's bodies are looked at themselves.
 ANYWHERE = Clearance(floor_m=-np.inf, margin_m=0.0, base_radius_m=0.0)
 
@@ -74,7 +82,7 @@ class SelectivePlan:
     n_needed
         How many of `tests` isolate every joint that can be isolated.
     expected_std
-        (n_tests, n) relative standard deviation of each k after each test.
+        (n_fitted, n) relative standard deviation of each k after each test that is fitted.
     """
 
     arm: Arm
@@ -86,6 +94,12 @@ class SelectivePlan:
     not_isolated: tuple[int, ...]  # joints (of the arm's) whose own mode no test shows
     most_selective: Array  # (n, n_joints) the posture of least coupling for each elastic joint
     least_coupling: Array  # (n,) its largest |M_ij| / M_ii
+
+    @property
+    def n_fitted(self) -> int:
+        """How many tests are fitted; the last of four or more is for validation, if not needed."""
+        spare = len(self.tests) > self.n_needed and len(self.tests) >= WITH_VALIDATION
+        return len(self.tests) - spare
 
 
 def plan_tests(
@@ -107,6 +121,9 @@ def plan_tests(
         What joint origins and points have to stay clear of, where `room` is not given.
     room
         Which postures the arm's bodies leave free, and which points can be reached in them.
+    n_tests
+        Wanted in all. More come if more are needed; from four on the last is none of these, since
+        it is kept for validation.
 
     Raises
     ------
@@ -135,31 +152,20 @@ def plan_tests(
     tests = covers[hit_point]
     served = {joint for test in tests for joint in test.serves}
     needed = len(tests)
-
-    def told(test: PlannedTest) -> Array:
-        return information(
-            superset,
-            superset.posture(test.joints_rad),
-            elastic,
-            hit_point=test.hit.point,
-            hit_direction=test.hit.direction_base,
-            points=test.points,
-            instruments=tools,
-        )
-
-    known = [told(test) for test in tests]
+    wanted = max(n_tests, needed + 1) if n_tests >= WITH_VALIDATION else n_tests
+    known = [_told(superset, elastic, test, tools) for test in tests]
     others = random_postures(arm, N_OTHERS, rng, still=(0,))
     others = others[clear_postures(batch, others, clearance)]
     if room is not None:
         others = others[room.free(others)]
     rest = [
-        (test, told(test))
+        (test, _told(superset, elastic, test, tools))
         for q in others
         for joint in elastic.joints
         for test in _tests_in(superset, elastic, q, joint, tools.least_mass_kg, room)
         if test.hit.point == hit_point
     ]
-    while len(tests) < n_tests:
+    while len(tests) < wanted:
         rest = [(test, extra) for test, extra in rest if _differs(test, tests)]
         if not rest:
             break
@@ -167,7 +173,7 @@ def plan_tests(
         test, extra = rest.pop(int(np.argmin(gains)))
         tests.append(test)
         known.append(extra)
-    return SelectivePlan(
+    plan = SelectivePlan(
         arm=arm,
         elastic=elastic,
         tests=tuple(tests),
@@ -180,6 +186,21 @@ def plan_tests(
             [_coupling(batch, elastic, i, found[i][0]) for i in range(len(found))]
         ),
     )
+    return replace(plan, expected_std=plan.expected_std[: plan.n_fitted])
+
+
+def seen_only_by(
+    plan: SelectivePlan, points: Sequence[Sequence[str]], instruments: Instruments
+) -> SelectivePlan:
+    """The plan with what is to be expected if in each test only these points are measured."""
+    tests = tuple(
+        replace(test, points=tuple(point for point in test.points if point in measured))
+        for test, measured in zip(plan.tests, points, strict=True)
+    )
+    superset = Superset(plan.arm)
+    known = [_told(superset, plan.elastic, t, instruments) for t in tests[: plan.n_fitted]]
+    expected = np.array([expected_std(known[: i + 1]) for i in range(len(known))])
+    return replace(plan, tests=tests, expected_std=expected)
 
 
 def describe_tests(
@@ -228,6 +249,20 @@ def describe_tests(
         for hit in best_hits(superset, dynamics, elastic, modes, mode, least_mass_kg=least_mass_kg)
         if hit.effective_mass_kg >= least_mass_kg
     ]
+
+
+def _told(
+    superset: Superset, elastic: ElasticJoints, test: PlannedTest, instruments: Instruments
+) -> Array:
+    return information(
+        superset,
+        superset.posture(test.joints_rad),
+        elastic,
+        hit_point=test.hit.point,
+        hit_direction=test.hit.direction_base,
+        points=test.points,
+        instruments=instruments,
+    )
 
 
 def _candidates(

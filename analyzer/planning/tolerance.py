@@ -22,11 +22,12 @@ Array = npt.NDArray[np.float64]
 def inertia_std(plan: SelectivePlan) -> Array:
     """Relative standard deviation of each elastic joint's k from the arm's tolerances, (n,).
 
-    Of the tests that show the joint's own mode, or are for it, the one that the tolerances touch
-    least.
+    Of the fitted tests that show the joint's own mode, or are for it, the one that the tolerances
+    touch least.
     """
     joints = np.array(plan.elastic.joints)
-    q = np.array([test.joints_rad for test in plan.tests])
+    tests = plan.tests[: plan.n_fitted]
+    q = np.array([test.joints_rad for test in tests])
     own = ArmBatch(plan.arm).mass(q)[joints, joints]  # (n, n_tests)
     square = np.zeros_like(own)
     for arm, angles in moved_arms(plan.arm):
@@ -34,7 +35,7 @@ def inertia_std(plan: SelectivePlan) -> Array:
         square += ((moved - own) / own / STEP) ** 2
     std = np.sqrt(square)
     for i, joint in enumerate(plan.elastic.joints):
-        shown = [joint in test.serves or joint == test.target for test in plan.tests]
+        shown = [joint in test.serves or joint == test.target for test in tests]
         if any(shown):
             std[i, ~np.array(shown)] = np.inf
     return np.asarray(std.min(axis=1))

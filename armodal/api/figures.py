@@ -9,7 +9,7 @@ from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification.predicted_posture import Prediction
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.modal import ModalModel
-from armodal.analyzer.planning.selective import SelectivePlan
+from armodal.analyzer.planning.made import MadePlan
 from armodal.analyzer.report.figures import frf_figure
 from armodal.analyzer.report.gap_figures import gap_figure
 from armodal.analyzer.report.result_figures import (
@@ -30,7 +30,7 @@ def figure(record: object, *, frf: FrequencyResponse | None = None) -> Any:
     Parameters
     ----------
     record
-        FrequencyResponse, ModalModel, Identification, Prediction, GapResult or SelectivePlan.
+        FrequencyResponse, ModalModel, Identification, Prediction, GapResult or MadePlan.
     frf
         With a ModalModel: the FRFs it was fitted to, drawn beside its synthesis.
 
@@ -52,7 +52,7 @@ def figure(record: object, *, frf: FrequencyResponse | None = None) -> Any:
 def _figure(record: object) -> Any:
     raise EstimateError(
         "wanted a FrequencyResponse, ModalModel, Identification, Prediction, GapResult or "
-        f"SelectivePlan to draw, got {type(record).__name__}"
+        f"MadePlan to draw, got {type(record).__name__}"
     )
 
 
@@ -80,5 +80,5 @@ def _(record: GapResult) -> Any:
 
 
 @_figure.register
-def _(record: SelectivePlan) -> Any:
-    return plan_figure(record)
+def _(record: MadePlan) -> Any:
+    return plan_figure(record.plan)

@@ -12,10 +12,14 @@ from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification import identify as identification
 from armodal.analyzer.identification.predicted_posture import Prediction, predict_posture
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.planning.selective import SelectivePlan, plan_tests
+from armodal.analyzer.own_arm.of_arm import checked_bodies
+from armodal.analyzer.planning.made import MadePlan, made_plan, refuse_effects
 from armodal.analyzer.report import write_report
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import ArmError
+from armodal.protocols.robot.remarks import Remarks
+from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.session.records import Session
 
 __all__ = ["find_gap", "identify", "plan", "predict", "report"]
@@ -94,16 +98,62 @@ def find_gap(session: Session, *, more: Sequence[Session] = ()) -> GapResult:
     return workflow.find_gap(session, more=more).result
 
 
-def plan(arm: Arm, *, n_tests: int = 6, seed: int = 0) -> SelectivePlan:
-    """Postures, hits and points that tell most about an arm's joints.
+def plan(
+    arm: Arm,
+    *,
+    folder: str | Path | None = None,
+    name: str = "selective",
+    n_tests: int = 6,
+    minutes: float | None = None,
+    floor_m: float | None = None,
+    sensors: str | Path | None = None,
+    seed: int = 0,
+) -> MadePlan:
+    """Free postures, hits and points that tell most about an arm's joints, as `armodal plan` does.
+
+    Parameters
+    ----------
+    arm
+        Without effects.
+    folder
+        Where its file lies: only an arm whose URDF names meshes needs it.
+    name
+        Of the plan, in its `text`, which is a plan file's.
+    n_tests
+        Wanted in all; from four on the last is for validation.
+    minutes
+        The plan may take: where all points take longer, fewer are measured.
+    floor_m
+        Height of the floor in the base frame; else the arm's keep-outs, and without any 0.
+    sensors
+        File of hammers and accelerometers; else sizes that are sold.
 
     Raises
     ------
+    ArmError
+        If the arm has effects, a mesh is missing, or a point lies off its link.
     EstimateError
-        If no posture is clear of floor and base, or no point takes a hit for every joint.
+        If no posture is free, or no point takes a hit for every joint.
+    PlanError
+        If no accelerometer fits, or the fewest points take longer than `minutes`.
     """
-    rng = np.random.default_rng(seed)
-    return plan_tests(arm, elastic_joints(arm), rng, n_tests=n_tests)
+    if folder is None and "<mesh" in (arm.urdf_text or ""):
+        raise ArmError(
+            f"arm '{arm.name}': its URDF names meshes; wanted the folder of the arm file, "
+            "plan(arm, folder=...), got none"
+        )
+    refuse_effects(arm)
+    return made_plan(
+        arm,
+        elastic_joints(arm),
+        np.random.default_rng(seed),
+        name=name,
+        bodies=checked_bodies(arm, None if folder is None else Path(folder), Remarks()),
+        floor_m=floor_m,
+        equipment=CATALOGUE if sensors is None else load_equipment(Path(sensors)),
+        n_tests=n_tests,
+        minutes=minutes,
+    )
 
 
 def report(

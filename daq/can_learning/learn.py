@@ -27,6 +27,8 @@ Key = tuple[int, bool]
 FEWEST_FRAMES = 3  # of an identifier at a station
 FEWEST_ANGLES = 3  # of a joint: a straight line through two is no test of it
 COARSEST_DEG = 0.1  # of a count, and of what an angle at rest wanders: coarser is part of a number
+# In any unit of angle a joint moves farther; an integer read as a float may be 1e-322.
+LEAST_SPREAD = 1e-6
 MOST_RESTLESS = 128.0  # counts at rest, from which the lowest byte tells nothing
 
 
@@ -199,7 +201,7 @@ def _fits(
             restless = max(float(np.max(row) - np.min(row)) for row in read)
             if not (np.all(np.isfinite(values)) and np.isfinite(restless)):
                 continue
-            if np.ptp(values) <= 2.0 * restless:
+            if np.ptp(values) <= max(2.0 * restless, LEAST_SPREAD):
                 continue
             count = 0.0 if form.kind is Kind.FLOAT else 1.0
             if count and restless >= MOST_RESTLESS:

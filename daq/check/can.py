@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from armodal.daq.can_listener import open_can
+from armodal.daq.can_listener import check_hears, open_can
 from armodal.daq.check.can_bench import CanRecording, listen, mapping_of
 from armodal.daq.check.can_values import (
     check_drive_state,
@@ -311,6 +311,7 @@ def check_can(
     steps = choose(CAN_STEPS, only)
     clock = clock or SystemClock()
     mapping = mapping_of(arm)
+    check_hears(channel, mapping)
     source = open_can(channel, mapping.bitrate)
     try:
         tell(f"Listening for {duration_s:g} s")

@@ -9,6 +9,7 @@ from armodal.daq.can_learning import Station, can_section_text, database_text, l
 from armodal.hil_sim.joint_messages import JointMessages
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
 from armodal.protocols.arm.generic_can import generic_mapping
+from armodal.protocols.can_database import load_database
 from armodal.protocols.can_records import CanFrame
 from armodal.protocols.errors import CanError
 from armodal.protocols.slcan import SlcanParser
@@ -107,6 +108,18 @@ def test_other_formats_are_learned(layout, kind, factor):
         assert joint.factor_deg == pytest.approx(factor, rel=1e-12)
         # The unsigned one is 180 degrees off; the pendant's rounding is halved.
         assert joint.residual_deg < 0.06
+
+
+def test_joints_in_one_can_fd_frame_are_learned_and_its_description_is_read():
+    def send(q, _):
+        data = bytes(16) + b"".join(struct.pack("<i", round(angle * 1e4)) for angle in q)
+        return [CanFrame(can_id=0x311, extended=False, data=data.ljust(32, b"\xaa"), fd=True)]
+
+    found = learned_of(send, 3)
+    assert found.missing == {}
+    assert [joint.field.first_byte for joint in found.joints] == [16, 20, 24]
+    (message,) = load_database(database_text(found), "learned.dbc").messages
+    assert message.length == 32
 
 
 def test_a_coupled_gear_is_told_as_such():

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import can
 import pytest
 
-from armodal.daq.can_listener import PythonCanListener, SlcanListener, open_can
+from armodal.daq.can_listener import PythonCanListener, SlcanListener, check_hears, open_can
 from armodal.daq.serial_port import SerialPort
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import CanError, DeviceTimeoutError, PortError
 
 BITRATE = 500_000
@@ -50,24 +53,39 @@ def test_a_device_that_is_no_adapter_is_said_so(board):
     SerialPort(board.name).close()
 
 
-def test_python_can_frames_arrive_and_errors_and_fd_frames_do_not():
+def test_python_can_frames_arrive_can_fd_too_and_errors_do_not():
     with can.Bus(interface="virtual", channel="listener-test") as other:
         source = open_can("virtual:listener-test", BITRATE)
         try:
             other.send(can.Message(arbitration_id=0x201, data=b"\x01\x02", is_extended_id=False))
             other.send(can.Message(arbitration_id=0x18FF0001, data=b"", is_extended_id=True))
-            other.send(can.Message(arbitration_id=0x202, is_fd=True, data=bytes(12)))
+            other.send(
+                can.Message(arbitration_id=0x202, is_extended_id=False, is_fd=True, data=bytes(12))
+            )
             other.send(can.Message(is_error_frame=True))
             source.collect(1.5)
             ((at_s, frames),) = source.take()
             assert at_s == 1.5
-            assert [(f.can_id, f.extended, f.data) for f in frames] == [
-                (0x201, False, b"\x01\x02"),
-                (0x18FF0001, True, b""),
+            assert [(f.can_id, f.extended, f.data, f.fd) for f in frames] == [
+                (0x201, False, b"\x01\x02", False),
+                (0x18FF0001, True, b"", False),
+                (0x202, False, bytes(12), True),
             ]
             assert source.fileno() == -1
         finally:
             source.close()
+
+
+def test_a_mapping_of_can_fd_is_refused_on_a_channel_that_cannot_hear_it():
+    mapping = load_arm("rv4frl").can
+    long = mapping.database_text.replace("JOINTS_1_2: 8", "JOINTS_1_2: 12")
+    assert long != mapping.database_text
+    long = replace(mapping, database_text=long)
+    for channel in ("/dev/ttyACM0", "slcan:/dev/ttyACM0", "pcan:PCAN_USBBUS1"):
+        check_hears(channel, mapping)
+        with pytest.raises(CanError, match=r"hears CAN FD, since JOINTS_1_2 of .* longer than 8"):
+            check_hears(channel, long)
+    check_hears("socketcan:can0", long)
 
 
 @pytest.mark.parametrize("channel", ["can0", "socketcan:", ":can0", "", "nonsense:can0"])

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
@@ -7,8 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from armodal.hil_sim.controller import ENCODER_NOISE_RAD, ENCODER_STEP_RAD, MAX_SPEED_RAD_S
-from armodal.hil_sim.joint_messages import HELD, MOVING
+from armodal.hil_sim.joint_messages import HELD, MOVING, JointMessages
 from armodal.hil_sim.slcan_adapter import SlcanAdapter
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlantError
 from armodal.protocols.slcan import CanFrame, SlcanParser, listen_only_commands
 
 RATE = 500_000
@@ -153,3 +156,11 @@ def test_the_adapter_takes_any_bytes(chunks):
         adapter.feed(chunk)
     adapter.feed(b"\r")
     assert adapter.feed(b"V\r") == b"V1013\r"
+
+
+def test_a_description_that_needs_can_fd_is_refused_since_the_adapter_is_classic():
+    mapping = load_arm("rv4frl").can
+    long = mapping.database_text.replace("JOINTS_1_2: 8", "JOINTS_1_2: 12")
+    joints = [signal.joint for signal in mapping.joints]
+    with pytest.raises(PlantError, match=r"at most 8 bytes, .* got 12 of JOINTS_1_2"):
+        JointMessages(replace(mapping, database_text=long), joints)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from can.util import dlc2len, len2dlc
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,6 +20,7 @@ from armodal.protocols.can_database import (
     CanFrame,
     load_database,
 )
+from armodal.protocols.can_records import bytes_carried
 from armodal.protocols.errors import CanError
 from armodal.protocols.slcan import SlcanParser
 
@@ -246,6 +248,64 @@ def test_angles_beyond_the_signal_are_not_encoded() -> None:
         encoder.encode(dict.fromkeys(JOINTS, 20.0), drive_state=2, counter=0)
     with pytest.raises(CanError, match="wanted an angle of joint_1"):
         encoder.encode({}, drive_state=2, counter=0)
+
+
+def fd_mapping() -> CanMapping:
+    """All six angles, state and counter in one message of 22 bytes: no classic frame is so long."""
+    signals = "".join(
+        f' SG_ POSITION_{i + 1} : {24 * i}|24@1- (0.0001,0) [0|0] "deg" A\n' for i in range(6)
+    )
+    text = (
+        f'VERSION ""\n\nBU_: A\n\nBO_ 785 ALL: 22 A\n{signals}'
+        ' SG_ STATE : 144|8@1+ (1,0) [0|255] "" A\n SG_ COUNT : 152|8@1+ (1,0) [0|255] "" A\n'
+    )
+    ours = shipped_mapping()
+    assert ours.drive_state is not None
+    return replace(
+        ours,
+        database_text=text,
+        joints=tuple(replace(joint, message="ALL") for joint in ours.joints),
+        drive_state=replace(ours.drive_state, message="ALL", signal="STATE"),
+        counter=("ALL", "COUNT"),
+    )
+
+
+def test_a_can_fd_frame_laid_out_by_hand_is_decoded_and_may_be_filled_up() -> None:
+    counts = [0, 900_000, -450_000, 1, -1, 300_000]
+    data = b"".join(n.to_bytes(3, "little", signed=True) for n in counts) + bytes([2, 41, 0, 0])
+    assert len(data) == 22
+    # The shortest FD frame of 22 bytes or more has 24, of which two say nothing.
+    frame = CanFrame(can_id=785, extended=False, data=data + b"\xcc\xcc", fd=True)
+    update = CanDecoder(fd_mapping()).decode(frame)
+    assert update is not None
+    assert list(update.joints_rad.values()) == pytest.approx(
+        [math.radians(n * 1e-4) for n in counts], abs=1e-12
+    )
+    assert (update.drive_state, update.counter) == (2, 41)
+
+
+@pytest.mark.parametrize(
+    ("length", "fd", "wanted"), [(8, True, 24), (22, True, 24), (32, True, 24), (8, False, 22)]
+)
+def test_an_fd_message_in_a_frame_of_another_length_is_refused(length, fd, wanted) -> None:
+    frame = CanFrame(can_id=785, extended=False, data=bytes(length), fd=fd)
+    with pytest.raises(CanError, match=f"ALL: wanted {wanted} bytes, got {length}"):
+        CanDecoder(fd_mapping()).decode(frame)
+
+
+def test_what_is_encoded_for_can_fd_is_decoded() -> None:
+    mapping = fd_mapping()
+    sent = {name: 0.1 * i for i, name in enumerate(JOINTS)}
+    (frame,) = CanEncoder(mapping).encode(sent, drive_state=2, counter=3)
+    assert (frame.fd, len(frame.data)) == (True, 24)
+    update = CanDecoder(mapping).decode(frame)
+    assert update is not None
+    assert update.joints_rad == pytest.approx(sent, abs=HALF_COUNT_RAD)
+
+
+def test_lengths_of_can_fd_frames_are_python_cans() -> None:
+    for length in range(65):
+        assert bytes_carried(length, fd=True) == dlc2len(len2dlc(length))
 
 
 @pytest.mark.parametrize("name", ["armodal_controller.dbc", "cia402.dbc"])

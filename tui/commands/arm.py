@@ -32,7 +32,7 @@ from armodal.tui.commands.arm_links import link_rows, link_table
 from armodal.tui.commands.arm_move import move_command
 from armodal.tui.commands.arm_show import show_command
 from armodal.tui.commands.new_folder import check_new_folder, write_new_folder
-from armodal.tui.commands.options import Seed, comma_numbers
+from armodal.tui.commands.options import Minutes, Seed, comma_numbers
 from armodal.tui.commands.plan_json import made_json
 from armodal.tui.commands.plan_tables import made_lines
 from armodal.tui.console import Json, err, out, print_json, progress, say
@@ -90,6 +90,7 @@ def new_command(
     sensors: Annotated[
         Path | None, typer.Option(help="Your hammers and accelerometers, sensors.toml.")
     ] = None,
+    minutes: Minutes = None,
     no_plan: Annotated[bool, typer.Option("--no-plan", help="Make the arm alone.")] = False,
     seed: Seed = 0,
     as_json: Json = False,
@@ -107,7 +108,7 @@ def new_command(
     if not yes and on_terminal():
         wanted = _asked(robot, wanted, mount)
     draft = draft_arm(robot, arm_name, wanted, said, seed=seed)
-    made = None if no_plan else _planned(draft, equipment, said, seed)
+    made = None if no_plan else _planned(draft, equipment, said, seed, minutes)
     files: dict[str, bytes] = {
         f"{arm_name}.toml": draft.arm.text.encode(),
         draft.urdf_name: (draft.arm.urdf_text or "").encode(),
@@ -186,7 +187,9 @@ def on_terminal() -> bool:
     return sys.stdin.isatty()
 
 
-def _planned(draft: Draft, equipment: Equipment, said: Remarks, seed: int) -> MadePlan | None:
+def _planned(
+    draft: Draft, equipment: Equipment, said: Remarks, seed: int, minutes: float | None
+) -> MadePlan | None:
     """A plan for the new arm; why there is none is said."""
     try:
         return made_plan(
@@ -198,6 +201,7 @@ def _planned(draft: Draft, equipment: Equipment, said: Remarks, seed: int) -> Ma
             floor_m=None,
             equipment=equipment,
             n_tests=N_TESTS,
+            minutes=minutes,
             progress=progress("plan"),
         )
     except (ArmError, EstimateError, PlanError) as problem:

@@ -18,6 +18,7 @@ __all__ = [
     "ArmName",
     "Band",
     "ByHand",
+    "Minutes",
     "Mirror",
     "Seed",
     "SessionPath",
@@ -38,6 +39,10 @@ Band = Annotated[
     typer.Option(help="Only lines from LOW to HIGH Hz."),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
+Minutes = Annotated[
+    float | None,
+    typer.Option(min=1.0, help="A plan of at most so long: fewer points, links' motions seen."),
+]
 ByHand = Annotated[
     float | None,
     typer.Option(

@@ -18,7 +18,7 @@ from armodal.protocols.errors import PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
-from armodal.tui.commands.options import ArmName, Seed
+from armodal.tui.commands.options import ArmName, Minutes, Seed
 from armodal.tui.commands.plan_json import made_json, plan_json
 from armodal.tui.commands.plan_tables import made_lines, plan_tables
 from armodal.tui.console import Json, out, print_json, progress, say_next
@@ -32,6 +32,7 @@ app = typer.Typer(add_completion=False)
 def plan_command(
     arm: ArmName,
     tests: Annotated[int, typer.Option(min=1, max=50, help="Tests wanted in all.")] = 6,
+    minutes: Minutes = None,
     out_path: Annotated[
         Path | None, typer.Option("--out", help="Plan file to write, never replaced.")
     ] = None,
@@ -68,6 +69,7 @@ def plan_command(
         floor_m=floor,
         equipment=CATALOGUE if sensors is None else load_equipment(sensors),
         n_tests=tests,
+        minutes=minutes,
         progress=progress("search"),
     )
     found = made.plan

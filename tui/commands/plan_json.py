@@ -46,6 +46,7 @@ def plan_json(plan: SelectivePlan, beside: Beside | None = None) -> dict[str, An
         "tests": [
             {
                 "posture_deg": np.rad2deg(test.joints_rad).tolist(),
+                "validation": number > plan.n_fitted,
                 "target": names[test.target],
                 "serves": [names[joint] for joint in test.serves],
                 "separable_set": [names[joint] for joint in test.separable],
@@ -78,10 +79,11 @@ def plan_json(plan: SelectivePlan, beside: Beside | None = None) -> dict[str, An
                 "gravity_stiffness_n_m_per_rad": test.gravity.stiffness_n_m_per_rad.tolist(),
                 "gravity_part_of_spring": test.gravity.part_of_spring.tolist(),
                 "expected_k_std_relative": [
-                    float(std) if np.isfinite(std) else None for std in expected
+                    float(std) if np.isfinite(std) else None
+                    for std in plan.expected_std[min(number, plan.n_fitted) - 1]
                 ],
             }
-            for test, expected in zip(plan.tests, plan.expected_std, strict=True)
+            for number, test in enumerate(plan.tests, start=1)
         ],
     }
 
@@ -103,6 +105,7 @@ def made_json(made: MadePlan) -> dict[str, Any]:
             "source": chosen.source,
         },
         "minutes": made.minutes,
+        "mountings": made.mountings,
         "k_std_of_inertias": dict(zip(names, made.inertia_std.tolist(), strict=True)),
         "by_capsules": made.by_capsules,
         "not_checked": list(made.touching),

@@ -56,13 +56,20 @@ def _tests(plan: SelectivePlan) -> Table:
             str(number),
             _angles(test.joints_rad),
             names[test.target] + (f" with {', '.join(tied)}" if tied else ""),
-            ", ".join(names[joint] for joint in test.serves) or "adds to the others",
+            _good_for(plan, number, names),
             f"{test.coupling.max():.4f}",
             _hit(test),
             f"{100 * test.hit.purity:.0f}",
             " ".join(test.points),
         )
     return table
+
+
+def _good_for(plan: SelectivePlan, number: int, names: list[str]) -> str:
+    if number > plan.n_fitted:
+        return "for validation, not fitted"
+    served = plan.tests[number - 1].serves
+    return ", ".join(names[joint] for joint in served) or "adds to the others"
 
 
 def _modes(plan: SelectivePlan) -> Table:
@@ -108,7 +115,8 @@ def made_lines(made: MadePlan) -> list[str]:
     lines = [
         f"hammer: {hammer.name}, head {hammer.head_kg:g} kg, {pulse}, {trigger}",
         f"accelerometer: {sensor.name}, {1e3 * sensor.mass_kg:g} g, to {sensor.range_m_s2:g} m/s²",
-        f"time: some {made.minutes:.0f} minutes",
+        f"time: some {made.minutes:.0f} minutes, {made.mountings} mountings",
+        _validation(made.plan),
     ]
     if made.by_capsules:
         lines.append("collisions: by capsules between the joints; look before you move")
@@ -121,6 +129,12 @@ def made_lines(made: MadePlan) -> list[str]:
             by = "; ".join(_angles(stop) for stop in leg.stops_rad)
             lines.append(f"to test {number}: go by {by} degrees")
     return lines
+
+
+def _validation(plan: SelectivePlan) -> str:
+    if plan.n_fitted < len(plan.tests):
+        return f"validation: test {len(plan.tests)} is foretold from the others, never fitted"
+    return "validation: none; plan four tests or more, of which one is kept for it"
 
 
 def _gravity(plan: SelectivePlan) -> Table:

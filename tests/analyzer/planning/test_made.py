@@ -13,6 +13,7 @@ from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
 from armodal.analyzer.planning import search, selective
 from armodal.analyzer.planning.equipment import chosen_equipment
+from armodal.analyzer.planning.fewer_points import motions_shown
 from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
@@ -106,7 +107,8 @@ def test_the_inertias_tolerance_is_that_of_the_joint_s_own_moment(draft, made):
     t = arm.tolerances
     i = 1
     joint = plan.elastic.joints[i]
-    shown = [test for test in plan.tests if joint in test.serves or joint == test.target]
+    fitted = plan.tests[: plan.n_fitted]
+    shown = [test for test in fitted if joint in test.serves or joint == test.target]
     scatter = []
     for test in shown:
         q = test.joints_rad[None]
@@ -138,6 +140,65 @@ def test_minutes_are_those_of_postures_mountings_and_hits(draft, made):
     # A posture takes 3 minutes, a point 75 s and three hits of 8 s and their records of 2 s.
     points = sum(len(posture.points) for posture in plan.postures)
     assert made.minutes == pytest.approx(3.0 * len(plan.postures) + 1.75 * points)
+
+
+def test_the_last_of_four_tests_is_for_validation_and_none_of_three(draft, made):
+    plan = plan_from_text(made.text, draft.arm)
+    held_out = [posture.validation for posture in plan.postures]
+    assert held_out[-1]
+    assert not any(held_out[:-1])
+    # What is told of k after it is told by the others alone.
+    assert len(made.plan.expected_std) == len(plan.postures) - 1 >= made.plan.n_needed
+    three = planned(draft, n_tests=3)
+    assert not any(p.validation for p in plan_from_text(three.text, draft.arm).postures)
+
+
+def test_a_short_plan_still_shows_the_motions_of_every_link(draft, made):
+    """By the rank of the points' rigid motions in the base frame, worked out here."""
+    arm, limit = draft.arm, made.minutes - 20.0
+    short = planned(draft, minutes=limit)
+    assert limit - 1.75 < short.minutes <= limit  # a mounting takes 1.75 minutes
+    plan, full = (plan_from_text(text, arm) for text in (short.text, made.text))
+    on = {point.id: point.link for point in arm.points}
+
+    def rank(link, posture):
+        rows = [
+            np.hstack([np.eye(3), np.cross(np.eye(3), 10.0 * arm.point(p).position_m)])
+            for p in posture.points
+            if on[p] == link
+        ]
+        return np.linalg.matrix_rank(np.vstack(rows), tol=0.01) if rows else 0
+
+    for link in set(on.values()):
+        fitted = [[p for p in each.postures if not p.validation] for each in (plan, full)]
+        assert max(rank(link, p) for p in fitted[0]) == max(rank(link, p) for p in fitted[1])
+    for posture, whole in zip(plan.postures, full.postures, strict=True):
+        assert plan.fixed_point in posture.points
+        assert {on[p] for p in posture.points} == {on[p] for p in whole.points}
+    # Fewer points cannot tell more; 1e-6 is the rounding of the inverse.
+    assert (short.plan.expected_std >= (1 - 1e-6) * made.plan.expected_std).all()
+
+
+def test_a_plan_that_cannot_be_so_short_is_refused_with_the_minutes_it_takes(draft):
+    with pytest.raises(PlanError, match=r"at most 10 minutes, got \d+ for 4 tests") as refused:
+        planned(draft, minutes=10.0)
+    least = float(str(refused.value).rsplit(" ", 1)[1])
+    assert least - 1.0 < planned(draft, minutes=least).minutes <= least
+
+
+@pytest.mark.parametrize(
+    ("places", "motions"),
+    [
+        ([], 0),
+        ([(0, 0, 0)], 3),
+        ([(0, 0, 0), (1, 0, 0)], 5),
+        ([(0, 0, 0), (0.5, 0, 0), (1, 0, 0)], 5),
+        ([(0, 0, 0), (0.5, 0.01, 0), (1, 0, 0)], 5),  # a lever of a hundredth
+        ([(0, 0, 0), (0.5, 0.5, 0), (1, 0, 0)], 6),
+    ],
+)
+def test_six_motions_are_shown_by_three_points_off_one_line(places, motions):
+    assert motions_shown([np.array(place, dtype=float) for place in places], 1.0) == motions
 
 
 def test_a_room_without_a_free_posture_is_told_with_what_meets(draft):

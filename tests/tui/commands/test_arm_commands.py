@@ -109,13 +109,18 @@ def test_a_plan_is_written_beside_the_papers_postures_and_a_session_can_run_it(
 ):
     path = tmp_path / "plan.toml"
     value, shown = told_to_machines_and_people(
-        monkeypatch, "plan", "made_plan", "plan", "viper_s650", "--tests", "3", "--out", str(path)
-    )
+        monkeypatch, "plan", "made_plan",
+        "plan", "viper_s650", "--tests", "3", "--minutes", "60", "--out", str(path)
+    )  # fmt: skip
+    # All ten points would take 62 minutes: one mounting of 1.75 is spared.
+    assert 60.0 - 1.75 < value["minutes"] <= 60.0
+    assert not any(test["validation"] for test in value["tests"])
     assert "Tests for viper_s650: the first " in " ".join(shown.split())
     for mode in value["tests"][0]["modes"]:
         assert f"{mode['f_hz']:.1f}" in shown
     plan = load_plan(path, load_arm("viper_s650"))
     assert len(plan.postures) == len(value["tests"]) == 3
+    assert sum(len(posture.points) for posture in plan.postures) == value["mountings"]
     assert plan.fixed_point == value["hit_point"]
     assert value["beside"]["plan"] == "viper_s650-five-tests"
     for found, theirs in zip(value["most_selective"], value["beside"]["joints"], strict=True):
