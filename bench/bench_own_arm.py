@@ -1,6 +1,7 @@
 """Other people's arms through `armodal arm new` and `armodal plan`: loaded, or refused for what?
 
     python bench/bench_own_arm.py DIR [--inertials | --measure] [--only REGEX]
+                                      [--tests N] [--minutes M]
 
 DIR is searched for robot descriptions (URDF, xacro that makes a robot, MJCF) with their packages,
 as their makers publish them; nothing is downloaded. Of each: seconds of processor time, joints,
@@ -9,13 +10,15 @@ and collision triangles themselves are checked without a margin. `--inertials` i
 inertials of arms that have believable ones, the mass of their moving links known, and tells by how
 much a guess is off: each link's mass, and M_jj of every joint over random postures, to which a
 stiffness is proportional. `--measure` goes on from the plan: an arm whose springs are 1.3 times as
-stiff as its file says is measured in the simulated laboratory by that plan, and identified.
+stiff as its file says is measured in the simulated laboratory by that plan, and identified; and
+where the description's inertials are believed, identified once more by somebody who has none and
+guesses them, the mass of the moving links known. Told is how far each k is off, and how many k of
+all arms lie within their stated 95 % intervals, the inertias' tolerance in them.
 """
 
 import argparse
 import re
 import sys
-import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -46,6 +49,7 @@ from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE
 
 OFF = 1.3  # truth over belief
+WITHIN = 1.96  # standard deviations, on either side, that hold 95 % of a normal distribution
 KINDS = (".urdf", ".xacro", ".xml")
 PART = re.compile(
     r"macro|common|material|colou?r|gazebo|transmission|ros2_control|moveit|inc/|test"
@@ -92,25 +96,61 @@ def colliding(draft, postures) -> int:
     return sum(bool(met(q) - anyway) for q in postures)
 
 
-def measured(arm, plan_text: str) -> str:
-    """How far each k is off the hidden truth, after a session by the plan."""
-    k = [OFF * j.stiffness.value if j.stiffness else None for j in arm.joints]
-    c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
-    began = time.process_time()
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "plan.toml"
-        path.write_text(plan_text, encoding="utf-8")
-        session = simulate_session(1, plan=path, arm=arm, plant=plant_of_arm(arm, k, c))
-        result = identify(session)
-    truth = [value for value in k if value is not None]
-    off = [100.0 * (j.k_n_m_per_rad / t - 1.0) for j, t in zip(result.joints, truth, strict=True)]
-    return (
-        f"k off by {' '.join(f'{value:+.2f}' for value in off)} %, "
-        f"{time.process_time() - began:.0f} s"
+def guessed_arm(draft):
+    """The arm as one believes it who has no inertial but the mass of the moving links, or None."""
+    nothing = Doubts(mass=frozenset(), spread=frozenset())
+    if draft.believed.guessed or not all(body.drawn for body in draft.bodies):
+        return None
+    bare = [replace(body, inertial=None) for body in draft.bodies]
+    total = sum(link.mass_kg for link in draft.believed.links)
+    # The base takes its share of a total: the total that leaves the moving links their mass.
+    share = believed_links(bare, nothing, Remarks(), total_kg=total)
+    total *= total / sum(link.mass_kg for link in share.links)
+    guess = believed_links(bare, nothing, Remarks(), total_kg=total)
+    return replace(
+        draft.arm,
+        joints=tuple(
+            replace(joint, link=link)
+            for joint, link in zip(draft.arm.joints, guess.links, strict=True)
+        ),
+        tolerances=replace(
+            draft.arm.tolerances,
+            mass=guess.mass,
+            inertia=guess.inertia,
+            center_m=guess.center_m,
+        ),
     )
 
 
-def try_arm(path: Path, folders: tuple[Path, ...], *, measure: bool) -> str:
+def measured(draft, plan_text: str, pulls: dict[str, list[float]]) -> str:
+    """How far each k is off the hidden truth, after a session by the plan."""
+    arm = draft.arm
+    k = [OFF * j.stiffness.value if j.stiffness else None for j in arm.joints]
+    c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
+    truth = [value for value in k if value is not None]
+    began = time.process_time()
+    session = simulate_session(
+        1, plan=plan_from_text(plan_text, arm), arm=arm, plant=plant_of_arm(arm, k, c)
+    )
+    rows = []
+    for how, believed in (("true", arm), ("guessed", guessed_arm(draft))):
+        if believed is None:
+            continue
+        result = identify(replace(session, header=replace(session.header, arm=believed)))
+        off = [j.k_n_m_per_rad - t for j, t in zip(result.joints, truth, strict=True)]
+        std = [np.hypot(j.k_std, j.k_std_model) for j in result.joints]
+        pulls[how] += [e / s for e, s in zip(off, std, strict=True)]
+        each = " ".join(
+            f"{100 * e / t:+.2f} ± {100 * s / t:.0f}"
+            for e, s, t in zip(off, std, truth, strict=True)
+        )
+        rows.append(f"{how} inertias: k off by {each} %")
+    return f"{'; '.join(rows)}; {time.process_time() - began:.0f} s"
+
+
+def try_arm(
+    path: Path, folders: tuple[Path, ...], given: argparse.Namespace, pulls: dict[str, list[float]]
+) -> str:
     said, began = Remarks(), time.process_time()
     try:
         draft = draft_arm(path, "bench", Wanted(folders=folders), said)
@@ -133,7 +173,8 @@ def try_arm(path: Path, folders: tuple[Path, ...], *, measure: bool) -> str:
             bodies=draft.bodies,
             floor_m=None,
             equipment=CATALOGUE,
-            n_tests=6,
+            n_tests=given.tests,
+            minutes=given.minutes,
         )
     except ArmodalError as problem:
         return f"{row}; no plan: {problem}"
@@ -145,7 +186,8 @@ def try_arm(path: Path, folders: tuple[Path, ...], *, measure: bool) -> str:
     return (
         f"{row}, plan {plan_s:.1f} s: {len(plan.postures)} postures, {collisions} collide, "
         f"{lost} ways not found, {chosen.hammer.head_kg:g} kg hammer {chosen.told_peak_n} N, "
-        f"{made.minutes:.0f} min" + (f"; {measured(draft.arm, made.text)}" if measure else "")
+        f"{made.minutes:.0f} min"
+        + (f"; {measured(draft, made.text, pulls)}" if given.measure else "")
     )
 
 
@@ -192,10 +234,13 @@ def main() -> None:
     parser.add_argument("--inertials", action="store_true")
     parser.add_argument("--measure", action="store_true")
     parser.add_argument("--only", default="", help="regular expression of paths")
+    parser.add_argument("--tests", type=int, default=6)
+    parser.add_argument("--minutes", type=float, help="as `armodal plan --minutes`")
     given = parser.parse_args()
     folders = tuple(
         sorted({path.parent.parent for path in given.folder.rglob("package.xml")} | {given.folder})
     )
+    pulls: dict[str, list[float]] = {"true": [], "guessed": []}
     masses: list[float] = []
     moments: list[float] = []
     for path in descriptions(given.folder):
@@ -209,7 +254,11 @@ def main() -> None:
                 masses += found[1]
                 moments += found[2]
         else:
-            print(f"{name}: {try_arm(path, folders, measure=given.measure)}", flush=True)
+            print(f"{name}: {try_arm(path, folders, given, pulls)}", flush=True)
+    for how, each in pulls.items():
+        if each:
+            within = int(np.sum(np.abs(each) <= WITHIN))
+            print(f"{how} inertias: {within} of {len(each)} k within their 95 % interval")
     if masses:
         for what, errors in (("masses", masses), ("M_jj", moments)):
             within = np.mean(np.abs(errors) <= 0.25)
