@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from armodal.analyzer.corrected.loaded import loaded_arm
 from armodal.analyzer.gap import workflow
 from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification import identify as identification
 from armodal.analyzer.identification.predicted_posture import Prediction, predict_posture
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.own_arm.of_arm import checked_bodies
-from armodal.analyzer.planning.made import MadePlan, made_plan, refuse_effects
+from armodal.analyzer.planning.made import MadePlan, made_plan
 from armodal.analyzer.report import write_report
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.records import Arm
@@ -114,7 +115,8 @@ def plan(
     Parameters
     ----------
     arm
-        Without effects.
+        Without effects but bodies on its links, whose mass counts; the room that they take is not
+        known, and not kept free.
     folder
         Where its file lies: only an arm whose URDF names meshes needs it.
     name
@@ -131,7 +133,7 @@ def plan(
     Raises
     ------
     ArmError
-        If the arm has effects, a mesh is missing, or a point lies off its link.
+        If the arm has other effects, a mesh is missing, or a point lies off its link.
     EstimateError
         If no posture is free, or no point takes a hit for every joint.
     PlanError
@@ -142,7 +144,7 @@ def plan(
             f"arm '{arm.name}': its URDF names meshes; wanted the folder of the arm file, "
             "plan(arm, folder=...), got none"
         )
-    refuse_effects(arm)
+    arm = loaded_arm(arm).arm
     return made_plan(
         arm,
         elastic_joints(arm),
