@@ -10,6 +10,7 @@ import numpy.typing as npt
 import scipy.optimize
 
 from armodal.analyzer.acting.shapers import KINDS, Notch, Shaper, convolved, notch, shaper
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.corrected.prediction import ArmPrediction
 from armodal.protocols.errors import EstimateError
 
@@ -17,7 +18,6 @@ __all__ = ["Candidate", "ModeBox", "candidates", "mode_boxes", "recommended"]
 
 Array = npt.NDArray[np.float64]
 
-_TWO_SIDED_95 = 1.96  # deviations
 _GRID = 41  # frequencies of an interval at which the residual is looked at
 _MOST_DAMPING = 0.9  # a mode with more does not swing
 _WIDEST = 0.9  # damping of a notch's pole
@@ -67,9 +67,9 @@ def mode_boxes(predictions: Sequence[ArmPrediction], n_modes: int) -> tuple[Mode
         rows = [
             (
                 p.modes.f_hz[i],
-                _TWO_SIDED_95 * p.f_std_hz[i],
+                TWO_SIDED_95 * p.f_std_hz[i],
                 p.modes.damping_ratio[i],
-                _TWO_SIDED_95 * p.damping_std[i],
+                TWO_SIDED_95 * p.damping_std[i],
             )
             for p in predictions
         ]

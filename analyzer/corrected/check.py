@@ -10,6 +10,7 @@ import scipy.optimize
 
 from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.analyzer.modal import fit_modes
@@ -19,7 +20,6 @@ from armodal.protocols.session.records import Session
 
 __all__ = ["CheckedPosture", "KnownSession", "check_posture_rows", "known_sessions"]
 
-_TWO_SIDED_95 = 1.96
 _ABOVE = 1.3  # times the highest measured mode, to which predicted ones may pair
 
 
@@ -95,7 +95,7 @@ def check_posture_rows(arm: Arm, session: Session, *, known: bool) -> tuple[Chec
         apart = np.abs(np.log(f[:, None] / own.modes.f_hz[None]))
         i, j = scipy.optimize.linear_sum_assignment(apart)
         off = np.abs(own.modes.f_hz[j] - f[i])
-        room = _TWO_SIDED_95 * np.hypot(own.f_std_hz[j], std[i])
+        room = TWO_SIDED_95 * np.hypot(own.f_std_hz[j], std[i])
         rows.append(
             CheckedPosture(
                 posture=frf.posture,

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from armodal.analyzer.confidence import ONE_SIDED_95, TWO_SIDED_95
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
 from armodal.analyzer.gap.decision.named_step import Step
 from armodal.analyzer.gap.decision.verdict import verdict_of
@@ -17,7 +18,7 @@ from armodal.analyzer.gap.inference.compare import disagreement_map, posture_gap
 from armodal.analyzer.gap.inference.dispersion import dispersion
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
-from armodal.analyzer.gap.inference.intervals import ONE_SIDED_95, TWO_SIDED_95, intervals
+from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (

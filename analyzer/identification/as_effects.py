@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.identification.records import AxisResult, Identification
 from armodal.protocols.arm.records import (
@@ -17,8 +18,6 @@ from armodal.protocols.arm.records import (
 )
 
 __all__ = ["identified_arm"]
-
-_TWO_SIDED_95 = 1.96
 
 
 def identified_arm(
@@ -93,7 +92,7 @@ def _as_effect(axis: AxisResult, evidence: EffectEvidence) -> AddedEffect:
 
 
 def _parameter(name: str, unit: str, value: float, std: float) -> EffectParameter:
-    reach = _TWO_SIDED_95 * std
+    reach = TWO_SIDED_95 * std
     return EffectParameter(
         name=name, unit=unit, value=value, std=std, low=max(value - reach, 0.0), high=value + reach
     )

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.records import GapResult, PostureGap, Verdict
 from armodal.analyzer.identification.records import AxisResult, Identification
 from armodal.analyzer.identification.scatter import half_width_95
 from armodal.analyzer.report.effect_words import certainty, effect_sentence
-from armodal.analyzer.report.stiffness_rows import TWO_SIDED_95
 from armodal.analyzer.report.words import plus_minus, rounded, share
 
 __all__ = ["Finding", "findings"]

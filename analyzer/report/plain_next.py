@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.modal import ModalModel, missing_mode_hints
-from armodal.analyzer.report.plain_words import TWO_SIDED_95, shape_of
+from armodal.analyzer.report.plain_words import shape_of
 from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["plain_steps"]

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import norm
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.modal import ModalModel, drift_told, mac_matrix, missing_mode_hints
 from armodal.analyzer.modal.modes import Mode
 from armodal.protocols.frf_records import FrequencyResponse
 
-__all__ = ["TWO_SIDED_95", "answer", "long_side", "open_questions", "shape_of"]
+__all__ = ["answer", "long_side", "open_questions", "shape_of"]
 
-TWO_SIDED_95 = float(norm.ppf(0.975))
 _MOST_HINTS = 5
 
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
 
-__all__ = ["TWO_SIDED_95", "Stiffness", "stiffness_rows"]
-
-TWO_SIDED_95 = float(norm.ppf(0.975))
+__all__ = ["Stiffness", "stiffness_rows"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import special
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import friction, microslip, softening
 from armodal.analyzer.gap.effects.level import any_bow
@@ -86,7 +87,7 @@ def told_by_hits_between(
     if stage is not None:
         bow = bow_of(stage, both[0], joint, judged.phi)
         told = told_by_bow(bow)
-        half = 1.96 * np.sqrt(bow.covariance[1, 1])
+        half = TWO_SIDED_95 * np.sqrt(bow.covariance[1, 1])
         words = (
             f"hits between soft and hard: the damping of {joint} bows by {bow.bow:.2f} "
             f"+- {half:.2f} of the fall of ln k, {_SAID[told]}"

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import special
 
+from armodal.analyzer.confidence import ONE_SIDED_95, TWO_SIDED_95
 from armodal.analyzer.gap.inference.fit import Fit
 from armodal.analyzer.gap.records import Interval
 
-__all__ = ["ONE_SIDED_95", "TWO_SIDED_95", "intervals"]
-
-TWO_SIDED_95, ONE_SIDED_95 = 1.96, 1.645
+__all__ = ["intervals"]
 
 
 def intervals(fit: Fit, names: Sequence[str], inflation: float) -> dict[str, Interval]:
