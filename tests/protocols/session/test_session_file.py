@@ -388,14 +388,3 @@ def test_rebuild_of_something_else_writes_nothing(tmp_path: Path) -> None:
     with pytest.raises(JournalError, match="not an armodal journal"):
         rebuild(tmp_path / "a.journal", tmp_path / "a.h5", software="test")
     assert not (tmp_path / "a.h5").exists()
-
-
-@pytest.mark.parametrize("sign", [0, 2, -128])
-def test_a_polarity_that_is_none_is_refused(example, tmp_path: Path, sign: int) -> None:
-    write_session(example.session, tmp_path / "a.h5")
-    with h5py.File(tmp_path / "a.h5", "r+") as file:
-        found: list[str] = []
-        file.visit(lambda name: found.append(name) if name.endswith("polarity") else None)
-        file[found[0]][0] = sign
-    with pytest.raises(SessionError, match=r"polarity.*wanted 1 and -1"):
-        read_session(tmp_path / "a.h5")

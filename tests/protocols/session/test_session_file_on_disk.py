@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import pytest
 
 from armodal.protocols.errors import SessionError
@@ -98,3 +99,14 @@ def test_a_disk_that_is_full_keeps_the_old_file_and_leaves_nothing_else(example,
         write_session(example.session, path, files=Full())
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("sign", [0, 2, -128])
+def test_a_polarity_that_is_none_is_refused(example, tmp_path: Path, sign: int) -> None:
+    write_session(example.session, tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        found: list[str] = []
+        file.visit(lambda name: found.append(name) if name.endswith("polarity") else None)
+        file[found[0]][0] = sign
+    with pytest.raises(SessionError, match=r"polarity.*wanted 1 and -1"):
+        read_session(tmp_path / "a.h5")
