@@ -42,8 +42,9 @@ _LEAST_M, _LEAST_KG = 1e-6, 1e-6
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # to a joint's axis: 11 degrees, 30 mm
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
 # Of an even rod's, how far apart both pieces' centres are; at most, halves of a rod are points.
-_SPREAD, _SPREAD_STD, _SPREAD_MOST = 0.8, 0.3, 2.0 / np.sqrt(3.0)
-_BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.25, 0.2, 0.8  # of the link's mass
+_SPREAD, _SPREAD_STD, _SPREAD_MOST = 0.8, 1.0 / 3.0, 2.0 / np.sqrt(3.0)
+# Of the link's mass: anywhere along it, mean and deviation of an even draw.
+_BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.5, 1.0 / np.sqrt(12.0), 0.9
 
 
 def at_axis(
