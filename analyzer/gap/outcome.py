@@ -175,6 +175,7 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         confused_with=words.confused_with,
         told_by=words.told_by,
         remedy=words.remedy,
+        moves=instance.begins_at,
     )
 
 
@@ -195,6 +196,7 @@ def _rival(fit: Fit, present: Fit, best: Fit, standing: Sequence[Fit], phi: floa
         material=instance.is_material(fit.values),
         parameters=intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
+        moves=instance.begins_at,
     )
 
 

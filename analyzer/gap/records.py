@@ -59,6 +59,7 @@ class EffectFound:
     confused_with: tuple[str, ...]
     told_by: str
     remedy: str
+    moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +75,7 @@ class RivalRow:
     material: bool  # large enough to be worth a name
     parameters: Mapping[str, Interval]
     told_by: str
+    moves: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,14 @@ from armodal.analyzer.gap.records import EffectFound, Interval
 from armodal.analyzer.report.arm_svg import MarkedAxis
 from armodal.analyzer.report.words import plus_minus, rounded
 
-__all__ = ["axis_of_effect", "certainty", "effect_sentence", "interval_in_words", "size_in_words"]
+__all__ = [
+    "axis_of_effect",
+    "certainty",
+    "effect_sentence",
+    "interval_in_words",
+    "parameters_in_words",
+    "size_in_words",
+]
 
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
@@ -37,6 +44,32 @@ def interval_in_words(found: Interval) -> str:
     return (
         f"{what}{value} ± {std}{unit} (95 %: {rounded(found.low)} to {rounded(found.high)}{unit})"
     )
+
+
+def parameters_in_words(effect: EffectFound) -> list[str]:
+    """Return all its parameters, a line each: an axis as a line of its link's frame, k in N m/rad.
+
+    Tilts and shifts of an axis from where the fit began tell nobody anything: they are the
+    deviations of its direction and its place.
+    """
+    moves = [effect.parameters[name] for name in effect.moves if name in effect.parameters]
+    axis = axis_of_effect(effect)
+    lines = []
+    if axis is not None:
+        point, direction = (
+            ", ".join(f"{x:.3f}" for x in v) for v in (axis.point_link_m, axis.direction_link)
+        )
+        turned = np.degrees(np.hypot.reduce([move.std for move in moves if not move.unit] or [0.0]))
+        off = 1e3 * np.hypot.reduce([move.std for move in moves if move.unit == "m"] or [0.0])
+        lines.append(
+            f"axis in the frame of {axis.link}: through ({point}) m along ({direction})"
+            + (f", ± {rounded(float(turned))}° and ± {rounded(float(off))} mm" if moves else "")
+        )
+    for name, found in effect.parameters.items():
+        if name not in effect.moves:
+            told = name.replace("compliance ", "") if _as_stiffness(found)[1] else name
+            lines.append(f"{told}: {interval_in_words(found)}")
+    return lines
 
 
 def certainty(effect: EffectFound) -> str:

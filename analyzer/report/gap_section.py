@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.report.effect_words import certainty, effect_sentence
+from armodal.analyzer.gap.records import EffectFound, GapResult, Verdict
+from armodal.analyzer.report.effect_words import (
+    axis_of_effect,
+    certainty,
+    effect_sentence,
+    parameters_in_words,
+)
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
@@ -37,6 +42,8 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             advice=_ADVICE[result.verdict],
             told=_told,
             sentence=effect_sentence,
+            parameters=parameters_in_words,
+            described=_beside_the_axis,
             certainty=certainty,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
@@ -44,6 +51,12 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             checks=checks,
         )
     )
+
+
+def _beside_the_axis(effect: EffectFound) -> dict[str, object]:
+    """What an effect describes beside the axis that its parameters in words tell."""
+    axis = {"link", "direction", "point_m"} if axis_of_effect(effect) is not None else set()
+    return {key: value for key, value in effect.description.items() if key not in axis}
 
 
 def _told(value: object) -> str:

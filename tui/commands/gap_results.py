@@ -20,7 +20,7 @@ from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
-from armodal.analyzer.report.effect_words import certainty, effect_sentence
+from armodal.analyzer.report.effect_words import certainty, effect_sentence, parameters_in_words
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
@@ -132,7 +132,8 @@ def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:
     found = asdict(result)
     found["verdict"] = result.verdict.value
     for row in (*found["effects"], *found["rivals"]):
-        intervals = row.pop("parameters")
+        moves = row.pop("moves")
+        intervals = {n: v for n, v in row.pop("parameters").items() if n not in moves}
         row["parameters"] = {name: value["value"] for name, value in intervals.items()}
         row["units"] = {name: value["unit"] for name, value in intervals.items()}
         row["std"] = {name: value["std"] for name, value in intervals.items()}
@@ -162,10 +163,7 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
 def _effect_lines(effect: EffectFound) -> Text:
     """What was named, and all its parameters."""
     lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
-    lines += [
-        f"  {name}: {value.value:.4g} ± {value.std:.2g} {value.unit}".rstrip()
-        for name, value in effect.parameters.items()
-    ]
+    lines += [f"  {told}" for told in parameters_in_words(effect)]
     return Text("\n".join([*lines, ""]))
 
 

@@ -56,6 +56,8 @@ def _parameters(row: Mapping[str, Any]) -> list[str]:
     """Lines of an effect's parameters, as the kept file has them or as `gap --json` prints them."""
     told = []
     for name, value in row.get("parameters", {}).items():
+        if name in row.get("moves", ()):  # the description tells direction and place
+            continue
         found = value if isinstance(value, Mapping) else _interval(row, name, value)
         unit = f" {found.get('unit', '')}".rstrip()
         stiffness = _as_stiffness(found)
