@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -13,6 +14,8 @@ from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval
 from armodal.analyzer.report.effect_words import interval_in_words
+from armodal.tui.drawing import short_names
+from armodal.tui.fitting_table import FittingTable
 from armodal.tui.screens.review.next_test import next_test_of
 
 __all__ = ["gap_view"]
@@ -24,7 +27,7 @@ VERDICTS = {
     "outside_library": "OUTSIDE THE LIBRARY",
 }
 _SHADES = " ░▒▓█"
-_CELL, _LABEL = 3, 22  # characters: 18 points beside their label fit 80 columns
+_CELL, _LABEL, _ACROSS = 3, 22, 18  # characters of a cell and a label; so many points in 80
 
 
 def gap_view(found: Mapping[str, Any]) -> RenderableType:
@@ -95,7 +98,8 @@ def _add(table: Table, *cells: str) -> None:
 
 
 def _titled(title: str, table: RenderableType, below: str = "") -> RenderableType:
-    parts: list[RenderableType] = [Text(title, style="bold"), table]
+    fitting = FittingTable(table) if isinstance(table, Table) else table
+    parts: list[RenderableType] = [Text(title, style="bold"), fitting]
     return Group(*parts, Text(below, style="italic")) if below else Group(*parts)
 
 
@@ -176,13 +180,14 @@ def gap_map(found: Mapping[str, Any]) -> RenderableType | None:
     for row in rows:
         at = lines.index((str(row.get("posture")), _band(row))), points.index(str(row.get("point")))
         worst[at] = np.nanmax([worst[at], float(row["ratio"])])
-    names = [f"{posture} {band}"[:_LABEL] for posture, band in lines]
-    wide = max(len(name) for name in names) + 1
-    text = Text(" " * wide + "".join(point[-_CELL + 1 :].rjust(_CELL) for point in points))
-    for name, values in zip(names, worst, strict=True):
-        text.append(f"\n{name.ljust(wide)}")
-        for value in values:
-            text.append_text(_shaded(float(value)))
+    postures = list(dict.fromkeys(posture for posture, _ in lines))
+    longest = max(len(band) for _, band in lines)
+    short = dict(zip(postures, short_names(postures, _LABEL - longest - 1), strict=True))
+    names = [f"{short[posture]} {band}" for posture, band in lines]
+    text = Text("\n").join(
+        _part_of_map(names, points[start : start + _ACROSS], worst[:, start : start + _ACROSS])
+        for start in range(0, len(points), _ACROSS)
+    )
     limits = zip(_SHADES[1:], (1, 2, 4, 8), strict=True)
     text.append(
         "\nshade: "
@@ -191,6 +196,25 @@ def gap_map(found: Mapping[str, Any]) -> RenderableType | None:
         style="italic",
     )
     return _titled("Where: difference over what scatter explains (1), worst axis, by point", text)
+
+
+def _part_of_map(
+    names: Sequence[str], points: Sequence[str], worst: npt.NDArray[np.float64]
+) -> Text:
+    """Some points of the map; names too long to stand across go downwards."""
+    wide = max(map(len, names)) + 1
+    longest = max(map(len, points))
+    if longest < _CELL:
+        heads = ["".join(point.rjust(_CELL) for point in points)]
+    else:
+        letters = zip(*(point.rjust(longest) for point in points), strict=True)
+        heads = ["".join(letter.rjust(_CELL) for letter in row) for row in letters]
+    text = Text("\n").join(Text(" " * wide + head) for head in heads)
+    for name, values in zip(names, worst, strict=True):
+        text.append(f"\n{name.ljust(wide)}")
+        for value in values:
+            text.append_text(_shaded(float(value)))
+    return text
 
 
 def _band(row: Mapping[str, Any]) -> str:
