@@ -51,7 +51,11 @@ NAMED = GapResult(
             place="link_3",
             parameters=P,
             size=next(iter(P)),
-            description={"link": "link_3", "direction": [0.0, 0.0, 1.0]},
+            description={
+                "link": "link_3",
+                "direction": [0.0, 0.0, 1.0],
+                "point_m": [0.01, 0.02, 0.0],
+            },
             confidence=0.998,
             gain=812.0,
             held_out_gain=240.0,
@@ -116,8 +120,8 @@ def test_the_page_says_what_to_do_and_how_sure() -> None:
     page = gap_page(NAMED, "session 1")
     for said in (
         "99.8 %",
-        "rad/(N m)",
-        "direction: 0, 0, 1",
+        "N m/rad",
+        "direction +0.00 +0.00 +1.00, through 10 20 0 mm",
         "tighten the flange",
         "30.0 %",
         "6.0 %",
