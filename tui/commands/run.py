@@ -26,7 +26,8 @@ from armodal.tui.commands.options import (
 from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
-from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.earlier import earlier_frfs
+from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import find_place
 from armodal.tui.screens.wishes import Look
 
@@ -51,6 +52,8 @@ def run_app(
     time_scale: float = 1.0,
     input_range_v: float | None = None,
     hide: Sequence[str] = (),
+    earlier: Path | None = None,
+    std_wanted_percent: float | None = None,
 ) -> tuple[int, Look | None]:
     """Run the app to its end, and say what was written.
 
@@ -79,6 +82,8 @@ def run_app(
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
+        earlier=() if earlier is None else earlier_frfs(earlier, place.arm),
+        std_wanted=None if std_wanted_percent is None else std_wanted_percent / 100.0,
         mirror=mirror,
         board=board,
         can=can,
@@ -134,6 +139,20 @@ def run_command(
     ] = None,
     time_scale: TimeScale = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+    earlier: Annotated[
+        Path | None,
+        typer.Option(
+            help="Session file of the same arm: paths that it has the other way round are compared."
+        ),
+    ] = None,
+    std: Annotated[
+        float | None,
+        typer.Option(
+            min=0.01,
+            help="Standard deviation wanted of the FRF at its strongest resonance, in %: the hits "
+            "that it still takes are counted.",
+        ),
+    ] = None,
     hide: Annotated[
         list[str] | None,
         typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
@@ -159,5 +178,7 @@ def run_command(
         seed=seed,
         time_scale=time_scale,
         hide=hide or (),
+        earlier=earlier,
+        std_wanted_percent=std,
     )
     raise typer.Exit(code if then is None else go_from(then))
