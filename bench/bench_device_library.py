@@ -59,7 +59,7 @@ from armodal.protocols.board import (
     encode_payload,
     encode_samples,
 )
-from armodal.protocols.c.build import HEADER, INCLUDE, SOURCES, STRICT, compile_with, compilers
+from armodal.protocols.c.build import HEADERS, INCLUDE, SOURCES, STRICT, compile_with, compilers
 from armodal.protocols.c.library import declarations
 
 RATE_HZ, N_CHANNELS, N_SAMPLES = 51_200, 4, 64
@@ -148,7 +148,8 @@ def library(folder: Path, *options: str) -> tuple[Any, Any]:
     if said:
         raise RuntimeError(said)
     ffi = FFI()
-    ffi.cdef(declarations(HEADER))
+    for header in HEADERS:
+        ffi.cdef(declarations(header))
     ffi.cdef("size_t encode_all(uint8_t *, size_t, const uint8_t *, size_t, size_t);")
     ffi.cdef("size_t decode_all(ab_receiver *, const uint8_t *, size_t);")
     return ffi, ffi.dlopen(str(made))

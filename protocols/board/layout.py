@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
-from fractions import Fraction
 from functools import cache
 from typing import Any, ClassVar, TypeVar, get_args, get_origin, get_type_hints
 
@@ -74,30 +73,37 @@ class Field:
             return (value.numerator, value.denominator)
         return (int(value),)
 
-    def is_broken(self, value: int) -> bool:
-        """Whether a number is none that the field may have."""
+    @property
+    def allowed(self) -> Container[int]:
+        """Numbers that a reader takes."""
         if self.wire.role == "choice":
-            return all(value != member for member in self.members)
-        return not self.wire.low <= value <= self.wire.high
+            return frozenset(int(member) for member in self.members)
+        return range(self.wire.low, self.wire.high + 1)
 
-    def from_wire(self, values: tuple[int, ...]) -> object:
-        """Value of the field that numbers on the wire stand for."""
-        if self.wire.role == "rational":
-            return Fraction(*values)
-        kind: Callable[[int], object] = self.python
+    @property
+    def from_wire(self) -> Callable[..., object] | None:
+        """What makes the field's value of its numbers; None where the number itself is it."""
+        kind: Callable[..., object] = self.python
         if issubclass(self.python, IntFlag):
-            return kind(values[0] & sum(self.python))
-        return kind(values[0])
+            known = sum(self.python)
+            return lambda bits: kind(bits & known)
+        return None if self.python is int else kind
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
-    """A record on the wire."""
+    """A record on the wire.
+
+    checks : of each number on the wire its name, what it may be, and that in words
+    makers : of each field of the record its name, the place of its numbers, and `from_wire`
+    """
 
     record: type
     fields: tuple[Field, ...]
     rules: tuple[Rule, ...]
     form: struct.Struct
+    checks: tuple[tuple[str, Container[int], str], ...]
+    makers: tuple[tuple[str, slice, Callable[..., object] | None], ...]
 
     @property
     def size(self) -> int:
@@ -133,12 +139,24 @@ def _layout_of(record: Any) -> Layout:
     fields = tuple(_fields_of(record))
     if not fields:
         raise TypeError(f"{record.__name__}: fields with a `Wire` beside their type wanted")
-    codes = "".join(_CODES[field.wire.type] * len(field.numbers) for field in fields)
+    numbers = [(name, field) for field in fields for name, _ in field.numbers]
+    order = [field.name for _, field in numbers]
+    makers = (
+        (
+            field.name,
+            slice(order.index(field.name), order.index(field.name) + len(field.numbers)),
+            field.from_wire,
+        )
+        for field in fields
+        if field.is_stored
+    )
     return Layout(
         record=record,
         fields=fields,
         rules=getattr(record, "rules", ()),
-        form=struct.Struct(f"<{codes}"),
+        form=struct.Struct("<" + "".join(_CODES[field.wire.type] for _, field in numbers)),
+        checks=tuple((name, field.allowed, field.range) for name, field in numbers),
+        makers=tuple(makers),
     )
 
 
@@ -196,22 +214,18 @@ def decode_head(record: type[Record], data: bytes, what: str = "") -> tuple[Reco
 
 def _made(record: type[Record], layout: Layout, data: bytes, what: str) -> Record:
     values = layout.form.unpack_from(data)
-    faults: list[str] = []
-    found: dict[str, object] = {}
-    at = 0
-    for field in layout.fields:
-        own = values[at : at + len(field.numbers)]
-        at += len(own)
-        broken = [
-            f"{name} {field.range} wanted, got {value}"
-            for (name, _), value in zip(field.numbers, own, strict=True)
-            if field.is_broken(value)
-        ]
-        faults += broken
-        if field.is_stored and not broken:
-            found[field.name] = field.from_wire(own)
+    faults = [
+        f"{name} {words} wanted, got {value}"
+        for (name, allowed, words), value in zip(layout.checks, values, strict=True)
+        if value not in allowed
+    ]
     if not faults:
-        made = record(**found)
+        made = record(
+            **{
+                name: values[place.start] if maker is None else maker(*values[place])
+                for name, place, maker in layout.makers
+            }
+        )
         faults = [f"{rule.words}; got {made}" for rule in layout.rules if not rule.holds(made)]
     if faults:
         raise FrameError(f"{what or record.__name__}: {'; '.join(faults)}")

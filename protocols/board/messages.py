@@ -6,6 +6,7 @@ payload are a record of `records.py`.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TypeVar
 
 from armodal.protocols.board.binary import Reader
@@ -16,7 +17,7 @@ from armodal.protocols.board.dictionary import (
     hello_fragments,
     join_hello,
 )
-from armodal.protocols.board.layout import decode, decode_head, encode, layout_of
+from armodal.protocols.board.layout import decode, encode, layout_of
 from armodal.protocols.board.records import (
     BYTES_PER_COUNT,
     MESSAGES,
@@ -154,17 +155,25 @@ def decode_samples(frame: Frame) -> Samples:
     payload, kind = frame.payload, frame.header.type
     if kind not in (FrameType.STREAM, FrameType.BLOCK_DATA):
         raise FrameError(f"STREAM or BLOCK_DATA wanted, got {kind.name}")
-    head: StreamHead | BlockDataHead
-    if kind is FrameType.STREAM:
-        head, offset = decode_head(StreamHead, payload, kind.name)
-    else:
-        head, offset = decode_head(BlockDataHead, payload, kind.name)
-    block_id = head.block_id if isinstance(head, BlockDataHead) else None
-    n_bytes = head.n_samples * head.n_channels * BYTES_PER_COUNT
+    offset = STREAM_HEAD_SIZE if kind is FrameType.STREAM else BLOCK_HEAD_SIZE
+    n_channels, n_bytes, block_id = _sample_head(kind, payload[:offset])
     if len(payload) - offset != n_bytes:
         raise FrameError(
             f"{kind.name}: {n_bytes} bytes of samples wanted, got {len(payload) - offset}"
         )
-    counts = unpack_counts(payload, head.n_channels, offset)
+    counts = unpack_counts(payload, n_channels, offset)
     counts.setflags(write=False)
     return Samples(first_sample=frame.header.first_sample, counts=counts, block_id=block_id)
+
+
+# Most frames of a run have the same head.
+@lru_cache(maxsize=16)
+def _sample_head(kind: FrameType, data: bytes) -> tuple[int, int, int | None]:
+    """Channels, bytes of counts and block id that the head of a data frame tells."""
+    head: StreamHead | BlockDataHead
+    if kind is FrameType.STREAM:
+        head, block_id = decode(StreamHead, data, kind.name), None
+    else:
+        head = decode(BlockDataHead, data, kind.name)
+        block_id = head.block_id
+    return head.n_channels, head.n_samples * head.n_channels * BYTES_PER_COUNT, block_id
