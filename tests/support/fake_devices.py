@@ -216,7 +216,8 @@ class FakeBoard(Line):
             self.blocks.pop(block_id, None)
         self.send(FrameType(kind | 0x80), reply, tag=tag)
         if kind is FrameType.RESEND:
-            wanted = decode_payload(Resend, frame.payload)
+            asked = decode_payload(Resend, frame.payload)
+            wanted = (asked.block_id, asked.first, asked.count)
             self.resends.append(wanted)
             if wanted[0] in self.blocks:
                 self.send_block(*wanted)
