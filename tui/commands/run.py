@@ -20,6 +20,7 @@ from armodal.tui.commands.options import (
     ByHand,
     Mirror,
     UrAddress,
+    one_board,
     say_if_on_one_disk,
     told_tolerance_rad,
 )
@@ -126,7 +127,9 @@ def run_command(
     session: Annotated[
         Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
     ] = Path("session.journal"),
-    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
+    board: Annotated[
+        list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
+    ] = None,
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
@@ -162,13 +165,14 @@ def run_command(
 
     Example: armodal run --sim
     """
+    port = one_board(board) if board else ""
     check_terminal("run")
     code, then = run_app(
         plan=plan,
         arm=arm,
         session=session,
         mirror=mirror,
-        board=board,
+        board=port,
         can=can,
         ur=ur,
         by_hand=by_hand,
