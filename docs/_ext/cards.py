@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
+
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap import effects
 from armodal.analyzer.gap.library import all_instances
@@ -73,13 +74,11 @@ def _card(
         unit = f" {sized.unit}" if sized.unit else ""
         lines += [f"**Worth a name from**\n: {sized.material:.3g}{unit} (on `{_ARM}`)\n"]
     if drawn:
-        lines += [
-            f"![Accelerance with and without it]({words.name}.svg)",
-            "",
+        caption = (
             f"Accelerance at a point of the last link of `{_ARM}`, without the effect and with "
-            f"{_TIMES_MATERIAL:g} times the size from which it is worth a name. Below: the ratio of the two.",
-            "",
-        ]
+            f"{_TIMES_MATERIAL:g} times the size from which it is worth a name. Below: their ratio."
+        )
+        lines += [f"![Accelerance with and without it]({words.name}.svg)", "", caption, ""]
     return "\n".join([*lines, f"Code: `{file}`."]) + "\n"
 
 
@@ -171,7 +170,9 @@ def _drawn(plain: np.ndarray, found: np.ndarray, at: Instance) -> str:
         curve = Curve(x=_HZ, y=y, colour=FOUND)
         panels.append(Panel(curves=(curve,), height=60.0, label=label, y_range=(-most, most)))
     title = f"Accelerance without and with it, and their ratio: {at.effect.title}"
-    return panels_figure(panels, (float(_HZ[0]), float(_HZ[-1])), x_label="frequency, Hz", title=title)
+    return panels_figure(
+        panels, (float(_HZ[0]), float(_HZ[-1])), x_label="frequency, Hz", title=title
+    )
 
 
 def _range(*curves: np.ndarray) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import typer
+
 from armodal.tui.cli import app
 
 
@@ -42,7 +43,9 @@ def _page(title: str, command: Any, level: int = 1) -> str:
 
 def _row(parameter: Any) -> str:
     is_argument = parameter.param_type_name == "argument"
-    name = (parameter.metavar or parameter.name).upper() if is_argument else ", ".join(parameter.opts)
+    name = (parameter.metavar or parameter.name).upper()
+    if not is_argument:
+        name = ", ".join(parameter.opts)
     if parameter.secondary_opts:
         name += " / " + ", ".join(parameter.secondary_opts)
     meaning = (getattr(parameter, "help", None) or "").replace("|", "\\|").replace("\n", " ")
