@@ -17,7 +17,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.options import (
+from armodal.tui.command_parts.options import (
     ByHand,
     Mirror,
     UrAddress,
@@ -25,7 +25,7 @@ from armodal.tui.commands.options import (
     say_if_on_one_disk,
     told_tolerance_rad,
 )
-from armodal.tui.commands.rehearsed import spoken_arm
+from armodal.tui.command_parts.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say_next
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 

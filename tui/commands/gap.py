@@ -31,10 +31,16 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
 from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
-from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
-from armodal.tui.commands.gap_simulator import show_simulator
-from armodal.tui.commands.options import refuse_idle
-from armodal.tui.commands.rehearsed import plan_to_rehearse
+from armodal.tui.command_parts.gap_results import (
+    check_arm_out,
+    gap_json,
+    gap_tables,
+    keep_gap,
+    with_arm,
+)
+from armodal.tui.command_parts.gap_simulator import show_simulator
+from armodal.tui.command_parts.options import refuse_idle
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 

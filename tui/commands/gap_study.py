@@ -21,7 +21,7 @@ from armodal.study.page import study_page
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, say
 
 __all__ = ["app"]

@@ -15,8 +15,8 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.journey import go_from
-from armodal.tui.commands.options import (
+from armodal.tui.command_parts.journey import go_from
+from armodal.tui.command_parts.options import (
     ByHand,
     Mirror,
     UrAddress,
@@ -24,7 +24,7 @@ from armodal.tui.commands.options import (
     say_if_on_one_disk,
     told_tolerance_rad,
 )
-from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.earlier import earlier_frfs

@@ -90,7 +90,7 @@ def _measure(wish: Measure) -> tuple[int, Wish | None]:
 def _demonstrate(wish: Demonstrate) -> tuple[int, Wish | None]:
     check_runs_devices("demo")
     say(f"the demo takes two to three minutes; Ctrl-C stops it; it goes into {wish.folder}")
-    demo = import_module("armodal.tui.commands.demo_run")
+    demo = import_module("armodal.tui.command_parts.demo_run")
     count = import_module("armodal.tui.hit_count").HitCount(err)
     try:
         found, _, gap = demo.run_demo(wish.folder, seed=1, software=SOFTWARE, show=count, say=say)
