@@ -26,7 +26,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.lines_in_links import described_line
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
-__all__ = ["all_instances", "described", "hooks", "together"]
+__all__ = ["all_instances", "described", "hooks", "title_of", "together"]
 
 
 @lru_cache(maxsize=8)  # of an arm and its postures; asked for in every round
@@ -57,6 +57,17 @@ def together(ordinary: Ordinary, one: Instance, other: Instance) -> Instance | N
     """Return the one instance that two are; None where they are two."""
     every = (of(ordinary, one, other) for of in hooks("together"))
     return next((both for both in every if both is not None), None)
+
+
+def title_of(name: str) -> str:
+    """Return an effect's title; its name where the library has none of that name."""
+    titles = (
+        words.title
+        for module in _modules()
+        for words in vars(module).values()
+        if isinstance(words, EffectWords) and words.name == name
+    )
+    return next(titles, name)
 
 
 @lru_cache(maxsize=1)

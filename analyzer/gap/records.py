@@ -56,7 +56,7 @@ class EffectFound:
     gain: float  # of evidence over the model without it, nats
     held_out_gain: float  # of log density on postures it was not fitted to, nats
     signature: str
-    confused_with: tuple[str, ...]
+    confused_with: tuple[str, ...]  # titles of effects
     told_by: str
     remedy: str
     moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place

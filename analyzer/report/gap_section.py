@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from armodal.analyzer.gap.records import EffectFound, GapResult, Verdict
-from armodal.analyzer.report.effect_words import (
-    axis_of_effect,
-    certainty,
-    effect_sentence,
-    parameters_in_words,
-)
+from armodal.analyzer.gap.records import GapResult, Verdict
+from armodal.analyzer.report.effect_words import certainty, mechanics_of
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
@@ -40,10 +35,7 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             r=result,
             verdict_words=_WORDS[result.verdict],
             advice=_ADVICE[result.verdict],
-            told=_told,
-            sentence=effect_sentence,
-            parameters=parameters_in_words,
-            described=_beside_the_axis,
+            mechanics=mechanics_of,
             certainty=certainty,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
@@ -51,19 +43,6 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             checks=checks,
         )
     )
-
-
-def _beside_the_axis(effect: EffectFound) -> dict[str, object]:
-    """What an effect describes beside the axis that its parameters in words tell."""
-    axis = {"link", "direction", "point_m"} if axis_of_effect(effect) is not None else set()
-    return {key: value for key, value in effect.description.items() if key not in axis}
-
-
-def _told(value: object) -> str:
-    """An entry of an effect's description in words."""
-    if isinstance(value, (list, tuple)):
-        return ", ".join(_told(part) for part in value)
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def gap_page(result: GapResult, summary: str) -> str:

@@ -91,7 +91,11 @@ def gap_command(
     ] = None,
     motion: Annotated[
         Path | None,
-        typer.Option(help="With --simulator: a log of motion (CSV), in place of the hits."),
+        typer.Option(help="With --simulator: a log of motion (CSV, MCAP, rosbag) for the hits."),
+    ] = None,
+    topic: Annotated[
+        list[str] | None,
+        typer.Option(help="With --motion: ROLE=TOPIC, of encoder, command, a point; repeatable."),
     ] = None,
     folder: Annotated[
         Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
@@ -107,14 +111,15 @@ def gap_command(
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
-    if simulator is not None or model is not None or motion is not None:
+    if simulator is not None or model is not None or motion is not None or topic:
         refuse_idle(
             context,
             (*_OF_LAB, "more", "arm_out", "lab"),
             here="--simulator",
             there="the search",
         )
-        show_simulator(session, arm, simulator, model, motion, html, as_json=as_json)
+        wanted = (session, arm, simulator, model, motion, topic or (), html)
+        show_simulator(*wanted, as_json=as_json)
         return
     if lab == (session is not None):
         raise SessionError(

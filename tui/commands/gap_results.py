@@ -20,7 +20,7 @@ from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
-from armodal.analyzer.report.effect_words import certainty, effect_sentence, parameters_in_words
+from armodal.analyzer.report.effect_words import certainty, effect_sentence, mechanics_of
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
@@ -132,8 +132,7 @@ def gap_json(result: GapResult, written: Mapping[str, Path]) -> dict[str, Any]:
     found = asdict(result)
     found["verdict"] = result.verdict.value
     for row in (*found["effects"], *found["rivals"]):
-        moves = row.pop("moves")
-        intervals = {n: v for n, v in row.pop("parameters").items() if n not in moves}
+        intervals = row.pop("parameters")
         row["parameters"] = {name: value["value"] for name, value in intervals.items()}
         row["units"] = {name: value["unit"] for name, value in intervals.items()}
         row["std"] = {name: value["std"] for name, value in intervals.items()}
@@ -161,9 +160,9 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
 
 
 def _effect_lines(effect: EffectFound) -> Text:
-    """What was named, and all its parameters."""
+    """What was named, in the words of mechanics."""
     lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
-    lines += [f"  {told}" for told in parameters_in_words(effect)]
+    lines += [f"  {what}: {words}" for what, words in mechanics_of(effect)]
     return Text("\n".join([*lines, ""]))
 
 
@@ -185,7 +184,10 @@ def _gap_table(before: tuple[PostureGap, ...], after: tuple[PostureGap, ...]) ->
         "Gap: FRF error, and the worst frequency, before and after",
         ("posture", "", "  before", "  after", "  noise alone", "  f before", "  f after"),
     )
-    table.caption = "noise alone: what scatter and the errors every test has would leave"
+    table.caption = (
+        "noise alone: what scatter and the errors every test has would leave; an error after that "
+        "is far above it says that something is still missing"
+    )
     for old, new in zip(before, after, strict=True):
         table.add_row(
             old.posture,
