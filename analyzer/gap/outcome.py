@@ -20,6 +20,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.library import title_of
 from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (
     Disagreement,
@@ -172,9 +173,10 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
             np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
         ),
         signature=words.signature,
-        confused_with=words.confused_with,
+        confused_with=tuple(title_of(name) for name in words.confused_with),
         told_by=words.told_by,
         remedy=words.remedy,
+        moves=instance.begins_at,
     )
 
 
@@ -195,6 +197,7 @@ def _rival(fit: Fit, present: Fit, best: Fit, standing: Sequence[Fit], phi: floa
         material=instance.is_material(fit.values),
         parameters=intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
+        moves=instance.begins_at,
     )
 
 

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy.interpolate
-import scipy.signal
 
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.export.exported import BELOW_HZ

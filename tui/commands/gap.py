@@ -14,12 +14,12 @@ from armodal.analyzer.gap.add import is_of_one_posture
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
 from armodal.hil_sim.study import (
-    LIBRARY,
     MAGNITUDES,
     STUDY_ARMS,
     CaseSpec,
     SealedCase,
     can_size,
+    library,
     make_case,
     sealed,
     study_of,
@@ -39,6 +39,8 @@ from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
+
+_DRAWN_FROM = 2  # version of the library of which the laboratory draws: a seed stays what it was
 
 app = typer.Typer(add_completion=False)
 
@@ -180,7 +182,7 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
 
 def _case(arm: str, plan: str | None, hide: str | None, magnitude: str, seed: int) -> SealedCase:
     """Close a case of one of the study's arms, or of any other."""
-    kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
+    kind = hide or str(np.random.default_rng(seed).choice(library(_DRAWN_FROM)))
     size = _magnitude(magnitude)
     if arm in STUDY_ARMS and plan is None:
         return make_case(seed, arm, kind, size, ladder=True)
