@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from armodal import SOFTWARE
 from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.protocols.os_words import os_words
 from armodal.tui.console import err, out
 from armodal.tui.this_system import check_runs_devices, runs_devices
 
@@ -143,7 +144,7 @@ def main() -> None:
         err.print(f"armodal: {error}")
         sys.exit(USER_ERROR)
     except OSError as error:
-        problem = SessionError(f"{error.filename or 'file'}: {error.strerror or error}")
+        problem = SessionError(f"{error.filename or 'file'}: {os_words(error)}")
         err.print(f"armodal: {problem}")
         sys.exit(USER_ERROR)
     except KeyboardInterrupt:

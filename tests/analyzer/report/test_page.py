@@ -109,7 +109,7 @@ def test_a_failed_write_leaves_the_older_report(session, identified, tmp_path, m
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "replace", full)
-    with pytest.raises(SessionError, match="No space left"):
+    with pytest.raises(SessionError, match="no space is left"):
         write_report(session, identified, path)
     assert path.read_text() == "older"
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]

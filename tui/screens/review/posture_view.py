@@ -16,6 +16,7 @@ from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_s
 from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at, lines_within
 from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.session.records import Session
 
@@ -98,9 +99,7 @@ def open_session(path: Path, *, band_hz: tuple[float, float] | None = None) -> O
     try:
         session = read_session(path)
     except OSError as error:
-        raise SessionError(
-            f"{path}: {error.strerror or error}; give the .h5 file of a session"
-        ) from error
+        raise SessionError(f"{path}: {os_words(error)}; give the .h5 file of a session") from error
     return opened_session(path, session, band_hz=band_hz)
 
 
