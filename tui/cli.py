@@ -119,12 +119,15 @@ def _version(wanted: bool) -> None:
 def _armodal(
     context: typer.Context,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print it and end.")
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Print the version and exit."
+        ),
     ] = False,
 ) -> None:
     """Test a robot arm with a hammer: from the hit to a model that explains the measurement.
 
-    Without a command, in a terminal: the home screen, from which all is reached.
+    Without a command, in a terminal, the home screen opens: everything is reached from there.
     """
     del version  # it has ended the command where it was given
     if context.invoked_subcommand is not None:

@@ -174,7 +174,7 @@ def workspace_command(
     directory: Annotated[Path, typer.Option("--out", help="Folder for page and arrays.")] = Path(
         "workspace"
     ),
-    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes that share it.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Number of processes.")] = 1,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:

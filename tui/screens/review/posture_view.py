@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at, lines_within
