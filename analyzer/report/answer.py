@@ -63,7 +63,7 @@ def _foretold(gap: GapResult) -> Finding | None:
     )
     if not unseen:
         return Finding(
-            text=text, sure="No posture was kept unseen: this is a fit, not a prediction."
+            text=text, sure="No posture was kept for validation: this is a fit, not a prediction."
         )
     names = " and ".join(row.posture for row in unseen)
     return Finding(text=text, sure=f"Not used in the fit: {names}.")

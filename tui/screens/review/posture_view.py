@@ -72,11 +72,13 @@ class OpenSession:
 
     @property
     def lost(self) -> str:
-        """What the session lost, by kind: "lost 0", or "lost can 12, stream 3"."""
+        """What the session lost, by kind: "lost 0", or "lost can 12, stream 3"; whose loss."""
         kinds = Counter[str]()
         for loss in self.session.losses:
             kinds[loss.kind] += loss.count
-        return "lost " + (", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0")
+        whose = "" if self.session.header.time_scale == 1.0 or not kinds else "by the simulator "
+        told = ", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0"
+        return f"lost {whose}{told}"
 
 
 def open_session(path: Path, *, band_hz: tuple[float, float] | None = None) -> OpenSession:
