@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 
 from armodal import SOFTWARE
 from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.protocols.os_words import os_words
 from armodal.tui import commands
 from armodal.tui.console import err, out
 from armodal.tui.this_system import check_runs_devices, runs_devices
@@ -107,12 +108,15 @@ def _version(wanted: bool) -> None:
 def _armodal(
     context: typer.Context,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print it and end.")
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Print the version and exit."
+        ),
     ] = False,
 ) -> None:
     """Test a robot arm with a hammer: from the hit to a model that explains the measurement.
 
-    Without a command, in a terminal: the home screen, from which all is reached.
+    Without a command, in a terminal, the home screen opens: everything is reached from there.
     """
     del version  # it has ended the command where it was given
     if context.invoked_subcommand is not None:
@@ -132,7 +136,7 @@ def main() -> None:
         err.print(f"armodal: {error}")
         sys.exit(USER_ERROR)
     except OSError as error:
-        problem = SessionError(f"{error.filename or 'file'}: {error.strerror or error}")
+        problem = SessionError(f"{error.filename or 'file'}: {os_words(error)}")
         err.print(f"armodal: {problem}")
         sys.exit(USER_ERROR)
     except KeyboardInterrupt:

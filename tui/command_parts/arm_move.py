@@ -39,7 +39,7 @@ def move_command(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Put a point elsewhere on its link's surface; normal and axes follow.
+    """Move a test point on its link's surface; normal and sensor axes follow.
 
     Example: armodal arm move my-arm/my-arm.toml 7 --by 0.02,0,0
     """

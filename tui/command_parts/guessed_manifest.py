@@ -9,6 +9,7 @@ from typing import Any
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.os_words import os_words
 
 __all__ = ["guess_json", "is_manifest", "manifest_beside", "unanswered"]
 
@@ -36,7 +37,7 @@ def manifest_beside(files: Sequence[Path], output: Path) -> tuple[Path, Guess]:
         path.write_text(guess.text, encoding="utf-8")
     except OSError as error:
         raise ForeignFileError(
-            f"{path}: cannot be written ({error}); choose another place"
+            f"{path}: cannot be written ({os_words(error)}); choose another place"
         ) from error
     return path, guess
 

@@ -50,14 +50,14 @@ def acquire_command(
     by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
-    resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
+    resume: Annotated[bool, typer.Option(help="Continue an interrupted journal.")] = False,
     mirror: Mirror = None,
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     accept_teds: Annotated[
         bool,
-        typer.Option(help="Measure although sensors say otherwise than the board; it is kept."),
+        typer.Option(help="Measure although sensors contradict the board; this is recorded."),
     ] = False,
     as_json: Json = False,
 ) -> None:

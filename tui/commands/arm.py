@@ -142,7 +142,7 @@ def check_command(
     no_meshes: NoMeshes = False,
     as_json: Json = False,
 ) -> None:
-    """Say everything that is wrong with an arm, or should not be believed, in one run.
+    """Check an arm: everything that is wrong or doubtful, in one run.
 
     Example: armodal arm check my-arm/my-arm.toml --mass 28
     """

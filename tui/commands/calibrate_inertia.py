@@ -118,7 +118,7 @@ def calibrate_command(
     name: Annotated[str | None, typer.Option(help="Name of the new arm; the file's stem.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Link inertias that meet given figures, nearest to what is believed of the links.
+    """Find link inertias that meet given targets, nearest to the believed ones.
 
     Example: armodal calibrate-inertia my-arm.toml targets.toml --out my-arm-calibrated.toml
     """

@@ -52,7 +52,7 @@ def check_board_command(
     step: Only = None,
     as_json: Json = False,
 ) -> None:
-    """Check that a board keeps to the board protocol; exit code 1 if a step fails.
+    """Check a board against the board protocol; exit code 1 if a step fails.
 
     Example: armodal check board /dev/ttyACM0 --duration 60
     """
@@ -77,7 +77,7 @@ def check_can_command(
     step: Only = None,
     as_json: Json = False,
 ) -> None:
-    """Check what a controller says on its CAN bus, by listening; exit code 1 if a step fails.
+    """Check a controller's CAN frames by listening only; exit code 1 if a step fails.
 
     Example: armodal check can /dev/ttyACM1 --arm rv4frl
     """

@@ -147,7 +147,7 @@ def export_command(
     ] = None,
     band: Annotated[
         tuple[float, float] | None,
-        typer.Option(help="FRFs from LOW to HIGH Hz too where hits excite less."),
+        typer.Option(help="Also FRFs from LOW to HIGH Hz where hits excite less."),
     ] = None,
     mjcf: Annotated[
         Path | None, typer.Option(help="Of an arm file: MJCF with its effects, for MuJoCo.")

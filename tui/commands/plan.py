@@ -50,7 +50,7 @@ def plan_command(
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Which postures, hits and points identify the joints: the fewest, then the most telling.
+    """Plan a test: the fewest postures that identify the joints first, then the most informative.
 
     Example: armodal plan viper_s650 --out viper-plan.toml
     """

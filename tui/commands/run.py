@@ -125,7 +125,7 @@ def run_command(
     plan: Annotated[str | None, typer.Argument(help="Plan file or shipped plan.")] = None,
     simulated: Annotated[bool, typer.Option("--sim", help="In the simulated laboratory.")] = False,
     session: Annotated[
-        Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
+        Path, typer.Option(help="Journal to start, or to continue if it exists.")
     ] = Path("session.journal"),
     board: Annotated[
         list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
@@ -141,19 +141,19 @@ def run_command(
         typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
     ] = None,
     time_scale: TimeScale = 1.0,
-    seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the simulation's random numbers.")] = 1,
     earlier: Annotated[
         Path | None,
         typer.Option(
-            help="Session file of the same arm: paths that it has the other way round are compared."
+            help="Earlier session of the arm: paths measured both ways are compared (reciprocity)."
         ),
     ] = None,
     std: Annotated[
         float | None,
         typer.Option(
             min=0.01,
-            help="Standard deviation wanted of the FRF at its strongest resonance, in %: the hits "
-            "that it still takes are counted.",
+            help="Standard deviation wanted of the FRF at its strongest resonance, %: the hits "
+            "still needed are counted.",
         ),
     ] = None,
     hide: Annotated[
@@ -161,7 +161,7 @@ def run_command(
         typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
     ] = None,
 ) -> None:
-    """Guide the operator through a session, on screens that read from two metres.
+    """Guide the operator through a session, on screens that can be read from two metres.
 
     Example: armodal run --sim
     """

@@ -60,7 +60,7 @@ from armodal.tui.screens.run.words import off_words, ratio_words
 __all__ = ["CONFIRMED", "Conductor"]
 
 CONFIRMED = "the operator has confirmed:"
-LEAVING = "the operator has left; the session can be gone on with"
+LEAVING = "the operator has left; the session can be continued"
 
 
 class Conductor:
