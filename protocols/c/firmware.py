@@ -30,10 +30,14 @@ _ARM = (
     *("-T", str(PORTS / "an386" / "an386.ld")),
     "-DBSP_LINK_BYTES_PER_S=92160u",  # of a UART at 921600 baud: each byte costs the emulator
 )
-_GCC = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-nostartfiles")
-_GCC += ("-specs=nosys.specs",)
-_ZIG = ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp")
-_ZIG += ("-Wl,--entry,reset", "-isystem", str(PORTS / "freestanding"))
+_GCC = (
+    *("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-nostartfiles"),
+    "-specs=nosys.specs",
+)
+_ZIG = (
+    *("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp"),
+    *("-Wl,--entry,reset", "-isystem", str(PORTS / "freestanding")),
+)
 
 
 def build(board: str, folder: Path = FOLDER) -> Path:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from armodal.daq.commands import (
@@ -26,6 +26,7 @@ from armodal.daq.ports import find_ports
 from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.errors import ArmodalError
+from armodal.protocols.sensor_memory import KnownSensor
 from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.tui.operators import request_for
 from armodal.tui.screens.run.derive import derive_session_file
@@ -75,6 +76,8 @@ class RunOptions:
     mirror: Path | None = None  # folder of the journal's copy
     baud: int = 921_600
     input_range_v: float | None = None
+    sensor_memory: Path | None = None  # where sensors are remembered
+    known_sensors: Mapping[str, KnownSensor] = field(default_factory=dict)
     simulated: bool = False
     hidden: tuple[tuple[str, str | float], ...] = ()  # in the simulated arm
     seed: int = 1
@@ -126,7 +129,7 @@ class Conductor:
             earlier_marks=place.marks,
             earlier_end=ended,
         )
-        self.state: RunState = replace(begun, now_s=clock())
+        self.state: RunState = replace(begun, now_s=clock(), known_sensors=options.known_sensors)
 
     def tell(self, event: Happening) -> None:
         """Take an event in."""
@@ -386,6 +389,7 @@ class Conductor:
             mirror=self.options.mirror,
             teds_confirmed=self.state.sensors_confirmed,
             input_range_v=self.state.input_range_v,
+            sensor_memory=self.options.sensor_memory,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,
