@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
+import platformdirs
 import typer
 
 from armodal.daq.journal_mirror import on_one_disk
@@ -27,6 +28,7 @@ __all__ = [
     "one_board",
     "refuse_idle",
     "say_if_on_one_disk",
+    "sensor_memory",
     "told_tolerance_rad",
 ]
 
@@ -110,6 +112,11 @@ def one_board(ports: list[str]) -> str:
             "session has one; connect all sensors to one board, or measure one after the other"
         )
     return ports[0]
+
+
+def sensor_memory() -> Path:
+    """Where the sensitivities that sensors were last used with are remembered."""
+    return platformdirs.user_data_path("armodal") / "sensors.json"
 
 
 def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:

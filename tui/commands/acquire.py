@@ -23,6 +23,7 @@ from armodal.tui.command_parts.options import (
     UrAddress,
     one_board,
     say_if_on_one_disk,
+    sensor_memory,
     told_tolerance_rad,
 )
 from armodal.tui.command_parts.rehearsed import spoken_arm
@@ -57,7 +58,10 @@ def acquire_command(
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     accept_teds: Annotated[
         bool,
-        typer.Option(help="Measure although sensors contradict the board; this is recorded."),
+        typer.Option(
+            help="Measure although sensors contradict the board, or had another sensitivity "
+            "before; this is recorded."
+        ),
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -91,6 +95,7 @@ def acquire_command(
         mirror=mirror,
         resume=resume,
         teds_confirmed=accept_teds,
+        sensor_memory=None if operator is not None else sensor_memory(),
         time_scale=time_scale,
         software=SOFTWARE,
     )

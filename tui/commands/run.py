@@ -10,11 +10,14 @@ from typing import Annotated
 import typer
 
 from armodal import SOFTWARE
+from armodal.daq.front_end.opening import is_front_end
 from armodal.hil_sim.rehearsed_plant import parse_hidden
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
+from armodal.protocols.front_end import load_front_end
 from armodal.protocols.plan import load_plan
+from armodal.protocols.sensor_memory import load_sensors
 from armodal.tui.command_parts.journey import go_from
 from armodal.tui.command_parts.options import (
     ByHand,
@@ -22,6 +25,7 @@ from armodal.tui.command_parts.options import (
     UrAddress,
     one_board,
     say_if_on_one_disk,
+    sensor_memory,
     told_tolerance_rad,
 )
 from armodal.tui.command_parts.rehearsed import plan_to_rehearse, spoken_arm
@@ -80,6 +84,9 @@ def run_app(
     if simulated and not session.exists():
         the_arm = spoken_arm(the_arm)
         the_plan = the_plan or plan_to_rehearse(the_arm)
+    if input_range_v is None and is_front_end(board):
+        input_range_v = load_front_end(Path(board)).range_v
+    memory = None if simulated else sensor_memory()
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
@@ -92,6 +99,8 @@ def run_app(
         ur=ur,
         baud=baud,
         input_range_v=input_range_v,
+        sensor_memory=memory,
+        known_sensors=load_sensors(memory) if memory else {},
         simulated=simulated,
         hidden=hidden,
         seed=seed,
