@@ -2,12 +2,17 @@
 
 import gc
 import os
+import tempfile
 import time
 from functools import cache
 
 # Matrices here are small: one BLAS thread is ten times faster than many. Read when numpy loads.
 for _library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+
+# What is remembered of sensors is the tests' own.
+_HOME = tempfile.TemporaryDirectory(prefix="armodal-tests-")
+os.environ["XDG_DATA_HOME"] = _HOME.name
 
 import pytest
 from hypothesis import settings

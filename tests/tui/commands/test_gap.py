@@ -21,7 +21,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, ArmodalError, EstimateError
 from armodal.protocols.session.hdf5 import write_session
 from armodal.tui.cli import app
-from armodal.tui.commands.gap_results import with_arm
+from armodal.tui.command_parts.gap_results import with_arm
 
 
 @pytest.fixture(scope="module")

@@ -32,6 +32,7 @@ from armodal.tui.screens.run.happenings import (
 )
 from armodal.tui.screens.run.steps.progress import ProgressScreen
 from armodal.tui.screens.run.steps.step import Pane
+from armodal.tui.screens.run.views.parts import losses_text
 from armodal.tui.screens.run.views.posture import joints_text
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
@@ -285,3 +286,11 @@ def test_frf_and_coherence_share_an_axis_of_frequency_from_the_first_hit_on(tmp_
         assert rows[-1].split()[-1] == "Hz"
 
     play(stage, body, (80, 24))
+
+
+def test_losses_of_a_simulator_that_runs_fast_are_told_as_its_own():
+    lost = LossNoted(loss=Loss(kind="can", count=3, first_sample=None, host_s=0.0, note=""))
+    state = replace(after(fresh(), *SESSION_EVENTS, lost), simulated=True)
+    assert losses_text(state, 80).plain == "! lost: can 3"
+    fast = replace(state, time_scale=8.0)
+    assert losses_text(fast, 80).plain.endswith("(by the simulator, 8 times as fast as real time)")
