@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import plotly.graph_objects as go
-import scipy.signal
+import scipy
 
 from armodal.analyzer.acting.robust import Candidate, ModeBox
 from armodal.analyzer.report.policy import under_policy

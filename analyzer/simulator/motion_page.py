@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.signal
+import scipy
 from plotly.subplots import make_subplots
 
 from armodal.analyzer.report.policy import under_policy

@@ -1,0 +1,24 @@
+"""What a command waits for before it begins."""
+
+import subprocess
+import sys
+
+SLOW = {"scipy.signal", "scipy.stats"}  # a second of a processor, needed by some estimates alone
+LOADED = """
+import sys
+from importlib import import_module
+from armodal.tui.cli import command_modules
+
+for module in set(command_modules().values()):
+    import_module(f"armodal.tui.commands.{module}")
+print(*sys.modules)
+"""
+
+
+def test_no_command_loads_what_only_some_estimates_need():
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED], capture_output=True, text=True, check=True
+    )
+    loaded = set(done.stdout.split())
+    assert "armodal.tui.commands.identify" in loaded
+    assert not loaded & SLOW
