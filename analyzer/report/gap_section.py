@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.report.effect_words import certainty, effect_sentence
+from armodal.analyzer.report.effect_words import certainty, chance, effect_sentence
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
@@ -38,6 +38,7 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             told=_told,
             sentence=effect_sentence,
             certainty=certainty,
+            chance=chance,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
             maps=disagreement_svgs(result),

@@ -20,7 +20,7 @@ from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
-from armodal.analyzer.report.effect_words import certainty, effect_sentence
+from armodal.analyzer.report.effect_words import certainty, chance, effect_sentence
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
@@ -162,6 +162,7 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
 def _effect_lines(effect: EffectFound) -> Text:
     """What was named, and all its parameters."""
     lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
+    lines += [f"  by chance {chance(effect.false_name_probability)}"]
     lines += [
         f"  {name}: {value.value:.4g} ± {value.std:.2g} {value.unit}".rstrip()
         for name, value in effect.parameters.items()
@@ -171,13 +172,13 @@ def _effect_lines(effect: EffectFound) -> Text:
 
 def _rival_lines(rivals: Sequence[RivalRow]) -> Text:
     """Rivals of the last step, best first."""
-    lines = ["Rivals (evidence over the model without, in nats):"]
+    lines = ["Rivals (how often chance looks as clear; odds beside the best):"]
     for rival in rivals:
         stands = "stands" if rival.standing else "does not stand"
         size = "" if rival.material else ", too small to matter"
         lines.append(
-            f"  {rival.title} ({rival.place}): gain {rival.gain:.1f}, {rival.behind:.1f} behind "
-            f"the best; {stands}{size}"
+            f"  {rival.title} ({rival.place}): by chance {chance(rival.false_name_probability)}, "
+            f"odds {chance(rival.odds)}; {stands}{size}"
         )
     return Text("\n".join([*lines, ""]))
 
