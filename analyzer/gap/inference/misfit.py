@@ -40,8 +40,7 @@ def misfit_of_replicas(stage: Stage, fit: Fit, beyond: float, *, seed: int = 0) 
             residual = weighing.cleaned(y[i])
             left.setdefault(lines.name, []).append(residual.reshape(-1, residual.shape[-1]))
             noise = lines.variance * weighing.scale**2 / 2.0
-            # Where hits of unequal levels were averaged the variance allows for more than scatter.
-            right = noise / lines.widened + _BELIEVED * (1.0 - noise)
+            right = noise + _BELIEVED * (1.0 - noise)
             expected[lines.name] = expected.get(lines.name, 0.0) + 2.0 * float(right.sum())
     rng = np.random.default_rng(seed)
     chi2: Array = np.zeros(_N_REPLICAS)

@@ -107,7 +107,7 @@ APART = 6.0  # nats
 RELAXES = {"size": Parameter(name="size", unit="", mean=0.0, std=10.0)}
 TERM = Instance(effect=bearing.WORDS, place="j1", parameters=tuple(RELAXES.values()))
 RELAXATION = Instance(effect=encoder_offset.WORDS, place="j1", relaxes=RELAXES)
-OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
 
 
 def fit_that_leaves(misfit, *instances):

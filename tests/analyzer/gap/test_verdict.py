@@ -15,7 +15,7 @@ from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.search.rivals import Rivals
 
 # A thousand residuals, soft and hard hits together.
-OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()), level_span=0.0, level_gain=0.0)
 
 
