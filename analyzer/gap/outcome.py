@@ -20,6 +20,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
+from armodal.analyzer.gap.library import title_of
 from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (
     Disagreement,
@@ -183,10 +184,11 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
             np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
         ),
         signature=words.signature,
-        confused_with=words.confused_with,
+        confused_with=tuple(title_of(name) for name in words.confused_with),
         told_by=words.told_by,
         remedy=words.remedy,
         false_name_probability=chance,
+        moves=instance.begins_at,
     )
 
 
@@ -220,6 +222,7 @@ def _rival(fit: Fit, present: Fit, best: Fit, judged: Judged, phi: float) -> Riv
         told_by=instance.effect.told_by,
         false_name_probability=calibration.p_value(instance.effect.name, gain),
         odds=calibration.odds(behind),
+        moves=instance.begins_at,
     )
 
 

@@ -58,11 +58,12 @@ class EffectFound:
     gain: float  # of evidence over the model without it, nats
     held_out_gain: float  # of log density on postures it was not fitted to, nats
     signature: str
-    confused_with: tuple[str, ...]
+    confused_with: tuple[str, ...]  # titles of effects
     told_by: str
     remedy: str
     # Of any effect of the library looking as clear on a session without one; None: not known.
     false_name_probability: float | None = None
+    moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +81,7 @@ class RivalRow:
     told_by: str
     false_name_probability: float | None = None  # as of a named effect
     odds: float | None = None  # over the best, by evidence and what errors are worth
+    moves: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,7 +23,6 @@ from armodal.analyzer.own_arm.picture import points_page
 from armodal.analyzer.own_arm.plausible import doubted
 from armodal.analyzer.own_arm.readme import readme_text
 from armodal.analyzer.planning.made import MadePlan, made_plan
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
 from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.robot.remarks import Remarks
@@ -194,7 +193,6 @@ def _planned(
     try:
         return made_plan(
             draft.arm,
-            elastic_joints(draft.arm),
             np.random.default_rng(seed),
             name=f"{draft.arm.name[:58]}-tests",
             bodies=draft.bodies,

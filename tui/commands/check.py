@@ -160,12 +160,8 @@ def _table(report: Report) -> Table:
         style = STYLES[step.verdict]
         table.add_row(
             step.title,
-            _plain(step.wanted),
-            _plain(step.came),
+            step.wanted,
+            step.came,
             Text(step.verdict.value, style=style),
         )
     return table
-
-
-def _plain(text: str) -> str:
-    return text.replace("[", "\\[")

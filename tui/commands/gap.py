@@ -15,12 +15,12 @@ from armodal.analyzer.gap.decision.calibration import FALSE_NAME
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
 from armodal.hil_sim.study import (
-    LIBRARY,
     MAGNITUDES,
     STUDY_ARMS,
     CaseSpec,
     SealedCase,
     can_size,
+    library,
     make_case,
     sealed,
     study_of,
@@ -40,6 +40,8 @@ from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
+
+_DRAWN_FROM = 2  # version of the library of which the laboratory draws: a seed stays what it was
 
 app = typer.Typer(add_completion=False)
 
@@ -90,7 +92,11 @@ def gap_command(
     ] = None,
     motion: Annotated[
         Path | None,
-        typer.Option(help="With --simulator: a log of motion (CSV), in place of the hits."),
+        typer.Option(help="With --simulator: a log of motion (CSV, MCAP, rosbag) for the hits."),
+    ] = None,
+    topic: Annotated[
+        list[str] | None,
+        typer.Option(help="With --motion: ROLE=TOPIC, of encoder, command, a point; repeatable."),
     ] = None,
     false_name: Annotated[
         float,
@@ -110,14 +116,15 @@ def gap_command(
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
-    if simulator is not None or model is not None or motion is not None:
+    if simulator is not None or model is not None or motion is not None or topic:
         refuse_idle(
             context,
             (*_OF_LAB, "more", "arm_out", "lab"),
             here="--simulator",
             there="the search",
         )
-        show_simulator(session, arm, simulator, model, motion, html, as_json=as_json)
+        wanted = (session, arm, simulator, model, motion, topic or (), html)
+        show_simulator(*wanted, as_json=as_json)
         return
     if lab == (session is not None):
         raise SessionError(
@@ -180,7 +187,7 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
 
 def _case(arm: str, plan: str | None, hide: str | None, magnitude: str, seed: int) -> SealedCase:
     """Close a case of one of the study's arms, or of any other."""
-    kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
+    kind = hide or str(np.random.default_rng(seed).choice(library(_DRAWN_FROM)))
     size = _magnitude(magnitude)
     if arm in STUDY_ARMS and plan is None:
         return make_case(seed, arm, kind, size, ladder=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,24 +10,44 @@ from rich.table import Table
 
 from armodal.analyzer.export.by_mujoco import load_mujoco
 from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.motion_page import motion_page
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.foreign.motion_log import MotionLog, read_motion_log
+from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.motion_log import MotionLog
+from armodal.protocols.foreign.read_motion import read_motion_log
+from armodal.protocols.text_file import replace_text
 from armodal.tui.console import out, print_json, say, say_next
 
 __all__ = ["show_motion"]
 
 
-def show_motion(plain: Arm, corrected: Arm, model: Path, motion: Path, *, as_json: bool) -> None:
+def show_motion(
+    plain: Arm,
+    corrected: Arm,
+    model: Path,
+    motion: Path,
+    topics: Sequence[str],
+    html: Path | None,
+    *,
+    as_json: bool,
+) -> None:
     """Move the session's own arm and the corrected one along the log, and compare.
+
+    Parameters
+    ----------
+    topics
+        Of MCAP files and rosbags, as ROLE=TOPIC.
 
     Raises
     ------
     ArmError, ForeignFileError, EstimateError
         If the log is faulty, or the model is not of this arm.
     """
-    log = read_motion_log(motion, corrected)
+    log = read_motion_log(motion, corrected, _roles(topics))
     rows = beside_motion(log, plain, corrected, model, load_mujoco(), say)
     notes = _notes(log)
+    if html is not None:
+        replace_text(html, motion_page(corrected.name, rows, notes))
     if as_json:
         points = [
             {"point": r.point, "error_before": r.error_before, "error_after": r.error_after}
@@ -46,7 +67,32 @@ def show_motion(plain: Arm, corrected: Arm, model: Path, motion: Path, *, as_jso
     out.print(table)
     for note in notes:
         out.print(f"note: {note}")
+    if html is not None:
+        out.print(f"page {html}")
     say_next("export ARM --mjcf OUT --from YOURS", "writes the corrected model")
+
+
+def _roles(topics: Sequence[str]) -> dict[str, str]:
+    """Return topics by what they are.
+
+    Raises
+    ------
+    ForeignFileError
+        If one is not told as ROLE=TOPIC, or a role twice; all such are named.
+    """
+    found: dict[str, str] = {}
+    wrong = []
+    for text in topics:
+        role, _, topic = text.partition("=")
+        if not (role and topic) or role in found:
+            wrong.append(text)
+        found[role] = topic
+    if wrong:
+        raise ForeignFileError(
+            "--topic: wanted ROLE=TOPIC, each role once, such as encoder=/joint_states or "
+            f"7=/imu/data for point 7, got {', '.join(wrong)}"
+        )
+    return found
 
 
 def _notes(log: MotionLog) -> list[str]:
@@ -59,6 +105,11 @@ def _notes(log: MotionLog) -> list[str]:
             f"the drives follow the encoders; they are off the commands by {off.max():.2g} deg rms "
             "at most"
         )
+    if log.slowest_hz < 0.99 * log.rate_hz:
+        notes.append(
+            f"logged at {log.slowest_hz:.0f} to {log.rate_hz:.0f} Hz: brought to the fastest, the "
+            "band ends by the slowest"
+        )
     if log.unused:
-        notes.append(f"columns not used: {', '.join(log.unused)}")
-    return notes
+        notes.append(f"not used: {', '.join(log.unused)}")
+    return [*notes, *log.notes]

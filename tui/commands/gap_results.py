@@ -20,7 +20,12 @@ from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
-from armodal.analyzer.report.effect_words import certainty, chance, effect_sentence
+from armodal.analyzer.report.effect_words import (
+    certainty,
+    chance,
+    effect_sentence,
+    mechanics_of,
+)
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
@@ -160,13 +165,10 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
 
 
 def _effect_lines(effect: EffectFound) -> Text:
-    """What was named, and all its parameters."""
+    """What was named, in the words of mechanics."""
     lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
     lines += [f"  by chance {chance(effect.false_name_probability)}"]
-    lines += [
-        f"  {name}: {value.value:.4g} ± {value.std:.2g} {value.unit}".rstrip()
-        for name, value in effect.parameters.items()
-    ]
+    lines += [f"  {what}: {words}" for what, words in mechanics_of(effect)]
     return Text("\n".join([*lines, ""]))
 
 
@@ -188,7 +190,10 @@ def _gap_table(before: tuple[PostureGap, ...], after: tuple[PostureGap, ...]) ->
         "Gap: FRF error, and the worst frequency, before and after",
         ("posture", "", "  before", "  after", "  noise alone", "  f before", "  f after"),
     )
-    table.caption = "noise alone: what scatter and the errors every test has would leave"
+    table.caption = (
+        "noise alone: what scatter and the errors every test has would leave; an error after that "
+        "is far above it says that something is still missing"
+    )
     for old, new in zip(before, after, strict=True):
         table.add_row(
             old.posture,

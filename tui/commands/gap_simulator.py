@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
@@ -30,6 +31,7 @@ def show_simulator(
     simulator: str | None,
     model: Path | None,
     motion: Path | None,
+    topics: Sequence[str],
     html: Path | None,
     *,
     as_json: bool,
@@ -42,13 +44,14 @@ def show_simulator(
         If something is missing, the log is faulty, or the model is not of this arm.
     """
     session, model, corrected = _wanted(session, arm, simulator, model)
-    if motion is not None and html is not None:
-        raise SessionError("wanted --html with a session's hits only, got it with --motion too")
+    if topics and motion is None:
+        raise SessionError("wanted --topic with --motion only, got it without; leave it out")
     if html is not None:
-        check_output(html, session, model)
+        check_output(html, session, model, *([] if motion is None else [motion]))
     measured = read_session(session)
     if motion is not None:
-        show_motion(measured.header.arm, corrected, model, motion, as_json=as_json)
+        own = measured.header.arm
+        show_motion(own, corrected, model, motion, topics, html, as_json=as_json)
         return
     rows = beside_simulator(measured, measured.header.arm, corrected, model, load_mujoco(), say)
     if html is not None:

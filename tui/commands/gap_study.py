@@ -11,8 +11,7 @@ from rich.table import Table
 
 import armodal.study
 from armodal.hil_sim.makers import draw_cases
-from armodal.hil_sim.study import LIBRARY, OUTSIDE, CaseSpec, draw_study
-from armodal.hil_sim.study.catalogue import FIRST
+from armodal.hil_sim.study import LIBRARY, OUTSIDE, VERSION, CaseSpec, draw_study, library
 from armodal.protocols.errors import PlantError
 from armodal.protocols.text_file import replace_text
 from armodal.study.cases import HOME, AnySpec, every_maker
@@ -51,6 +50,15 @@ def gap_study_command(
     whole: Annotated[
         bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
     ] = False,
+    version: Annotated[
+        int | None,
+        typer.Option(
+            "--library",
+            min=1,
+            max=VERSION,
+            help="Version of the library; the newest with --whole, else the first.",
+        ),
+    ] = None,
     curves: Annotated[int, typer.Option(min=0, help="Clear cases measured again with less.")] = 0,
     page: Annotated[
         Path | None, typer.Option("--page", help="Markdown page of the tables to write.")
@@ -69,6 +77,7 @@ def gap_study_command(
         seed, commit = official_seed(Path(armodal.study.__file__).parent)
         say(f"official: seed {seed} of commit {commit}")
     specs: tuple[AnySpec, ...]
+    version = version or (VERSION if whole else 1)
     if maker == HOME:
         specs = draw_study(
             seed,
@@ -76,7 +85,7 @@ def gap_study_command(
             effects=effects,
             pairs=pairs,
             outside=outside,
-            library=tuple(LIBRARY) if whole else FIRST,
+            library=library(version),
             ladder=whole,
         )
     elif maker not in every_maker():
@@ -103,6 +112,7 @@ def gap_study_command(
     rows = curve_rows(learned) if learned else []
     tables = study_tables(summary, rows)
     command = _command(specs, maker, "--official" if official else f"--seed {seed}", tests, curves)
+    command += f" --library {version}" if maker == HOME else ""
     command += f"{' --whole' if whole else ''} --page PAGE"
     if page is not None:
         replace_text(page, study_page(tables, command, commit))

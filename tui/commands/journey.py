@@ -64,6 +64,7 @@ def wish_after_review(app: ReviewApp) -> tuple[int, Wish | None]:
         arm=wanted.arm,
         plan=str(wanted.plan),
         simulated=wanted.simulated,
+        earlier=app.path,
     )
 
 
@@ -80,6 +81,7 @@ def _measure(wish: Measure) -> tuple[int, Wish | None]:
         arm=arm,
         session=wish.journal,
         simulated=simulated,
+        earlier=wish.earlier,
         time_scale=time_scale,
     )
     return int(code), then

@@ -20,13 +20,15 @@ from armodal.tui.commands.options import (
     ByHand,
     Mirror,
     UrAddress,
+    one_board,
     say_if_on_one_disk,
     told_tolerance_rad,
 )
 from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
-from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.earlier import earlier_frfs
+from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import find_place
 from armodal.tui.screens.wishes import Look
 
@@ -51,6 +53,8 @@ def run_app(
     time_scale: float = 1.0,
     input_range_v: float | None = None,
     hide: Sequence[str] = (),
+    earlier: Path | None = None,
+    std_wanted_percent: float | None = None,
 ) -> tuple[int, Look | None]:
     """Run the app to its end, and say what was written.
 
@@ -79,6 +83,8 @@ def run_app(
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
+        earlier=() if earlier is None else earlier_frfs(earlier, place.arm),
+        std_wanted=None if std_wanted_percent is None else std_wanted_percent / 100.0,
         mirror=mirror,
         board=board,
         can=can,
@@ -121,7 +127,9 @@ def run_command(
     session: Annotated[
         Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
     ] = Path("session.journal"),
-    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
+    board: Annotated[
+        list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
+    ] = None,
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
@@ -134,6 +142,20 @@ def run_command(
     ] = None,
     time_scale: TimeScale = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+    earlier: Annotated[
+        Path | None,
+        typer.Option(
+            help="Session file of the same arm: paths that it has the other way round are compared."
+        ),
+    ] = None,
+    std: Annotated[
+        float | None,
+        typer.Option(
+            min=0.01,
+            help="Standard deviation wanted of the FRF at its strongest resonance, in %: the hits "
+            "that it still takes are counted.",
+        ),
+    ] = None,
     hide: Annotated[
         list[str] | None,
         typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
@@ -143,13 +165,14 @@ def run_command(
 
     Example: armodal run --sim
     """
+    port = one_board(board) if board else ""
     check_terminal("run")
     code, then = run_app(
         plan=plan,
         arm=arm,
         session=session,
         mirror=mirror,
-        board=board,
+        board=port,
         can=can,
         ur=ur,
         by_hand=by_hand,
@@ -159,5 +182,7 @@ def run_command(
         seed=seed,
         time_scale=time_scale,
         hide=hide or (),
+        earlier=earlier,
+        std_wanted_percent=std,
     )
     raise typer.Exit(code if then is None else go_from(then))

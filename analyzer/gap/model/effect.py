@@ -11,7 +11,7 @@ from armodal.analyzer.gap.model.space import Parameter, Space
 if TYPE_CHECKING:
     from armodal.analyzer.gap.model.assembly import Assembly
 
-__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
+__all__ = ["Alternatives", "Builder", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,9 @@ class EffectWords:
 class Builder(Protocol):
     """Adds an instance's terms to a posture's equations."""
 
-    def __call__(self, assembly: Assembly, values: Mapping[str, float]) -> None: ...
+    def __call__(self, assembly: Assembly, values: Mapping[str, float]) -> None:
+        """Add them."""
+        ...
 
 
 class Describer(Protocol):

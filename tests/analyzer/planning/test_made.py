@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 from support.robot_files import six_joints
 
-from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
 from armodal.analyzer.planning import search, selective
+from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.equipment import chosen_equipment
 from armodal.analyzer.planning.fewer_points import motions_shown
 from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.errors import EstimateError, PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.robot.remarks import Remarks
@@ -43,7 +42,6 @@ def draft(tmp_path_factory):
 def planned(draft, **settings):
     return made_plan(
         draft.arm,
-        elastic_joints(draft.arm),
         np.random.default_rng(0),
         **{
             "name": "tests",
@@ -58,7 +56,7 @@ def planned(draft, **settings):
 
 def chosen(arm, equipment):
     postures = random_postures(arm, 20, np.random.default_rng(0))
-    return chosen_equipment(Superset(arm), elastic_joints(arm), postures, equipment)
+    return chosen_equipment(planned_arm(arm), postures, equipment)
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.motion_page import motion_figure, motion_page
 from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.foreign.motion_log import MotionLog
 
@@ -60,6 +61,7 @@ def logged(arm, corrected, seconds=5.0):
     whole[:, :3] += angles
     return MotionLog(
         rate_hz=RATE_HZ,
+        slowest_hz=RATE_HZ,
         encoder_rad=whole,
         command_rad=None,
         acceleration_m_s2={POINT: np.fft.irfft(acc, len(t), axis=0) @ R},
@@ -87,6 +89,29 @@ def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
     assert null.error_after > 0.1
 
 
+def test_a_page_shows_measured_plain_and_corrected_in_time_and_by_frequency(arm, model):
+    corrected = with_effects(arm, axis("shoulder"))
+    log = logged(arm, corrected)
+    (row,) = beside_motion(log, arm, corrected, model, mujoco, lambda _: None)
+    assert len(row.time_s) == len(row.measured_m_s2) == len(row.before_m_s2)
+    off = row.after_m_s2 - row.measured_m_s2
+    assert np.linalg.norm(off) < 0.02 * np.linalg.norm(row.measured_m_s2)
+    figure = motion_figure(row)
+    assert [trace.name for trace in figure.data if trace.xaxis == "x"] == [
+        "measured",
+        "plain arm",
+        "corrected arm",
+    ]
+    density = {trace.name: np.asarray(trace.y) for trace in figure.data if trace.xaxis == "x2"}
+    # Of the densities, that of what the corrected arm is off is below the plain arm's.
+    assert np.mean(density["corrected arm, off"] ** 2) < 0.05 * np.mean(
+        density["plain arm, off"] ** 2
+    )
+    said = motion_page("mine", [row], ["first & second"])
+    assert "first &amp; second" in said
+    assert "corrected arm" in said
+
+
 def test_a_log_of_other_joints_or_points_is_refused(arm, model):
     other = replace(arm, name="other", points=arm.points[1:])
     log = logged(arm, arm, seconds=1.0)
@@ -99,4 +124,6 @@ def test_a_short_or_slow_log_is_refused(arm, model):
     with pytest.raises(EstimateError, match="wanted a log of at least"):
         beside_motion(log, arm, arm, model, mujoco, lambda _: None)
     with pytest.raises(EstimateError, match="rows a second"):
-        beside_motion(replace(log, rate_hz=20.0), arm, arm, model, mujoco, lambda _: None)
+        beside_motion(
+            replace(log, rate_hz=20.0, slowest_hz=20.0), arm, arm, model, mujoco, lambda _: None
+        )

@@ -60,10 +60,7 @@ def drive(opened, tmp_path, clock, notices):
                 command=command,
             )
             async with app.run_test(size=size, message_hook=notices) as pilot:
-                while app.state is None or any(
-                    view.model is None and not view.problem for view in app.state.views
-                ):
-                    await pilot.pause(0.02)
+                await app.workers.wait_for_complete()  # read, every posture fitted, picks taken
                 await pilot.pause()
                 await steps(app, pilot)
             return app

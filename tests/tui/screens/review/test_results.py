@@ -50,8 +50,8 @@ def test_a_parameter_reads_alike_from_the_kept_file_and_from_the_command():
     """With its unit, its deviation and its interval."""
     result = made_result("named", ["payload"])
     kept = plain(gap_view(json.loads(gap_to_json(result))))
-    (line,) = (row.strip() for row in kept.split("\n") if row.strip().startswith("size "))
-    assert line == "size 1 ± 0.1 kg (95 %: 0.8 to 1.2)"
+    (line,) = (row.strip() for row in kept.split("\n") if row.strip().startswith("size:"))
+    assert line == "size: 1.00 ± 0.10 kg (95 %: 0.800 to 1.20 kg)"
     assert line in plain(gap_view(gap_json(result, {})))
 
 

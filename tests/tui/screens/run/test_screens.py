@@ -15,6 +15,8 @@ from support.made_run import (
     LAB_EVENTS,
     PLAN,
     SESSION_EVENTS,
+    after,
+    fresh,
     judged,
     prompted,
     reading,
@@ -38,6 +40,7 @@ from armodal.tui.screens.run.happenings import (
 )
 from armodal.tui.screens.run.steps.progress import ProgressScreen
 from armodal.tui.screens.run.steps.step import Pane
+from armodal.tui.screens.run.views.posture import joints_text
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
 
@@ -404,3 +407,49 @@ def test_measured_angles_are_not_asked_for(tmp_path):
         assert stage.sent == []
 
     play(stage, body)
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+def test_the_safety_line_is_whole_and_that_nothing_was_lost_gives_way(tmp_path, columns):
+    stage = Stage(tmp_path)
+    lost = LossNoted(loss=Loss(kind="stream", count=7, first_sample=None, host_s=0.0, note=""))
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, reading(None))
+        safety = "✗ POSTURE UNKNOWN - stay away from the arm"
+        line = screen_rows(stage.app)[-2]
+        assert line.startswith(f" {safety}")
+        assert ("lost: nothing" in line) is (columns > len(safety) + len("lost: nothing") + 4)
+        await stage.tell(pilot, lost)
+        line = screen_rows(stage.app)[-2]
+        assert line.startswith(f" {safety}")
+        assert "! lost" in line
+
+    play(stage, body, (columns, 24))
+
+
+def test_long_names_of_joints_are_told_apart(tmp_path):
+    parts = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    names = [f"{part}_joint" for part in parts]
+    arm = replace(
+        ARM, joints=tuple(replace(j, name=n) for j, n in zip(ARM.joints, names, strict=True))
+    )
+    state = replace(after(fresh(), *SESSION_EVENTS), arm=arm)
+    text = joints_text(state, 78, 20).plain
+    assert all(f"{part} " in text for part in parts)
+
+
+def test_frf_and_coherence_share_an_axis_of_frequency_from_the_first_hit_on(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *HIT_EVENTS, judged(1))
+        await stage.tell(pilot, prompted(hit_judged(AT_HIT, accepted=True)))
+        await stage.settle(pilot)
+        rows = stage.app.screen.query_one("#frf", Pane).plain.split("\n")
+        assert any("coherence: needs a second hit" in row for row in rows)
+        edges = {row.index(mark) for row in rows for mark in "│┤" if mark in row}
+        assert len(edges) == 1
+        assert rows[-1].split()[-1] == "Hz"
+
+    play(stage, body, (80, 24))
