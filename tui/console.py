@@ -63,7 +63,7 @@ def _checked(scale: float) -> float:
     return scale
 
 
-TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a second.")]
+TimeScale = Annotated[float, typer.Option(callback=_checked, help="Simulated seconds per second.")]
 
 
 def say(text: str) -> None:

@@ -72,11 +72,11 @@ class NiModule:
         # A count is a part of the range in volts: sensitivities, which the driver is given without
         # their sign, are divided out again.
         self._to_full_scale = np.array([1.0 / channel.full_scale for channel in front_end.channels])
-        self._server = NiServer(self._ni, front_end.server) if front_end.server else None
+        self._server = NiServer(self._ni, front_end.server, self.name) if front_end.server else None
         self._task: Any = None
         try:
             with self._told():
-                self._task = self._ni.Task(**(self._server.options if self._server else {}))
+                self._task = self._server.task() if self._server else self._ni.Task()
             with self._told():
                 for i in range(len(front_end.channels)):
                     self._add(front_end, i)

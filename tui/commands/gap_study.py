@@ -21,7 +21,7 @@ from armodal.study.page import study_page
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, say
 
 __all__ = ["app"]
@@ -31,8 +31,8 @@ app = typer.Typer(add_completion=False)
 
 @app.command("gap-study")
 def gap_study_command(
-    directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
-    seed: Annotated[int, typer.Option(min=0, help="Of the cases.")] = 1,
+    directory: Annotated[Path, typer.Option("--out", help="Folder for the study.")],
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the cases.")] = 1,
     official: Annotated[
         bool, typer.Option("--official", help="Take the seed from the hash of the commit.")
     ] = False,
@@ -59,16 +59,18 @@ def gap_study_command(
             help="Version of the library; the newest with --whole, else the first.",
         ),
     ] = None,
-    curves: Annotated[int, typer.Option(min=0, help="Clear cases measured again with less.")] = 0,
+    curves: Annotated[
+        int, typer.Option(min=0, help="Clear cases measured again with fewer hits or points.")
+    ] = 0,
     page: Annotated[
         Path | None, typer.Option("--page", help="Markdown page of the tables to write.")
     ] = None,
-    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    workers: Annotated[int, typer.Option(min=1, help="Number of processes.")] = 2,
     as_json: Json = False,
 ) -> None:
-    """Judge sealed cases and print how often the workflow was right.
+    """Run the gap workflow on sealed cases and print how often it was right.
 
-    A study that was stopped goes on where it was.
+    A study that was stopped continues where it stopped.
 
     Example: armodal gap-study --out study --seed 1
     """

@@ -17,9 +17,9 @@ from armodal.protocols.errors import PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
-from armodal.tui.commands.options import ArmName, Minutes, Seed
-from armodal.tui.commands.plan_json import made_json, plan_json
-from armodal.tui.commands.plan_tables import made_lines, plan_tables
+from armodal.tui.command_parts.options import ArmName, Minutes, Seed
+from armodal.tui.command_parts.plan_json import made_json, plan_json
+from armodal.tui.command_parts.plan_tables import made_lines, plan_tables
 from armodal.tui.console import Json, out, print_json, progress, say_next
 
 __all__ = ["app"]
@@ -50,7 +50,7 @@ def plan_command(
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Which postures, hits and points identify the joints: the fewest, then the most telling.
+    """Plan a test: the fewest postures that identify the joints first, then the most informative.
 
     Example: armodal plan viper_s650 --out viper-plan.toml
     """

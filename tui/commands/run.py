@@ -10,21 +10,25 @@ from typing import Annotated
 import typer
 
 from armodal import SOFTWARE
+from armodal.daq.front_end.opening import is_front_end
 from armodal.hil_sim.rehearsed_plant import parse_hidden
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
+from armodal.protocols.front_end import load_front_end
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.journey import go_from
-from armodal.tui.commands.options import (
+from armodal.protocols.sensor_memory import load_sensors
+from armodal.tui.command_parts.journey import go_from
+from armodal.tui.command_parts.options import (
     ByHand,
     Mirror,
     UrAddress,
     one_board,
     say_if_on_one_disk,
+    sensor_memory,
     told_tolerance_rad,
 )
-from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.earlier import earlier_frfs
@@ -80,6 +84,9 @@ def run_app(
     if simulated and not session.exists():
         the_arm = spoken_arm(the_arm)
         the_plan = the_plan or plan_to_rehearse(the_arm)
+    if input_range_v is None and is_front_end(board):
+        input_range_v = load_front_end(Path(board)).range_v
+    memory = None if simulated else sensor_memory()
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
@@ -92,6 +99,8 @@ def run_app(
         ur=ur,
         baud=baud,
         input_range_v=input_range_v,
+        sensor_memory=memory,
+        known_sensors=load_sensors(memory) if memory else {},
         simulated=simulated,
         hidden=hidden,
         seed=seed,
@@ -125,7 +134,7 @@ def run_command(
     plan: Annotated[str | None, typer.Argument(help="Plan file or shipped plan.")] = None,
     simulated: Annotated[bool, typer.Option("--sim", help="In the simulated laboratory.")] = False,
     session: Annotated[
-        Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
+        Path, typer.Option(help="Journal to start, or to continue if it exists.")
     ] = Path("session.journal"),
     board: Annotated[
         list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
@@ -141,19 +150,19 @@ def run_command(
         typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
     ] = None,
     time_scale: TimeScale = 1.0,
-    seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the simulation's random numbers.")] = 1,
     earlier: Annotated[
         Path | None,
         typer.Option(
-            help="Session file of the same arm: paths that it has the other way round are compared."
+            help="Earlier session of the arm: paths measured both ways are compared (reciprocity)."
         ),
     ] = None,
     std: Annotated[
         float | None,
         typer.Option(
             min=0.01,
-            help="Standard deviation wanted of the FRF at its strongest resonance, in %: the hits "
-            "that it still takes are counted.",
+            help="Standard deviation wanted of the FRF at its strongest resonance, %: the hits "
+            "still needed are counted.",
         ),
     ] = None,
     hide: Annotated[
@@ -161,7 +170,7 @@ def run_command(
         typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
     ] = None,
 ) -> None:
-    """Guide the operator through a session, on screens that read from two metres.
+    """Guide the operator through a session, on screens that can be read from two metres.
 
     Example: armodal run --sim
     """

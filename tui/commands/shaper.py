@@ -22,7 +22,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.options import ArmName, comma_numbers
+from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.console import Json, out, print_json
 from armodal.tui.output_file import check_output
 
@@ -118,7 +118,7 @@ def shaper_command(
     path: PathOption = None,
     modes: Annotated[int, typer.Option(min=1, max=6, help="Lowest modes to shape for.")] = 1,
     limit: Annotated[
-        float, typer.Option(min=0.0, max=100.0, help="Vibration that may be left, %.")
+        float, typer.Option(min=0.0, max=100.0, help="Residual vibration allowed, %.")
     ] = 5.0,
     html: Annotated[Path | None, typer.Option(help="Page with the pictures to write.")] = None,
     as_json: Json = False,

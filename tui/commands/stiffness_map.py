@@ -28,7 +28,7 @@ from armodal.analyzer.corrected.posture_file import read_postures
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.options import ArmName, comma_numbers
+from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.console import Json, out, print_json
 from armodal.tui.output_file import check_output
 

@@ -10,7 +10,6 @@ from support.robot_files import six_joints
 
 from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
-from armodal.analyzer.planning import search, selective
 from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.equipment import chosen_equipment
 from armodal.analyzer.planning.fewer_points import motions_shown
@@ -22,15 +21,7 @@ from armodal.protocols.plan import plan_from_text
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 
-
-@pytest.fixture(scope="module", autouse=True)
-def small_search():
-    """A search of fewer postures: what is found is as free, if less selective."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "N_RANDOM", 3000)
-        patch.setattr(search, "ROUNDS", 2)
-        patch.setattr(selective, "N_OTHERS", 10)
-        yield
+pytestmark = pytest.mark.usefixtures("small_search")
 
 
 @pytest.fixture(scope="module")
@@ -178,10 +169,10 @@ def test_a_short_plan_still_shows_the_motions_of_every_link(draft, made):
 
 
 def test_a_plan_that_cannot_be_so_short_is_refused_with_the_minutes_it_takes(draft):
-    with pytest.raises(PlanError, match=r"at most 10 minutes, got \d+ for 4 tests") as refused:
-        planned(draft, minutes=10.0)
+    with pytest.raises(PlanError, match=r"at most 10 minutes, got \d+ for 2 tests") as refused:
+        planned(draft, n_tests=2, minutes=10.0)
     least = float(str(refused.value).rsplit(" ", 1)[1])
-    assert least - 1.0 < planned(draft, minutes=least).minutes <= least
+    assert least - 1.0 < planned(draft, n_tests=2, minutes=least).minutes <= least
 
 
 @pytest.mark.parametrize(

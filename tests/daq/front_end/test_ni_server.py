@@ -4,6 +4,7 @@ Killed or silent in the midst of a session, what was accepted is in the journal.
 """
 
 import os
+import platform
 import signal
 import socket
 import subprocess
@@ -23,7 +24,7 @@ from armodal.daq.commands import Ready
 from armodal.daq.front_end import open_front_end, open_source
 from armodal.daq.session_machine import PromptKind
 from armodal.protocols.board.samples import COUNT_MAX
-from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError
+from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError, PortError
 from armodal.protocols.front_end import front_end_from_text
 from armodal.protocols.session.journal import load_journal
 
@@ -124,15 +125,47 @@ def test_an_open_sensor_circuit_is_refused(module, address):
     with closing(open_source(front_end(address))) as source:
         with pytest.raises(FrontEndError, match="circuit of cDAQ1Mod1/ai1 is open: check sensor"):
             source.start(RATE, 0.0)
-        assert module.started_s is None
+        (task,) = module.tasks.values()
+        assert task.started_s is None
 
 
 def test_samples_that_were_overwritten_end_the_session(module, address):
     with closing(open_source(front_end(address))) as source:
         source.start(RATE, SystemClock().now_s())
-        module.started_s -= 20.0  # nobody has read for so long
+        (task,) = module.tasks.values()
+        task.started_s -= 20.0  # nobody has read for so long
         with pytest.raises(DeviceLostError, match=r"were overwritten .* then resume"):
             read_for(source, 1.0)
+
+
+def test_a_task_that_a_killed_program_left_does_not_keep_the_module(module, address):
+    left = ni_server.Task()
+    left.started_s = 0.0
+    module.tasks[f"armodal {platform.node()} cDAQ1Mod1"] = left
+    with closing(open_source(front_end(address))) as source:
+        source.start(RATE, 0.0)
+        assert left not in module.tasks.values()
+        assert len(module.tasks) == 1
+    assert not module.tasks
+
+
+def test_a_module_that_another_program_of_this_computer_holds_is_refused(address):
+    with (
+        closing(open_source(front_end(address))),
+        pytest.raises(PortError, match="cDAQ1Mod1 is in use by"),
+    ):
+        open_source(front_end(address))
+
+
+def test_a_module_that_another_computer_holds_is_refused(module, address):
+    other = ni_server.Task()
+    other.started_s = 0.0
+    module.tasks["armodal elsewhere cDAQ1Mod1"] = other
+    with (
+        closing(open_source(front_end(address))) as source,
+        pytest.raises(FrontEndError, match="another program holds it; close that"),
+    ):
+        source.start(RATE, 0.0)
 
 
 def test_a_server_that_is_not_there_is_told():

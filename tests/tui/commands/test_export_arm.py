@@ -12,7 +12,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmodalError, MissingPackageError
 from armodal.tui.cli import app
-from armodal.tui.commands import export_arm
+from armodal.tui.command_parts import export_arm
 
 pytest.importorskip("mujoco")
 RV = load_arm("rv4frl")

@@ -11,7 +11,7 @@ import numpy as np
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks import reciprocity
 from armodal.analyzer.checks.records import Finding, Outcome
-from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.modal import lines_within
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError

@@ -304,6 +304,16 @@ def test_each_screen_says_on_its_last_row_what_the_keys_do(drive):
     drive(steps, size=(160, 45))
 
 
+def test_help_and_leave_are_on_the_key_line_of_every_screen_at_80_columns(drive):
+    async def steps(app, pilot):
+        for number in range(1, len(TABS) + 1):
+            await pilot.press(str(number))
+            await pilot.pause()
+            assert screen_rows(app)[-1].endswith("? help q leave")
+
+    drive(steps, size=(80, 24))
+
+
 def test_the_key_line_follows_the_screen_in_use_and_takes_clicks(drive):
     async def steps(app, pilot):
         line = app.query_one(KeyLine)

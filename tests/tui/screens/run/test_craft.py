@@ -93,9 +93,9 @@ def test_a_flipped_sensor_is_seen_at_the_driving_point_after_one_hit(sign, fault
 
 def test_faults_of_the_driving_point_are_told_in_a_row_of_80_columns():
     finding = check_driving_point(point_frf(state_of(hit_at(1, sign=-1.0)), HERE))
-    assert "a sign of sensor or hammer is flipped" in driving_line(finding).plain
+    assert "the sign of sensor or hammer is flipped" in driving_line(finding).plain
     other = replace(finding, fault=Fault.NOT_A_DRIVING_POINT)
-    assert "direction of the hit is not as said" in driving_line(other).plain
+    assert "direction of the hit is not as stated" in driving_line(other).plain
     assert max(driving_line(f).cell_len for f in (finding, other)) <= 78
 
 
@@ -113,7 +113,7 @@ def test_a_resonance_that_moved_from_point_to_point_is_told(now_hz, clear):
     assert moved.clear is clear
     # A line on either side: peaks are read off the lines.
     assert moved.now_hz - moved.before_hz == pytest.approx(now_hz - 20.0, abs=2 * LINE_HZ)
-    assert ("look at mounting" in drift_line(moved, "1").plain) is clear
+    assert ("check mounting" in drift_line(moved, "1").plain) is clear
 
 
 def test_scatter_needs_two_hits_and_falls_as_the_root_of_their_number():
@@ -206,7 +206,7 @@ def mirrored(*, sign=1.0, gain=1.0):
     ("change", "words"),
     [
         ({}, "reciprocity of points 2 and 1 holds"),
-        ({"sign": -1.0}, "a sign of sensor or hammer is flipped"),
+        ({"sign": -1.0}, "the sign of sensor or hammer is flipped"),
         ({"gain": 1.3}, "a sensitivity differs from the other day's"),
     ],
 )

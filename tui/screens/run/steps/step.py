@@ -113,7 +113,9 @@ class StepScreen(Screen[None]):
         if small:
             wanted = f"wanted {LEAST_COLUMNS} x {LEAST_ROWS}"
             here = f"it is {self.size.width} x {self.size.height}"
-            words = f"The window is too small: {wanted}, {here}. Nothing stops meanwhile.\n"
+            words = (
+                f"The window is too small: {wanted}, {here}. The measurement goes on meanwhile.\n"
+            )
             self.pane("too-small").show(Text(words) + self.brief(state))
             return
         self.draw(state)

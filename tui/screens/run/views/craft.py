@@ -45,10 +45,10 @@ def tip_line(band: UsableBand) -> Text:
 def driving_line(found: Finding) -> Text:
     """Say what the FRF says of the point where hammer and sensor are together."""
     if found.fault is Fault.SIGN_FLIPPED:
-        words = "energy is given: a sign of sensor or hammer is flipped"
+        words = "it gives energy: the sign of sensor or hammer is flipped"
         return Text(f"driving point: {words}", style=BAD)
     if found.fault is not None:
-        words = "point, axis or direction of the hit is not as said"
+        words = "point, sensor axis or direction of the hit is not as stated"
         return Text(f"driving point: {words}", style=BAD)
     return Text("driving point: every clear resonance takes energy", style=DIM)
 
@@ -57,7 +57,7 @@ def drift_line(moved: Moved, before: str) -> Text:
     """Say whether resonances stand where they stood at the point before."""
     if moved.clear:
         words = f"{moved.now_hz:.1f} Hz was {moved.before_hz:.1f} Hz at point {before}"
-        return Text(f"{words}: look at mounting, drives, warmth", style=WARN)
+        return Text(f"{words}: check mounting, drives, temperature", style=WARN)
     far = abs(moved.now_hz - moved.before_hz)
     return Text(f"resonances as at point {before}, at most {far:.1f} Hz off", style=DIM)
 
@@ -66,11 +66,11 @@ def reciprocity_line(found: Finding) -> Text:
     """Say whether a path is the same in both directions."""
     pair = f"points {' and '.join(found.points)}"
     if found.fault is Fault.SIGN_FLIPPED:
-        return Text(f"reciprocity of {pair}: a sign of sensor or hammer is flipped", style=BAD)
+        return Text(f"reciprocity of {pair}: the sign of sensor or hammer is flipped", style=BAD)
     if found.fault is Fault.GAIN:
         return Text(f"reciprocity of {pair}: a sensitivity differs from the other day's", style=BAD)
     if found.fault is not None:
-        return Text(f"reciprocity of {pair}: a point or an axis is not as said", style=BAD)
+        return Text(f"reciprocity of {pair}: a point or an axis is not as stated", style=BAD)
     return Text(f"reciprocity of {pair} holds", style=DIM)
 
 

@@ -73,4 +73,6 @@ def losses_text(state: RunState, room: int) -> Text:
         nothing = Text("lost: nothing", style="bright_green")
         return nothing if nothing.cell_len <= room else Text("")
     words = ", ".join(f"{kind} {count}" for kind, count in sorted(state.losses))
+    if state.simulated and state.time_scale > 1.0:
+        words += f" (by the simulator, {state.time_scale:g} times as fast as real time)"
     return Text(f"! lost: {words}", style=WARN, no_wrap=True, overflow="ellipsis")

@@ -39,7 +39,7 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
         return (
             "UNKNOWN",
             BAD,
-            "No joint angles come. Stay away from the arm; look at the controller's CAN cable.",
+            "No joint angles arrive. Stay away from the arm; check the controller's CAN cable.",
         )
     if state.held is False:
         return "NOT HELD", BAD, "The drives do not hold the arm. Stay away; let it come to rest."

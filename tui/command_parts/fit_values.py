@@ -31,7 +31,7 @@ from armodal.analyzer.modal import (
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.fit_settings import FitSettings
+from armodal.tui.command_parts.fit_settings import FitSettings
 from armodal.tui.console import working
 from armodal.tui.json_text import plain
 

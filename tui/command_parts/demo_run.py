@@ -24,9 +24,9 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.demo_simulator import through_the_simulator
-from armodal.tui.commands.gap_results import gap_json, keep_gap
-from armodal.tui.commands.identification_results import identification_json
+from armodal.tui.command_parts.demo_simulator import through_the_simulator
+from armodal.tui.command_parts.gap_results import gap_json, keep_gap
+from armodal.tui.command_parts.identification_results import identification_json
 from armodal.tui.operators import ScriptedOperator, acquire
 
 __all__ = ["run_demo"]

@@ -18,7 +18,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.gap_motion import show_motion
+from armodal.tui.command_parts.gap_motion import show_motion
 from armodal.tui.console import out, print_json, say
 from armodal.tui.output_file import check_output
 

@@ -18,7 +18,7 @@ from armodal.protocols.arm.rewrite import text_with_point
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.remarks import Remarks, refuse_faults
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.options import comma_numbers
+from armodal.tui.command_parts.options import comma_numbers
 from armodal.tui.console import Json, err, out, print_json
 
 __all__ = ["move_command"]
@@ -39,7 +39,7 @@ def move_command(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Put a point elsewhere on its link's surface; normal and axes follow.
+    """Move a test point on its link's surface; normal and sensor axes follow.
 
     Example: armodal arm move my-arm/my-arm.toml 7 --by 0.02,0,0
     """

@@ -133,7 +133,7 @@ def made_lines(made: MadePlan) -> list[str]:
 
 def _validation(plan: SelectivePlan) -> str:
     if plan.n_fitted < len(plan.tests):
-        return f"validation: test {len(plan.tests)} is foretold from the others, never fitted"
+        return f"validation: test {len(plan.tests)} is predicted from the others, never fitted"
     return "validation: none; plan four tests or more, of which one is kept for it"
 
 

@@ -1,8 +1,7 @@
-"""`armodal inspect`, and `armodal import` of files without a manifest."""
+"""`armodal inspect`: what files of other programs hold."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,60 +10,15 @@ import typer
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.looked_at import LookedAt, look_at
+from armodal.tui.command_parts.guessed_manifest import guess_json
 from armodal.tui.console import Json, out, print_json, say, say_next
 
-__all__ = ["app", "guess_json", "is_manifest", "manifest_beside", "unanswered"]
+__all__ = ["app"]
 
 app = typer.Typer(add_completion=False)
 
 _USER_ERROR = 2
 _MOST_ROWS = 40
-
-
-def is_manifest(files: Sequence[Path]) -> bool:
-    """Return whether the argument of `armodal import` is a manifest."""
-    return len(files) == 1 and files[0].suffix.lower() == ".toml"
-
-
-def manifest_beside(files: Sequence[Path], output: Path) -> tuple[Path, Guess]:
-    """Write the manifest guessed of files beside the output.
-
-    Raises
-    ------
-    ForeignFileError
-        If a file cannot be read, or another manifest is there already.
-    """
-    path = output.with_suffix(".toml")
-    guess = guess_manifest([look_at(file) for file in files], path.parent)
-    if path.exists() and path.read_text(encoding="utf-8", errors="replace") != guess.text:
-        raise ForeignFileError(
-            f"{path}: wanted a place for a manifest, there is one; import that, or remove it"
-        )
-    try:
-        path.write_text(guess.text, encoding="utf-8")
-    except OSError as error:
-        raise ForeignFileError(
-            f"{path}: cannot be written ({error}); choose another place"
-        ) from error
-    return path, guess
-
-
-def unanswered(path: Path, guess: Guess) -> ForeignFileError:
-    """Return the error that says what to fill in."""
-    first = guess.doubts[0]
-    keys = ", ".join(f"`{key}`" for key in dict.fromkeys(doubt.key for doubt in guess.doubts))
-    return ForeignFileError(
-        f'wrote {path}: fill in {keys} where it says "?" ({first.why}), then import {path}'
-    )
-
-
-def guess_json(path: Path, guess: Guess) -> dict[str, Any]:
-    """Return the guesses as plain values."""
-    return {
-        "manifest": str(path),
-        "guesses": list(guess.guesses),
-        "fill_in": [{"key": doubt.key, "why": doubt.why} for doubt in guess.doubts],
-    }
 
 
 @app.command("inspect")

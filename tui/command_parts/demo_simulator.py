@@ -19,7 +19,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import MissingPackageError
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.export_arm import export_arm
+from armodal.tui.command_parts.export_arm import export_arm
 
 __all__ = ["simulator_lines", "simulator_table", "through_the_simulator"]
 

@@ -14,7 +14,7 @@ from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.remarks import Remarks, refuse_faults
 from armodal.protocols.text_file import write_new_text
-from armodal.tui.commands.options import ArmName, comma_numbers
+from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.console import Json, err, out, print_json
 from armodal.tui.drawing import Camera, Canvas, arm_wireframe, draw_points, draw_triad
 

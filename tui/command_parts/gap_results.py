@@ -26,7 +26,7 @@ from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.narrow_table import narrow_table
+from armodal.tui.command_parts.narrow_table import narrow_table
 
 __all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "with_arm"]
 

@@ -1,19 +1,21 @@
-"""What shows each wish: home, measuring, review, demo; each goes on to the next."""
+"""What shows each wish: home, measuring, review, demo, each loaded where it is wanted."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from armodal import SOFTWARE
-from armodal.hil_sim.board_dictionary import BOARD_ID
+from armodal.hil_sim.board_id import BOARD_ID
 from armodal.protocols.session.journal import read_journal
 from armodal.tui.console import err, say, say_next
 from armodal.tui.journey import Step, travel
-from armodal.tui.screens.home.app import HomeApp
-from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.wishes import Demonstrate, GoHome, Look, Measure, Wish
 from armodal.tui.this_system import check_runs_devices, runs_devices
+
+if TYPE_CHECKING:
+    from armodal.tui.screens.review.app import ReviewApp
 
 __all__ = ["STEPS", "go_from", "wish_after_review"]
 
@@ -30,8 +32,10 @@ def go_from(first: Wish) -> int:
 
 
 def _home(wish: GoHome) -> tuple[int, Wish | None]:
-    app = HomeApp(Path.cwd(), measures=runs_devices(), ports=_ports, said=wish.said)
-    return 0, app.run()
+    home = import_module("armodal.tui.screens.home.app")
+    app = home.HomeApp(Path.cwd(), measures=runs_devices(), ports=_ports, said=wish.said)
+    wished: Wish | None = app.run()
+    return 0, wished
 
 
 def _ports() -> list[tuple[str, str]]:
@@ -40,7 +44,8 @@ def _ports() -> list[tuple[str, str]]:
 
 
 def _look(wish: Look) -> tuple[int, Wish | None]:
-    app = ReviewApp(wish.session, gap=wish.gap, band_hz=wish.band_hz)
+    review = import_module("armodal.tui.screens.review.app")
+    app = review.ReviewApp(wish.session, gap=wish.gap, band_hz=wish.band_hz)
     app.run()
     return wish_after_review(app)
 
@@ -90,7 +95,7 @@ def _measure(wish: Measure) -> tuple[int, Wish | None]:
 def _demonstrate(wish: Demonstrate) -> tuple[int, Wish | None]:
     check_runs_devices("demo")
     say(f"the demo takes two to three minutes; Ctrl-C stops it; it goes into {wish.folder}")
-    demo = import_module("armodal.tui.commands.demo_run")
+    demo = import_module("armodal.tui.command_parts.demo_run")
     count = import_module("armodal.tui.hit_count").HitCount(err)
     try:
         found, _, gap = demo.run_demo(wish.folder, seed=1, software=SOFTWARE, show=count, say=say)

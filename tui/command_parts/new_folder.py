@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from armodal.protocols.errors import ArmError
+from armodal.protocols.os_words import os_words
 
 __all__ = ["check_new_folder", "write_new_folder"]
 
@@ -44,7 +45,7 @@ def write_new_folder(folder: Path, files: Mapping[str, bytes]) -> None:
         part.rename(folder)
     except OSError as problem:
         raise ArmError(
-            f"cannot write {folder}: {problem.strerror}; check the folder and the disk"
+            f"cannot write {folder}: {os_words(problem)}; check the folder and the disk"
         ) from problem
     finally:
         shutil.rmtree(part, ignore_errors=True)

@@ -11,7 +11,7 @@ from rich.table import Table
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.narrow_table import narrow_table
+from armodal.tui.command_parts.narrow_table import narrow_table
 
 __all__ = ["identification_json", "identification_tables"]
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
+import platformdirs
 import typer
 
 from armodal.daq.journal_mirror import on_one_disk
@@ -27,6 +28,7 @@ __all__ = [
     "one_board",
     "refuse_idle",
     "say_if_on_one_disk",
+    "sensor_memory",
     "told_tolerance_rad",
 ]
 
@@ -38,15 +40,15 @@ Band = Annotated[
     tuple[float, float] | None,
     typer.Option(help="Only lines from LOW to HIGH Hz."),
 ]
-Seed = Annotated[int, typer.Option(min=0, help="For everything random.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Minutes = Annotated[
     float | None,
-    typer.Option(min=1.0, help="A plan of at most so long: fewer points, links' motions seen."),
+    typer.Option(min=1.0, help="Longest duration, min: fewer points, every link still observed."),
 ]
 ByHand = Annotated[
     float | None,
     typer.Option(
-        metavar="DEG", help="No bus: you read the joint angles yourself, to so many degrees."
+        metavar="DEG", help="Without a bus: you read the joint angles, to this many degrees."
     ),
 ]
 Mirror = Annotated[
@@ -64,7 +66,8 @@ def say_if_on_one_disk(journal: Path, mirror: Path | None) -> None:
 UrAddress = Annotated[
     str,
     typer.Option(
-        metavar="HOST[:PORT]", help="No bus: a Universal Robots controller tells them, by RTDE."
+        metavar="HOST[:PORT]",
+        help="Without a bus: joint angles from a Universal Robots controller (RTDE).",
     ),
 ]
 
@@ -109,6 +112,11 @@ def one_board(ports: list[str]) -> str:
             "session has one; connect all sensors to one board, or measure one after the other"
         )
     return ports[0]
+
+
+def sensor_memory() -> Path:
+    """Where the sensitivities that sensors were last used with are remembered."""
+    return platformdirs.user_data_path("armodal") / "sensors.json"
 
 
 def comma_numbers(text: str, what: str, count: int | None = None) -> list[float]:
