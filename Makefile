@@ -72,6 +72,11 @@ check: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# The site, in build/site: its warnings are errors, and its notebooks are run.
+docs: $(DEVICE_LIBRARY)
+	$(PIP) --constraint constraints.txt --editable '.[docs]'
+	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/site
+
 bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import select
-import time
 from collections.abc import Callable
 
 from armodal.daq.check.raw_frame import RawDecoder, RawFrame, encode_raw
@@ -103,11 +101,10 @@ class BoardProbe:
 
     def collect(self, lab_s: float, enough: Callable[[], bool] | None = None) -> bool:
         """Read for some lab seconds, or until it is `enough`; return whether it was."""
-        until = time.monotonic() + self.clock.wall_s(lab_s)
-        for left in waits(until, time.monotonic):
+        for left_s in waits(self.clock.now_s() + lab_s, self.clock.now_s):
             if enough is not None and enough():
                 return True
-            if select.select([self.port], [], [], left)[0]:
+            if self.clock.wait([self.port.fileno()], self.clock.wall_s(left_s)):
                 self.read()
         return enough is not None and enough()
 

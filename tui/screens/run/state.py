@@ -19,6 +19,7 @@ from armodal.daq.events import (
 )
 from armodal.daq.session_machine import Progress, Prompt, PromptKind, begin
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan_records import Mode, Plan
 from armodal.protocols.sensor_memory import KnownSensor
 from armodal.protocols.session.journal import Mark
@@ -84,6 +85,8 @@ class RunState:
     # session
     earlier_hits: tuple[Hit, ...] = ()
     earlier_end: str | None = None  # how the earlier part of this session ended
+    other_frfs: tuple[FrequencyResponse, ...] = ()  # of another session of this arm
+    std_wanted: float | None = None  # of the FRF at its strongest resonance, relative
     opened: SessionOpened | None = None
     prompt: Prompt | None = None
     progress: tuple[Progress, ...] = ()
