@@ -109,8 +109,8 @@ def test_a_disk_that_refuses_a_change_is_named_and_loses_nothing(
     ("code", "words"),
     [
         (errno.ENOSPC, "No space left on device"),
-        (errno.EIO, "Input/output error"),
-        (errno.EROFS, "Read-only file system"),
+        pytest.param(errno.EIO, "Input/output error", marks=pytest.mark.long),
+        pytest.param(errno.EROFS, "Read-only file system", marks=pytest.mark.long),
     ],
 )
 def test_acquisition_says_that_the_disk_refuses_and_goes_on_after_it(
