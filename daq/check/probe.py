@@ -51,12 +51,9 @@ class BoardProbe:
         Bytes received in all.
     """
 
-    def __init__(
-        self, port: BytePort, clock: Clock, *, patience_wall_s: float = PATIENCE_WALL_S
-    ) -> None:
+    def __init__(self, port: BytePort, clock: Clock) -> None:
         self.port = port
         self.clock = clock
-        self._patience_wall_s = patience_wall_s
         self.frames: list[RawFrame] = []
         self.session = 0
         self.received_bytes = 0
@@ -110,7 +107,7 @@ class BoardProbe:
 
     def patience_s(self, lab_s: float) -> float:
         """Return lab seconds to wait for what takes `lab_s` at most; never too few for the host."""
-        return max(lab_s, self._patience_wall_s / self.clock.wall_s(1.0))
+        return max(lab_s, PATIENCE_WALL_S / self.clock.wall_s(1.0))
 
     def settle(self) -> None:
         """Read what is still under way."""

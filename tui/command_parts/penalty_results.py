@@ -50,6 +50,14 @@ def penalty_json(found: SessionPenalty, result: Identification) -> dict[str, Any
         "equation": "file 002, Eq. (13)",
         "penalty_hz2": fit.penalty_hz2,
         "modes_left_out": fit.left_out,
+        "doubted_axes": [
+            {
+                "link": own.link,
+                "rms_with_hz": own.rms_with_hz,
+                "rms_without_hz": own.rms_without_hz,
+            }
+            for own in found.doubted
+        ],
         "joints": [
             {
                 "joint": name,
@@ -107,5 +115,12 @@ def penalty_tables(found: SessionPenalty, result: Identification) -> list[Table]
             f"{100 * row['measured_damping']:.2f}",
             f"{100 * row['predicted_damping']:.2f}",
             f"{row['mac']:.3f}",
+        )
+    if found.doubted:
+        pairs.caption = " ".join(
+            f"Without the arm file's axis in {own.link} the frequencies are met to "
+            f"{own.rms_without_hz:.3g} Hz rms, with it to {own.rms_with_hz:.3g}: it may not be "
+            "there, and the joints come out too stiff. Give the session's arm without it."
+            for own in found.doubted
         )
     return [joints, pairs]

@@ -11,6 +11,7 @@ import numpy as np
 
 from armodal.hil_sim.ledger import LedgerTruth, read_ledger
 from armodal.hil_sim.study import rehearsal_plan
+from armodal.hil_sim.study.of_file import OF_THE_TEST
 from armodal.protocols.arm.generic_can import with_generic_can
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlanError
@@ -31,14 +32,18 @@ def spoken_arm(arm: Arm) -> Arm:
     CanError
         If it has more joints than the generic description.
     """
+    own = [effect for effect in arm.effects if effect.name not in OF_THE_TEST]
+    if own:
+        say(
+            "the simulated arm has the effects of its file, drawn within their deviations: "
+            f"{', '.join(f'{effect.name} ({effect.place})' for effect in own)}"
+        )
     if arm.can is not None:
         return arm
     say(
         f"{arm.name} has no [can] section: the simulated controller speaks the generic one, "
         "nine_joints.dbc"
     )
-    for effect in arm.effects_left_out():
-        say(effect)
     return with_generic_can(arm)
 
 
