@@ -94,7 +94,9 @@ class Device:
     was told.
     """
 
-    def __init__(self, dictionary=None, *, n_blocks=64, preview_frames=32, receive_size=65):
+    def __init__(
+        self, dictionary=None, *, n_blocks=64, preview_frames=32, receive_size=C.AB_RECEIVE_BYTES
+    ):
         dictionary = dictionary or dictionary_of()
         self.encoded = encode_dictionary(dictionary)
         self.room = None

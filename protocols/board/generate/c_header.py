@@ -50,7 +50,7 @@ def c_header(table: Table) -> str:
         *(prototype(layout, "write") + ";" for layout in written(table, on_board=False)),
         *(prototype(layout, "read") + ";" for layout in read(table, on_board=False)),
         "/* The same by type, where nothing of varying length follows but a reply's reason. */",
-        "bool ab_fixed_payload_valid(unsigned type, const uint8_t *payload, size_t n);",
+        "bool ab_fixed_payload_valid(unsigned type, const uint8_t *from, size_t n);",
         "\n#endif\n",
     ]
     return "\n".join(parts)

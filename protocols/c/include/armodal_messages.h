@@ -165,6 +165,6 @@ bool ab_read_stream_head(const uint8_t *from, size_t n, ab_stream_head *m);
 bool ab_read_block_info(const uint8_t *from, size_t n, ab_block_info *m);
 bool ab_read_block_data_head(const uint8_t *from, size_t n, ab_block_data_head *m);
 /* The same by type, where nothing of varying length follows but a reply's reason. */
-bool ab_fixed_payload_valid(unsigned type, const uint8_t *payload, size_t n);
+bool ab_fixed_payload_valid(unsigned type, const uint8_t *from, size_t n);
 
 #endif
