@@ -166,7 +166,7 @@ def _expected(share: _Real, prior: _Real, resolution: float) -> _Real:
         z = share / resolution - resolution / prior
         near = np.maximum(z, -_FAR)
         # phi / Phi in logarithms: both vanish far below 0. There z + phi / Phi goes to -1 / z.
-        ratio = near + np.exp(-0.5 * near**2 - 0.5 * np.log(2.0 * np.pi) - log_ndtr(near))
+        ratio = near + np.exp(-0.5 * (near**2 + np.log(2.0 * np.pi)) - log_ndtr(near))
         share = resolution * np.where(z > -_FAR, ratio, -1.0 / np.minimum(z, -_FAR))
     result: _Real = np.clip(share, 0.0, 1.0 - _LEAST_COHERENCE)
     return result

@@ -38,7 +38,6 @@ def parse(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument(
         "--fault", action="append", default=[], help=f"one of {', '.join(Fault)}; repeatable"
     )
-    parser.add_argument("--receive-bytes", type=int, help="of the board's buffer for commands")
     parser.add_argument("--watch-stdin", action="store_true", help="stop when stdin ends")
     return parser.parse_args(arguments)
 
@@ -51,7 +50,6 @@ def options_of(given: argparse.Namespace) -> LabOptions:
         directory=given.directory.resolve(),
         time_scale=given.time_scale,
         faults=tuple(given.fault),
-        receive_bytes=given.receive_bytes,
     )
 
 

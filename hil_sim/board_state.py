@@ -40,8 +40,7 @@ class BoardFirmware:
     Parameters
     ----------
     receive_bytes
-        Size of the buffer for commands; None takes the smallest allowed. A board passes over what
-        is longer, and answers it with BAD_VALUE where it fits.
+        As of `DeviceBoard`, which raises likewise.
 
     Attributes
     ----------
@@ -51,13 +50,6 @@ class BoardFirmware:
         Takes the bytes of one frame and returns whether the line took them.
     spoil : callable
         Takes the converter's counts and returns what a faulty channel makes of them.
-
-    Raises
-    ------
-    CompilerError
-        If the library is not compiled and cannot be.
-    ValueError
-        If the library refuses the dictionary, or the buffer is too small for a command.
     """
 
     def __init__(

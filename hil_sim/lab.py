@@ -123,7 +123,6 @@ def start_laboratory(
     time_scale: float = 1.0,
     directory: Path | None = None,
     faults: Sequence[str] = (),
-    receive_bytes: int | None = None,
 ) -> Laboratory:
     """Start the laboratory and wait until it is ready.
 
@@ -140,8 +139,6 @@ def start_laboratory(
         goes with the laboratory.
     faults
         Names from `hil_sim.faults.Fault`, active from the beginning.
-    receive_bytes
-        Size of the board's buffer for commands; None takes the smallest that the protocol allows.
 
     Raises
     ------
@@ -162,8 +159,6 @@ def start_laboratory(
         command += ["--plant", str(plant)]
     for fault in faults:
         command += ["--fault", fault]
-    if receive_bytes is not None:
-        command += ["--receive-bytes", str(receive_bytes)]
     return launch(command, temporary=temporary)
 
 

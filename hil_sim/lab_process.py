@@ -63,7 +63,6 @@ class LabOptions:
     faults: tuple[str, ...] = ()
     sealed: bool = False
     effects: tuple[Mapping[str, object], ...] = ()
-    receive_bytes: int | None = None  # of the board's buffer for commands; None: the smallest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +133,6 @@ class LabProcess(Generic[BlowT]):
             session=int(streams("board session").integers(1, 1 << 32)),
             clock=device_clock,
             converter=Converter(start=self._start, stop=cell.stop_sampling, read=cell.read),
-            receive_bytes=options.receive_bytes,
         )
         self.board = Board(firmware, board_port, faults=faults, streams=partial(streams, "board"))
         joints = [link.joint for link in plant.truth.links]

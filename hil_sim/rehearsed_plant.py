@@ -66,7 +66,7 @@ def _size(text: str) -> str | float | None:
 
 
 def draw_plant(rehearsal: Rehearsal, seed: int) -> tuple[Plant, list[dict[str, Any]]]:
-    """Draw the true arm: every ordinary error, and what is hidden.
+    """Draw the true arm: every ordinary error, the effects of its file, and what is hidden.
 
     Where nothing is hidden and a shipped plant is of this very arm, it is that plant, so that a
     shipped arm is what its documents say.
@@ -82,7 +82,7 @@ def draw_plant(rehearsal: Rehearsal, seed: int) -> tuple[Plant, list[dict[str, A
         If the arm has nothing that gives way, or an effect has no place on it.
     """
     arm = rehearsal.arm
-    if not rehearsal.hidden and arm.name in shipped_plants():
+    if not rehearsal.hidden and not arm.effects and arm.name in shipped_plants():
         shipped = load_plant(arm.name)
         if _same_bodies(shipped.truth, arm):
             return shipped, []

@@ -22,7 +22,6 @@ __all__ = ["limit_of_depth", "lobes"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
-_MOST_WAVES = 200.0  # left between two teeth: slower lobes lie side by side
 _NONE = 1e-12
 
 
@@ -52,7 +51,7 @@ def lobes(cutter: Cutter, frf: ComplexArray, f_hz: Array, speeds_rpm: Array) -> 
             crosses = (whole[:, 1:] != whole[:, :-1]) & (np.abs(step) < 0.5)
             part = np.where(crosses, (crossed - waves[:, :-1]) / np.where(crosses, step, 1.0), 0.0)
             own = depth[root, :-1] + part * (depth[root, 1:] - depth[root, :-1])
-            good = crosses & np.isfinite(own) & (own > 0.0) & (turns[:, 1:] < _MOST_WAVES)
+            good = crosses & np.isfinite(own) & (own > 0.0)
         found = np.minimum(found, np.where(good, own, np.inf).min(axis=1))
     return found
 

@@ -20,7 +20,8 @@ Array = npt.NDArray[np.float64]
 
 _GRID = 41  # frequencies of an interval at which the residual is looked at
 _MOST_DAMPING = 0.9  # a mode with more does not swing
-_WIDEST = 0.9  # damping of a notch's pole
+_NOTCH_LEFT = 0.05  # |N| wanted at an interval's end, about half its width over the pole's damping
+_NARROWEST, _WIDEST = 0.1, 0.9  # damping of a notch's pole: beyond, it rings or comes as late as ZV
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,10 +142,8 @@ def _notches(boxes: Sequence[ModeBox]) -> Candidate:
         middle = float(np.sqrt(box.f_hz[0] * box.f_hz[1]))
         half = (box.f_hz[1] - box.f_hz[0]) / (2.0 * middle)
         damping = float(np.mean(box.damping_ratio))
-        # At the interval's end |N| is about half / pole damping: a twentieth is wanted.
-        own.append(
-            notch(middle, damping, float(np.clip(20.0 * half, 2.0 * damping + 0.1, _WIDEST)))
-        )
+        pole = np.clip(half / _NOTCH_LEFT, 2.0 * damping + _NARROWEST, _WIDEST)
+        own.append(notch(middle, damping, float(pole)))
     left = []
     for box in boxes:
         f, z = box.grid()

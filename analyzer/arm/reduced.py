@@ -28,6 +28,7 @@ class ReducedModel:
     damping: Array  # (n, n)
     stiffness: Array  # (n, n), springs plus gravity
     point_jacobian: Array  # (n_points, 6, n), base frame, linear first
+    names: tuple[str, ...]  # (n,) of the freedoms
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +79,7 @@ def reduce_model(
         damping=structure.dampers(),
         stiffness=T.T @ dynamics.gravity_stiffness @ T + structure.springs(),
         point_jacobian=jacobian,
+        names=_names(superset, structure),
     )
 
 
@@ -96,8 +98,7 @@ def model_modes(model: ReducedModel) -> ModelModes:
     oscillating = np.flatnonzero(poles.imag > 0)
     if oscillating.size != n:
         raise EstimateError(
-            f"wanted {n} oscillating modes, the model has {oscillating.size}; "
-            "check that every stiffness is positive and no damping is above critical"
+            f"wanted {n} oscillating modes, the model has {oscillating.size}; {_why_still(model)}"
         )
     order = oscillating[np.argsort(np.abs(poles[oscillating]))]
     pole = poles[order]
@@ -107,3 +108,34 @@ def model_modes(model: ReducedModel) -> ModelModes:
         damping_ratio=-pole.real / np.abs(pole),
         shape=vectors[:n, order],
     )
+
+
+def _names(superset: Superset, structure: Structure) -> tuple[str, ...]:
+    joints = superset.arm.joints
+    held = () if structure.held is None else structure.held.names
+    return (
+        *(joints[i].name for i in structure.joints),
+        *(f"the axis in {joints[axis.link].link.name}" for axis in structure.axes),
+        *held,
+    )
+
+
+def _why_still(model: ReducedModel) -> str:
+    """Which freedoms do not oscillate by themselves, the others held."""
+    m, c, k = (np.diag(matrix) for matrix in (model.mass, model.damping, model.stiffness))
+    falls = [name for name, own in zip(model.names, k, strict=True) if own <= 0.0]
+    creeps = [
+        f"{name} ({part:.1f} of critical)"
+        for name, part in zip(
+            model.names, c / (2.0 * np.sqrt(np.maximum(k * m, 1e-300))), strict=True
+        )
+        if part >= 1.0 and name not in falls
+    ]
+    if falls:
+        return f"nothing holds {', '.join(falls)}: check the stiffness in the arm file"
+    if creeps:
+        return (
+            f"damped above critical: {', '.join(creeps)}; check damping or loss in the arm file, "
+            "or leave the effect out"
+        )
+    return "check that every stiffness is positive and no damping is above critical"

@@ -9,6 +9,7 @@ import numpy as np
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import held_arm
+from armodal.analyzer.identification.doubted_axes import DoubtedAxis, doubted_axes
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.penalty import PenaltyFit, fit_by_penalty
 from armodal.analyzer.identification.prediction import roving_mass
@@ -29,6 +30,7 @@ class SessionPenalty:
     start_n_m_per_rad: tuple[float, ...]
     start_from: tuple[str, ...]  # "one-joint" or "believed"
     fit: PenaltyFit
+    doubted: tuple[DoubtedAxis, ...] = ()  # axes of the arm file that the modes do not bear out
 
 
 def chosen_joints(arm: Arm, wanted: list[str]) -> tuple[int, ...]:
@@ -99,20 +101,19 @@ def penalty_of_session(
         if frf.posture not in held_out and frf.joints_rad is not None
     ]
     mass_kg = session.header.plan.sensor.mass_kg
+    start_structure = replace(structure, stiffness_n_m_per_rad=start)
+    postures = tuple(
+        MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
+        for frf, model in used
+        if frf.joints_rad is not None
+    )
+    masses = tuple(roving_mass(superset, frf, mass_kg) for frf, _ in used)
+    fit = fit_by_penalty(superset, start_structure, postures, chosen, added_mass_kg=masses)
     return SessionPenalty(
         joints=names,
         postures=tuple(frf.posture for frf, _ in used),
         start_n_m_per_rad=tuple(start.tolist()),
         start_from=tuple("believed" if own.get(name) is None else "one-joint" for name in names),
-        fit=fit_by_penalty(
-            superset,
-            replace(structure, stiffness_n_m_per_rad=start),
-            tuple(
-                MeasuredModes.of(superset, superset.posture(frf.joints_rad), model)
-                for frf, model in used
-                if frf.joints_rad is not None
-            ),
-            chosen,
-            added_mass_kg=tuple(roving_mass(superset, frf, mass_kg) for frf, _ in used),
-        ),
+        fit=fit,
+        doubted=doubted_axes(superset, start_structure, postures, fit, added_mass_kg=masses),
     )

@@ -13,6 +13,7 @@ from armodal.analyzer.report.words import plus_minus, rounded
 __all__ = [
     "axis_of_effect",
     "certainty",
+    "chance",
     "effect_sentence",
     "interval_in_words",
     "mechanics",
@@ -25,6 +26,7 @@ _K = "stiffness "
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
+_HARDLY_EVER = 1e-4  # far beyond the replicas: their tail's form is assumed
 
 
 def effect_sentence(effect: EffectFound) -> str:
@@ -57,6 +59,7 @@ def mechanics_of(effect: EffectFound) -> tuple[tuple[str, str], ...]:
         size=effect.size,
         parameters=effect.parameters,
         description=effect.description,
+        moves=effect.moves,
         place=effect.place,
         confused_with=effect.confused_with,
         told_by=effect.told_by,
@@ -68,21 +71,27 @@ def mechanics(
     size: str,
     parameters: Mapping[str, Interval],
     description: Mapping[str, object],
+    moves: Sequence[str] = (),
     place: str,
     confused_with: Sequence[str],
     told_by: str,
 ) -> tuple[tuple[str, str], ...]:
     """Return stiffness and damping, axis, place and rivals of an effect, each named.
 
-    Parameters that only say how far a line moved from where its fit began are left out where the
-    line itself is told.
+    `moves` name parameters that only say how far an axis moved from where its fit began: they are
+    the deviations of its direction and its place.
     """
     rows: list[tuple[str, str]] = []
     axis = _axis_in_words(description)
+    if axis is not None:
+        axis += _deviations([parameters[name] for name in moves if name in parameters])
+    stiff = [n for n, found in parameters.items() if found.unit in _INVERSE and found.low > 0.0]
     for name, found in parameters.items():
         if axis is None or name == size:
-            stiff = found.unit in _INVERSE and found.low > 0.0
-            rows.append(("k" if stiff else name, interval_in_words(found).removeprefix(_K)))
+            told = name
+            if name in stiff:
+                told = "k" if len(stiff) == 1 or axis else name.replace("compliance ", "k ")
+            rows.append((told, interval_in_words(found).removeprefix(_K)))
     damping = _damping(parameters.get(size), parameters) if axis is not None else ""
     if damping:
         rows.append(("c", damping))
@@ -115,6 +124,15 @@ def _axis_in_words(description: Mapping[str, object]) -> str | None:
     return f"direction {way}, through {millimetres} mm"
 
 
+def _deviations(moves: Sequence[Interval]) -> str:
+    """How far an axis may be turned and shifted, one deviation both ways across it together."""
+    if not moves:
+        return ""
+    turned = np.degrees(np.hypot.reduce([move.std for move in moves if not move.unit] or [0.0]))
+    off_mm = 1e3 * np.hypot.reduce([move.std for move in moves if move.unit == "m"] or [0.0])
+    return f", ± {rounded(float(turned))}° and ± {rounded(float(off_mm))} mm"
+
+
 def _three(value: object) -> tuple[float, ...] | None:
     if not isinstance(value, (list, tuple)) or len(value) != 3:
         return None
@@ -143,6 +161,16 @@ def certainty(effect: EffectFound) -> str:
     if effect.confidence > _ALMOST_SURE:
         return "above 99.9 %"
     return f"{100.0 * effect.confidence:.3g} %"
+
+
+def chance(probability: float | None) -> str:
+    """Return how often a session without any effect would look as clear, in words."""
+    if probability is None:
+        return "not known"
+    if probability < _HARDLY_EVER:
+        return f"below {100.0 * _HARDLY_EVER:g} %"
+    percent = 100.0 * probability
+    return f"{percent:.2g} %" if percent < 10.0 else f"{percent:.0f} %"
 
 
 def axis_of_effect(effect: EffectFound) -> MarkedAxis | None:

@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from armodal.daq.check.probe import PATIENCE_WALL_S, BoardProbe, BoardStepError
+from armodal.daq.check.probe import BoardProbe, BoardStepError
 from armodal.daq.check.stream import Recording, record
 from armodal.daq.check.tick_rate import tick_rate
 from armodal.daq.clock import Clock
 from armodal.daq.serial_port import BytePort
-from armodal.protocols.board.limits import refusal
+from armodal.protocols.board.limits import (
+    refusal,
+)
 from armodal.protocols.board.messages import (
     decode_dictionary,
     decode_reply,
-    encode_configuration,
+    encode_payload,
     join_hello,
 )
 from armodal.protocols.board.records import (
@@ -50,14 +52,12 @@ class BoardCheckOptions:
 
     `duration_s` is of the long run, in lab seconds; one shorter than a minute goes on for a minute
     at most while it does not tell the rate of the board's clock. `rate_hz` None takes the highest
-    rate the board accepts with its preview on. `patience_wall_s` is the least wait for an answer,
-    seconds of this computer.
+    rate the board accepts with its preview on.
     """
 
     duration_s: float = LONG_ENOUGH_S
     rate_hz: Fraction | None = None
     seed: int = 1
-    patience_wall_s: float = PATIENCE_WALL_S
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,8 +130,7 @@ class BoardBench:
         self._dictionary: BoardDictionary | None = None
 
     def _new_probe(self) -> BoardProbe:
-        patience_wall_s = self.options.patience_wall_s
-        return BoardProbe(self._open_port(), self.clock, patience_wall_s=patience_wall_s)
+        return BoardProbe(self._open_port(), self.clock)
 
     def _meet(self) -> Hello:
         found = hello(self.probe)
@@ -177,7 +176,7 @@ class BoardBench:
 
     def configure(self, configuration: Configuration) -> tuple[ReplyCode, str]:
         """Try a configuration; return the board's code and reason."""
-        payload = encode_configuration(configuration)
+        payload = encode_payload(configuration)
         return decode_reply(self.probe.ask(FrameType.CONFIGURE, payload).payload)
 
     def find_rates(self) -> list[Fraction]:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import select
-import time
 from collections.abc import Callable
 
 from armodal.daq.check.raw_frame import RawDecoder, RawFrame, encode_raw
 from armodal.daq.clock import Clock, waits
 from armodal.daq.clock_fit import RoundTrip
 from armodal.daq.serial_port import BytePort
-from armodal.protocols.board.codec import PROTOCOL_VERSION
-from armodal.protocols.board.messages import decode_reply, decode_status, encode_configuration
+from armodal.protocols.board.codec import (
+    PROTOCOL_VERSION,
+)
+from armodal.protocols.board.messages import (
+    decode_answer,
+    decode_reply,
+    encode_payload,
+)
 from armodal.protocols.board.records import (
     BoardState,
     BoardStatus,
@@ -47,12 +51,9 @@ class BoardProbe:
         Bytes received in all.
     """
 
-    def __init__(
-        self, port: BytePort, clock: Clock, *, patience_wall_s: float = PATIENCE_WALL_S
-    ) -> None:
+    def __init__(self, port: BytePort, clock: Clock) -> None:
         self.port = port
         self.clock = clock
-        self._patience_wall_s = patience_wall_s
         self.frames: list[RawFrame] = []
         self.session = 0
         self.received_bytes = 0
@@ -97,17 +98,16 @@ class BoardProbe:
 
     def collect(self, lab_s: float, enough: Callable[[], bool] | None = None) -> bool:
         """Read for some lab seconds, or until it is `enough`; return whether it was."""
-        until = time.monotonic() + self.clock.wall_s(lab_s)
-        for left in waits(until, time.monotonic):
+        for left_s in waits(self.clock.now_s() + lab_s, self.clock.now_s):
             if enough is not None and enough():
                 return True
-            if select.select([self.port], [], [], left)[0]:
+            if self.clock.wait([self.port.fileno()], self.clock.wall_s(left_s)):
                 self.read()
         return enough is not None and enough()
 
     def patience_s(self, lab_s: float) -> float:
         """Return lab seconds to wait for what takes `lab_s` at most; never too few for the host."""
-        return max(lab_s, self._patience_wall_s / self.clock.wall_s(1.0))
+        return max(lab_s, PATIENCE_WALL_S / self.clock.wall_s(1.0))
 
     def settle(self) -> None:
         """Read what is still under way."""
@@ -186,12 +186,12 @@ class BoardProbe:
             reply = self.reply(FrameType.STATUS, tries=1)
             if reply is not None:
                 trip = RoundTrip(sent_s=sent_s, received_s=reply.received_s, ticks=reply.ticks)
-                return decode_status(reply.payload), trip
+                return decode_answer(BoardStatus, reply.payload), trip
         raise DeviceTimeoutError(f"no answer to STATUS in {TRIES} tries")
 
     def begin(self, configuration: Configuration) -> None:
         """Configure, start, and forget what came before."""
-        self.want_ok(FrameType.CONFIGURE, encode_configuration(configuration))
+        self.want_ok(FrameType.CONFIGURE, encode_payload(configuration))
         self.clear()
         code, reason = self.code(FrameType.START)
         lost_reply = code is ReplyCode.WRONG_STATE and self.status().state is BoardState.RUNNING

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from armodal.hil_sim.effects.hidden import Hidden
 from armodal.hil_sim.streams import stream
 from armodal.hil_sim.study.arms import StudyArm, study_arm
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
 from armodal.hil_sim.study.model_error import Tables, erring_plant_tables
-from armodal.hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.of_file import with_file_effects
+from armodal.hil_sim.study.places import ArmPlaces
 from armodal.hil_sim.study.prominence import Bystander
 from armodal.hil_sim.study.sizing import AS_MADE, clear_place, clear_size
 from armodal.protocols.errors import PlantError
@@ -45,9 +47,9 @@ def hide_in(study: StudyArm, spec: CaseSpec) -> tuple[Tables, dict[str, Any]]:
     Raises
     ------
     PlantError
-        If an effect has no place on the arm.
+        If an effect has no place on the arm, or its file has one that is not in `hil_sim`.
     """
-    plain = erring_plant_tables(study, spec.seed)
+    plain = with_file_effects(erring_plant_tables(study, spec.seed), study.arm, spec.seed)
     places, bystander = ArmPlaces(study, plain), Bystander(study, plain)
     tables, truths = plain, []
     for i, name in enumerate(spec.kinds):

@@ -199,13 +199,6 @@ class Arm:
     history: tuple[PastSession, ...] = ()  # oldest first
     keep_outs: tuple[KeepOut, ...] = ()
 
-    def effects_left_out(self) -> tuple[str, ...]:
-        """Return what a calculation with the plain model of links and joints must say."""
-        if not self.effects:
-            return ()
-        named = ", ".join(f"{effect.name} ({effect.place})" for effect in self.effects)
-        return (f"the arm file's effects are not in this calculation: {named}",)
-
     def point(self, point_id: str) -> Point:
         """Return the test point called `point_id`, or raise KeyError."""
         for point in self.points:

@@ -180,9 +180,3 @@ def test_an_inline_array_of_effects_is_rewritten_as_tables() -> None:
     )
     arm = read(ARM.text.replace('name = "rv4frl"', text, 1))
     assert read(text_with_effects(arm, [*arm.effects, AXIS])).effects == (*arm.effects, AXIS)
-
-
-def test_a_plain_calculation_names_what_it_leaves_out() -> None:
-    assert ARM.effects_left_out() == ()
-    (note,) = read(text_with_effects(ARM, [AXIS])).effects_left_out()
-    assert "link_axis (link_3)" in note

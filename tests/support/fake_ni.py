@@ -17,6 +17,10 @@ class DaqNotFoundError(Error):
     pass
 
 
+class RpcError(Error):
+    pass
+
+
 class DaqError(Error):
     def __init__(self, message, error_code, task_name=""):
         super().__init__(message)
@@ -35,6 +39,7 @@ class FakeNi:
         self.volts = np.zeros((0, 2))
         self.channels, self.rate_hz, self.running = [], 0.0, False
         self.open_inputs, self.looks_for_open = [], True
+        self.teds = {}  # place: bytes in a list, as the package gives them
         self.installed, self.fails, self.closed = True, {}, False
         constants = SimpleNamespace(
             AcquisitionType=_enum("AcquisitionType", "FINITE", "CONTINUOUS"),
@@ -44,7 +49,9 @@ class FakeNi:
             ForceIEPESensorSensitivityUnits=_enum("Force", "MILLIVOLTS_PER_NEWTON"),
             AccelSensitivityUnits=_enum("Accel", "MILLIVOLTS_PER_G"),
         )
-        errors = SimpleNamespace(DaqError=DaqError, DaqNotFoundError=DaqNotFoundError)
+        errors = SimpleNamespace(
+            Error=Error, DaqError=DaqError, DaqNotFoundError=DaqNotFoundError, RpcError=RpcError
+        )
         device = SimpleNamespace(name="cDAQ1Mod1", product_type="NI 9234")
         system = SimpleNamespace(System=SimpleNamespace(local=lambda: self._system(device)))
         self.modules = {
@@ -52,8 +59,18 @@ class FakeNi:
                 __version__="1.7.0", Task=self._task, errors=errors, system=system
             ),
             "nidaqmx.constants": constants,
+            "nidaqmx.system.physical_channel": SimpleNamespace(
+                PhysicalChannel=self._physical_channel
+            ),
             "nidaqmx.stream_readers": SimpleNamespace(AnalogMultiChannelReader=self._reader),
         }
+
+    def _physical_channel(self, place, grpc_options=None):
+        def configure_teds():
+            if place not in self.teds:
+                raise DaqError("no TEDS", -200741)
+
+        return SimpleNamespace(configure_teds=configure_teds, teds_bit_stream=self.teds.get(place))
 
     def _system(self, device):
         if not self.installed:

@@ -15,7 +15,7 @@ from armodal.daq.clock import SystemClock
 from armodal.daq.serial_port import SerialPort
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.check_session import session_checks
+from armodal.tui.command_parts.check_session import session_checks
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
 from armodal.tui.this_system import check_runs_devices
 

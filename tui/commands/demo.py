@@ -9,11 +9,11 @@ import typer
 from rich.table import Table
 
 from armodal import SOFTWARE
+from armodal.tui.command_parts.demo_run import DEMO_TIME_SCALE, run_demo
+from armodal.tui.command_parts.demo_simulator import simulator_lines, simulator_table
+from armodal.tui.command_parts.gap_results import gap_tables
+from armodal.tui.command_parts.identification_results import identification_tables
 from armodal.tui.commands.acquire import show_event
-from armodal.tui.commands.demo_run import DEMO_TIME_SCALE, run_demo
-from armodal.tui.commands.demo_simulator import simulator_lines, simulator_table
-from armodal.tui.commands.gap_results import gap_tables
-from armodal.tui.commands.identification_results import identification_tables
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
 from armodal.tui.hit_count import HitCount
 

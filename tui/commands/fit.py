@@ -9,9 +9,9 @@ from rich.table import Table
 
 from armodal.protocols.frf_records import FrfEstimator
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.fit_settings import FitSettings
-from armodal.tui.commands.fit_values import fit_values
-from armodal.tui.commands.options import Band, SessionPath
+from armodal.tui.command_parts.fit_settings import FitSettings
+from armodal.tui.command_parts.fit_values import fit_values
+from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]

@@ -11,15 +11,16 @@ import numpy as np
 import typer
 
 from armodal.analyzer.gap.add import is_of_one_posture
+from armodal.analyzer.gap.decision.calibration import FALSE_NAME
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
 from armodal.hil_sim.study import (
-    LIBRARY,
     MAGNITUDES,
     STUDY_ARMS,
     CaseSpec,
     SealedCase,
     can_size,
+    library,
     make_case,
     sealed,
     study_of,
@@ -31,19 +32,27 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
 from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
-from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
-from armodal.tui.commands.gap_simulator import show_simulator
-from armodal.tui.commands.options import refuse_idle
-from armodal.tui.commands.rehearsed import plan_to_rehearse
+from armodal.tui.command_parts.gap_results import (
+    check_arm_out,
+    gap_json,
+    gap_tables,
+    keep_gap,
+    with_arm,
+)
+from armodal.tui.command_parts.gap_simulator import show_simulator
+from armodal.tui.command_parts.options import refuse_idle
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
 
+_DRAWN_FROM = 2  # version of the library of which the laboratory draws: a seed stays what it was
+
 app = typer.Typer(add_completion=False)
 
 # By parameter: what has a meaning only with a session, and only with --lab.
-_OF_SESSION = ("more", "arm")
+_OF_SESSION = ("more", "arm", "false_name")
 _OF_LAB = ("lab_arm", "lab_plan", "hide", "magnitude", "seed", "budget", "folder")
 
 
@@ -91,8 +100,16 @@ def gap_command(
     ] = None,
     motion: Annotated[
         Path | None,
-        typer.Option(help="With --simulator: a log of motion (CSV), in place of the hits."),
+        typer.Option(help="With --simulator: a log of motion (CSV, MCAP, rosbag) for the hits."),
     ] = None,
+    topic: Annotated[
+        list[str] | None,
+        typer.Option(help="With --motion: ROLE=TOPIC, of encoder, command, a point; repeatable."),
+    ] = None,
+    false_name: Annotated[
+        float,
+        typer.Option(min=1e-4, max=0.5, help="Probability of a false name that you accept."),
+    ] = FALSE_NAME,
     folder: Annotated[
         Path, typer.Option("--out", help="Folder for the laboratory's sessions; continued there.")
     ] = Path("gap-lab"),
@@ -107,14 +124,15 @@ def gap_command(
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
-    if simulator is not None or model is not None or motion is not None:
+    if simulator is not None or model is not None or motion is not None or topic:
         refuse_idle(
             context,
             (*_OF_LAB, "more", "arm_out", "lab"),
             here="--simulator",
             there="the search",
         )
-        show_simulator(session, arm, simulator, model, motion, html, as_json=as_json)
+        wanted = (session, arm, simulator, model, motion, topic or (), html)
+        show_simulator(*wanted, as_json=as_json)
         return
     if lab == (session is not None):
         raise SessionError(
@@ -139,7 +157,7 @@ def gap_command(
         if arm is not None:
             measured = with_arm(measured, load_arm(arm))
         further = [read_session(path) for path in more or ()]
-        outcome = find_gap(measured, more=further, tell=say)
+        outcome = find_gap(measured, more=further, false_name=false_name, tell=say)
     written = keep_gap(measured, session, outcome, arm_out)
     for effect in outcome.result.effects:
         if "arm_file" in written and is_of_one_posture(effect):
@@ -177,7 +195,7 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
 
 def _case(arm: str, plan: str | None, hide: str | None, magnitude: str, seed: int) -> SealedCase:
     """Close a case of one of the study's arms, or of any other."""
-    kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
+    kind = hide or str(np.random.default_rng(seed).choice(library(_DRAWN_FROM)))
     size = _magnitude(magnitude)
     if arm in STUDY_ARMS and plan is None:
         return make_case(seed, arm, kind, size, ladder=True)

@@ -11,8 +11,7 @@ from rich.table import Table
 
 import armodal.study
 from armodal.hil_sim.makers import draw_cases
-from armodal.hil_sim.study import LIBRARY, OUTSIDE, CaseSpec, draw_study
-from armodal.hil_sim.study.catalogue import FIRST
+from armodal.hil_sim.study import LIBRARY, OUTSIDE, VERSION, CaseSpec, draw_study, library
 from armodal.protocols.errors import PlantError
 from armodal.protocols.text_file import replace_text
 from armodal.study.cases import HOME, AnySpec, every_maker
@@ -22,7 +21,7 @@ from armodal.study.page import study_page
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, say
 
 __all__ = ["app"]
@@ -51,6 +50,15 @@ def gap_study_command(
     whole: Annotated[
         bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
     ] = False,
+    version: Annotated[
+        int | None,
+        typer.Option(
+            "--library",
+            min=1,
+            max=VERSION,
+            help="Version of the library; the newest with --whole, else the first.",
+        ),
+    ] = None,
     curves: Annotated[
         int, typer.Option(min=0, help="Clear cases measured again with fewer hits or points.")
     ] = 0,
@@ -71,6 +79,7 @@ def gap_study_command(
         seed, commit = official_seed(Path(armodal.study.__file__).parent)
         say(f"official: seed {seed} of commit {commit}")
     specs: tuple[AnySpec, ...]
+    version = version or (VERSION if whole else 1)
     if maker == HOME:
         specs = draw_study(
             seed,
@@ -78,7 +87,7 @@ def gap_study_command(
             effects=effects,
             pairs=pairs,
             outside=outside,
-            library=tuple(LIBRARY) if whole else FIRST,
+            library=library(version),
             ladder=whole,
         )
     elif maker not in every_maker():
@@ -105,6 +114,7 @@ def gap_study_command(
     rows = curve_rows(learned) if learned else []
     tables = study_tables(summary, rows)
     command = _command(specs, maker, "--official" if official else f"--seed {seed}", tests, curves)
+    command += f" --library {version}" if maker == HOME else ""
     command += f"{' --whole' if whole else ''} --page PAGE"
     if page is not None:
         replace_text(page, study_page(tables, command, commit))

@@ -15,7 +15,7 @@ from armodal.analyzer.corrected.check import CheckedPosture, check_posture_rows,
 from armodal.analyzer.corrected.diff import Change, arm_changes
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.options import ArmName
+from armodal.tui.command_parts.options import ArmName
 from armodal.tui.console import Json, out, print_json
 
 __all__ = ["app"]

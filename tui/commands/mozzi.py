@@ -20,7 +20,7 @@ from armodal.analyzer.workspace.postures import random_postures
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
-from armodal.tui.commands.options import ArmName, Seed, comma_numbers
+from armodal.tui.command_parts.options import ArmName, Seed, comma_numbers
 from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]

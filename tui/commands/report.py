@@ -26,7 +26,7 @@ from armodal.analyzer.report import (
 from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.options import Band, SessionPath
+from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.commands.workspace import workspace_section
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output

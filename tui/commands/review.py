@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from armodal.protocols.errors import SessionError
-from armodal.tui.commands.journey import go_from, wish_after_review
-from armodal.tui.commands.options import Band
+from armodal.tui.command_parts.journey import go_from, wish_after_review
+from armodal.tui.command_parts.options import Band
 from armodal.tui.console import check_terminal
 from armodal.tui.screens.review.follow_app import FollowApp
 from armodal.tui.screens.wishes import Look

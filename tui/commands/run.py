@@ -10,20 +10,25 @@ from typing import Annotated
 import typer
 
 from armodal import SOFTWARE
+from armodal.daq.front_end.opening import is_front_end
 from armodal.hil_sim.rehearsed_plant import parse_hidden
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
+from armodal.protocols.front_end import load_front_end
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.journey import go_from
-from armodal.tui.commands.options import (
+from armodal.protocols.sensor_memory import load_sensors
+from armodal.tui.command_parts.journey import go_from
+from armodal.tui.command_parts.options import (
     ByHand,
     Mirror,
     UrAddress,
+    one_board,
     say_if_on_one_disk,
+    sensor_memory,
     told_tolerance_rad,
 )
-from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
 from armodal.tui.screens.run.earlier import earlier_frfs
@@ -79,6 +84,9 @@ def run_app(
     if simulated and not session.exists():
         the_arm = spoken_arm(the_arm)
         the_plan = the_plan or plan_to_rehearse(the_arm)
+    if input_range_v is None and is_front_end(board):
+        input_range_v = load_front_end(Path(board)).range_v
+    memory = None if simulated else sensor_memory()
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
@@ -91,6 +99,8 @@ def run_app(
         ur=ur,
         baud=baud,
         input_range_v=input_range_v,
+        sensor_memory=memory,
+        known_sensors=load_sensors(memory) if memory else {},
         simulated=simulated,
         hidden=hidden,
         seed=seed,
@@ -126,7 +136,9 @@ def run_command(
     session: Annotated[
         Path, typer.Option(help="Journal to start, or to continue if it exists.")
     ] = Path("session.journal"),
-    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
+    board: Annotated[
+        list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
+    ] = None,
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
@@ -162,13 +174,14 @@ def run_command(
 
     Example: armodal run --sim
     """
+    port = one_board(board) if board else ""
     check_terminal("run")
     code, then = run_app(
         plan=plan,
         arm=arm,
         session=session,
         mirror=mirror,
-        board=board,
+        board=port,
         can=can,
         ur=ur,
         by_hand=by_hand,

@@ -20,7 +20,7 @@ from armodal.hil_sim.relay import relayed
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlantError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.rehearsed import show_truth, spoken_arm
+from armodal.tui.command_parts.rehearsed import show_truth, spoken_arm
 from armodal.tui.console import Json, TimeScale, out, say
 
 __all__ = ["app", "broken_lines"]

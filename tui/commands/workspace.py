@@ -30,8 +30,8 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.os_words import os_words
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.options import ArmName, Seed
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.options import ArmName, Seed
+from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, progress, say_next
 from armodal.tui.console import progress as told_progress
 

@@ -20,7 +20,6 @@ WORDS = EffectWords(
     changes="servo, rotor, transmission, link in a row: one more freedom behind the joint's spring",
     signature="a joint that is softer below the rotor's frequency than above; a good fit hides it",
     confused_with=("rotor",),
-    wanted=60.0,  # what else is missing hardly looks like one: of 190 nulls none had one of 20
     # Two of 878 nulls were named so, 151 and 186 nats on one peak of one posture, which two and
     # four mountings brought; true ones, of 256 nats and more, 9 to 21.
     least_shared=6.0,
@@ -28,7 +27,9 @@ WORDS = EffectWords(
     remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
 )
 _BRAKED = 1e-3  # of its compliance, a brake leaves a servo
-_ROTOR = 0.2  # of the carried moment, roughly: motor and gear are chosen for it
+# Of the carried moment: drives are chosen for a reflected inertia of a tenth to all of the load's.
+_ROTOR = 0.3
+_LOSS_S = 3e-4  # no source: assumed, and as wide
 _MATERIAL = 0.05  # servo compliance over the joint's
 # Its part of the joint's compliance and its rotor, of what is typical, where a fit may begin: of no
 # size at all it changes nothing.
@@ -98,7 +99,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint,
                 parameters=(
                     Parameter(name=soft, unit="rad/(N m)", mean=0.0, std=gamma, low=0.0),
-                    Parameter(name=loss, unit="s", mean=3e-4, std=3e-4, low=0.0),
+                    Parameter(name=loss, unit="s", mean=_LOSS_S, std=_LOSS_S, low=0.0),
                     Parameter(
                         name=inertia,
                         unit="kg m²",

@@ -3,11 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
+from support.added import any_of, with_effects
 from support.plain_arm import TESTS_DEG, mass_matrix
 
 from armodal.analyzer.arm import Axis, Structure, Superset, reduce_model
 from armodal.analyzer.arm.reduced import model_modes, selection
 from armodal.analyzer.arm.structure import believed_structure
+from armodal.analyzer.corrected.held import held_arm
+from armodal.protocols.errors import EstimateError
 
 Q = np.deg2rad(TESTS_DEG[0])
 
@@ -90,3 +94,18 @@ def test_modes_solve_the_quadratic_eigenvalue_problem(arm, superset):
         ]
         size = max(np.linalg.norm(term) for term in terms)
         np.testing.assert_allclose(sum(terms), 0.0, atol=1e-10 * size)
+
+
+def test_what_is_damped_above_critical_is_named(arm):
+    """A bearing of an arm file that stays as it is, its loss 0.2 s; and a spring below zero."""
+    ready = held_arm(with_effects(arm, any_of(arm, "bearing")))
+    bare = believed_structure(ready.arm)
+    held = ready.held
+    creeping = replace(held, damping=held.damping + 0.2 * np.diag([0, 0, 0, 1, 0]) * held.stiffness)
+    superset = Superset(ready.arm)
+    structure = replace(bare, held=creeping)
+    with pytest.raises(EstimateError, match=r"damped above critical: bearing a joint_1 \(\d"):
+        model_modes(reduce_model(superset, superset.posture(Q), structure))
+    loose = replace(bare, stiffness_n_m_per_rad=bare.stiffness_n_m_per_rad * [1, -1, 1])
+    with pytest.raises(EstimateError, match="nothing holds joint_2: check"):
+        model_modes(reduce_model(superset, superset.posture(Q), loose))

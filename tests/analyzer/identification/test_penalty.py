@@ -15,6 +15,7 @@ from support.viper_session import true_values, viper_result, viper_session
 from armodal.analyzer.arm.reduced import model_modes, reduce_model
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import held_arm
+from armodal.analyzer.identification.doubted_axes import doubted_axes
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.penalty import fit_by_penalty
 from armodal.analyzer.identification.penalty_of_session import chosen_joints, penalty_of_session
@@ -208,3 +209,25 @@ def test_effects_of_the_arm_file_stay_and_their_damping_is_no_joint_s(arm):
     )
     for pair in found.pairs:
         assert pair.predicted_damping == pytest.approx(pair.measured_damping, rel=1e-3)
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_false_axis_of_the_arm_file_is_doubted_and_a_true_one_is_not(arm, there):
+    ready = held_arm(with_effects(arm, axis("elbow")))
+    superset = Superset(ready.arm)
+    axes = tuple(
+        replace(own, damping_n_m_s_per_rad=1e-3 * own.damping_n_m_s_per_rad) for own in ready.axes
+    )
+    truth = replace(lightly_damped(), axes=axes if there else (), held=ready.held)
+    modes = all_modes(superset, truth)
+    start = replace(guessed(truth, (0, 1, 2)), axes=axes)
+    found = fit_by_penalty(superset, start, modes, (0, 1, 2))
+    masses = (np.zeros(len(superset.arm.points)),) * len(modes)
+    doubted = doubted_axes(superset, start, modes, found, added_mass_kg=masses)
+    assert [own.link for own in doubted] == ([] if there else ["elbow"])
+    if not there:
+        (own,) = doubted
+        # Without the axis the model is the truth.
+        assert own.rms_without_hz < 1e-4 < own.rms_with_hz
+        k = found.structure.stiffness_n_m_per_rad / truth.stiffness_n_m_per_rad
+        assert k.max() > 1.05

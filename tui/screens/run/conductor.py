@@ -103,7 +103,11 @@ class Conductor:
             earlier_end=ended,
         )
         self.state: RunState = replace(
-            begun, now_s=clock(), other_frfs=options.earlier, std_wanted=options.std_wanted
+            begun,
+            now_s=clock(),
+            other_frfs=options.earlier,
+            std_wanted=options.std_wanted,
+            known_sensors=options.known_sensors,
         )
 
     def tell(self, event: Happening) -> None:
@@ -364,6 +368,7 @@ class Conductor:
             mirror=self.options.mirror,
             teds_confirmed=self.state.sensors_confirmed,
             input_range_v=self.state.input_range_v,
+            sensor_memory=self.options.sensor_memory,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.sensor_memory import KnownSensor
 from armodal.tui.screens.run.place import SessionPlace
 
 __all__ = ["RunOptions"]
@@ -23,6 +25,8 @@ class RunOptions:
     mirror: Path | None = None  # folder of the journal's copy
     baud: int = 921_600
     input_range_v: float | None = None
+    sensor_memory: Path | None = None  # where sensors are remembered
+    known_sensors: Mapping[str, KnownSensor] = field(default_factory=dict)
     simulated: bool = False
     hidden: tuple[tuple[str, str | float], ...] = ()  # in the simulated arm
     seed: int = 1

@@ -12,7 +12,7 @@ from support.shown_results import GAP
 
 from armodal.analyzer.report import gap_to_json
 from armodal.protocols.errors import EstimateError, SessionError
-from armodal.tui.commands.gap_results import gap_json
+from armodal.tui.command_parts.gap_results import gap_json
 from armodal.tui.screens.review.command_run import CommandRun
 from armodal.tui.screens.review.gap_pane import read_gap
 from armodal.tui.screens.review.gap_text import gap_view

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
 from armodal.protocols.board.records import Channel, IepeState
+from armodal.protocols.sensor_memory import unlike_before
 from armodal.protocols.teds import contradictions
 from armodal.tui.screens.run.measured import active_channels
 from armodal.tui.screens.run.sensitivity import sensitivity_words
@@ -158,7 +159,9 @@ def levels_text(state: RunState, width: int) -> Text:
         word, colour = ("TOO HIGH", BAD) if share > HIGH else ("", "")
         text.append("█" * filled + "·" * (bar - filled), style=colour)
         text.append(f" {100 * share:5.2f} % {word}\n", style=colour)
-    for said in (s for c in channels for s in contradictions(c, state.input_range_v)):
+    contradicted = [s for c in channels for s in contradictions(c, state.input_range_v)]
+    contradicted += unlike_before(channels, state.input_range_v, state.known_sensors)
+    for said in contradicted:
         text.append(f" ✗ {said}\n", style=BAD)
     return text
 

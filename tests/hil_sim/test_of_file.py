@@ -1,0 +1,124 @@
+"""Effects of an arm file in the simulated arm, beside what the analysis makes of the same file."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.optimize
+from support.added import any_of, axis, with_effects
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.corrected.prediction import predict_arm
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.hil_sim.rehearsal import Rehearsal
+from armodal.hil_sim.rehearsed_plant import draw_plant
+from armodal.hil_sim.small_motion import linearise
+from armodal.hil_sim.study.model_error import plant_of_tables
+from armodal.hil_sim.study.of_file import OF_THE_TEST, with_file_effects
+from armodal.hil_sim.study.plant_of_arm import plant_file_of_arm
+from armodal.protocols.arm.files import load_arm
+from armodal.protocols.errors import PlantError
+
+ARM = load_arm("rv4frl")
+POSTURES = np.array([[0.2, 0.4, 1.1, -0.5, 0.6, 0.3], [-0.4, -0.3, 0.8, 0.2, 1.0, 0.0]])
+BELOW_HZ = 120.0
+# By how much both may differ in frequency and damping ratio, relative, and why.
+SAME = (1e-5, 1e-4)  # the same equations, by other recursions
+# What a bearing loses no file tells: it moves |pole| by its damping ratio squared.
+LOSS_UNTOLD = (1e-3, None)
+AGREES = {
+    "link_axis": SAME,
+    "bearing": LOSS_UNTOLD,
+    "payload": SAME,
+    "released_joint": LOSS_UNTOLD,
+    "servo": (5e-3, 2e-2),  # the rotor is carried by the link before, one part in its ratio
+    "rotor": (5e-3, 2e-2),
+    "coupling": SAME,
+    "wrist_coupling": LOSS_UNTOLD,
+    "load_damping": SAME,
+    "nonproportional": SAME,
+    "encoder_offset": SAME,
+    "hysteretic": (5e-3, 5e-2),  # five Maxwell elements for a constant loss factor
+    "link_bending": (5e-2, 0.3),  # the link's mass is cut in other pieces
+    "link_torsion": (1e-2, 0.1),
+}
+REFUSED = {"backlash", "friction", "gravity_compensator", "microslip", "softening"}
+
+
+def exactly(name, place=None):
+    return axis("shoulder", std=0.0) if name == "link_axis" else any_of(ARM, name, place)
+
+
+def without_errors(effects):
+    """The arm's own springs and masses, and the effects as large as the file has them."""
+    k = [joint.stiffness and joint.stiffness.value for joint in ARM.joints]
+    c = [joint.damping and joint.damping.value for joint in ARM.joints]
+    tables = plant_file_of_arm(ARM, k, c, peak_n=(16.0, 24.0)).model_dump()
+    return plant_of_tables(with_file_effects(tables, with_effects(ARM, *effects), 1))
+
+
+@pytest.mark.parametrize("name", AGREES)
+def test_the_simulated_arm_has_the_modes_of_the_file(name):
+    effect = exactly(name)
+    still = replace(effect, parameters=tuple(replace(p, std=0.0) for p in effect.parameters))
+    plant, corrected = without_errors([still]), with_effects(ARM, still)
+    allowed = AGREES[name]
+    offset = plant.sensing.encoder_rad
+    for q in POSTURES:
+        (wanted,) = predict_arm(corrected, [np.rad2deg(q).tolist()], below_hz=BELOW_HZ)
+        true = q - np.array([offset.get(joint.name, 0.0) for joint in ARM.joints])
+        poles = linearise(plant, true, None).poles
+        poles = poles[poles.imag > 0.0]
+        f_hz, damping = np.abs(poles) / (2.0 * np.pi), -poles.real / np.abs(poles)
+        apart = np.abs(np.log(wanted.modes.f_hz[:, None] / f_hz[None]))
+        own, other = scipy.optimize.linear_sum_assignment(apart)
+        assert f_hz[other] == pytest.approx(wanted.modes.f_hz[own], rel=allowed[0])
+        if allowed[1] is not None:
+            assert damping[other] == pytest.approx(
+                wanted.modes.damping_ratio[own], rel=allowed[1], abs=1e-7
+            )
+
+
+def test_every_effect_of_the_library_is_in_the_simulated_arm_or_refused_by_name():
+    ordinary = Ordinary(superset=Superset(ARM), postures=(), level_span=1.0)
+    every = {instance.effect for instance in all_instances(ordinary)}
+    of_the_test = {effect.name for effect in every if effect.of_the_test}
+    assert of_the_test <= OF_THE_TEST
+    of_the_arm = {effect.name for effect in every if not effect.of_the_test} | {"link_axis"}
+    assert of_the_arm - REFUSED == {*AGREES, "base"}
+    corrected = with_effects(ARM, *(any_of(ARM, name) for name in sorted(REFUSED)))
+    with pytest.raises(PlantError) as refused:
+        with_file_effects({"links": [], "effects": []}, corrected, 1)
+    for name in REFUSED:
+        assert f"{name} (" in str(refused.value)
+
+
+def test_a_drawn_arm_has_the_file_s_effects_beside_its_ordinary_errors():
+    corrected = with_effects(ARM, axis("shoulder"), any_of(ARM, "base"), any_of(ARM, "bearing"))
+    plain, _ = draw_plant(Rehearsal(arm=ARM, hidden=(("delay", 0.5),)), seed=3)
+    plant, hidden = draw_plant(Rehearsal(arm=corrected), seed=3)
+    assert hidden == []
+    assert "axis of the file in shoulder" in plant.coordinates
+    assert "bearing 1 of joint_1" in plain.coordinates
+    assert "bearing 1 of joint_1" not in plant.coordinates
+    # Beside them the arms are one: masses and springs are drawn alike.
+    assert [link.mass_kg for link in plant.truth.links] == [
+        link.mass_kg for link in plain.truth.links
+    ]
+    another, _ = draw_plant(Rehearsal(arm=corrected), seed=4)
+    sizes = [
+        next(e for e in p.truth.effects if e.kind == "link_axis").stiffness_n_m_per_rad
+        for p in (plant, another)
+    ]
+    assert sizes[0] != sizes[1]
+    # The file's deviation is a tenth of the size; none beyond two.
+    assert np.abs(np.log(np.array(sizes) * 1e-5)).max() <= 0.2
+
+
+def test_an_effect_that_lacks_a_size_is_told():
+    corrected = with_effects(ARM, any_of(ARM, "servo"))
+    (servo,) = corrected.effects
+    bare = with_effects(ARM, replace(servo, parameters=()))
+    with pytest.raises(PlantError, match=r"servo \(joint_1\), which lacks servo_compliance"):
+        with_file_effects({"links": [], "effects": []}, bare, 1)
