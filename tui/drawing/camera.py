@@ -75,6 +75,12 @@ class Camera:
         """Return the camera `factor` times as near."""
         return replace(self, zoom=float(np.clip(self.zoom * factor, *_ZOOM)))
 
+    def filling(self, points_m: npt.ArrayLike, width: int, height: int) -> Camera:
+        """Return the camera as near as `points_m` (n, 3) stay in a picture of that many pixels."""
+        middle = (np.array([width, height]) - 1) / 2
+        off = np.abs(self.project(points_m, width, height) - middle).reshape(-1, 2).max(axis=0)
+        return self.zoomed(_MARGIN * float(np.min(middle / np.maximum(off, 1e-6))))
+
     def directions(self) -> Array:
         """Rows: right, up, towards the eye, in the scene's frame: (3, 3)."""
         a, e = self.azimuth_rad, self.elevation_rad

@@ -66,3 +66,13 @@ def test_no_view_around_the_scene_shows_more_of_a_motion_than_the_one_that_faces
     assert all(
         seen(camera.turned(turn)) <= best + EXACT for turn in np.deg2rad(np.arange(0.0, 360.0, 5.0))
     )
+
+
+def test_a_scene_fills_the_picture_and_stays_in_it():
+    points = np.random.default_rng(5).normal(size=(40, 3))
+    camera = Camera.around(points).turned(0.4).filling(points, 160, 80)
+    at = camera.project(points, 160, 80)
+    assert (at >= 0).all()
+    assert (at <= [159, 79]).all()
+    share = np.abs(at - [79.5, 39.5]).max(axis=0) / [79.5, 39.5]
+    assert share.max() > 0.9

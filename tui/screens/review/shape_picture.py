@@ -196,8 +196,7 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
             return canvas
         camera = self.camera
         if camera is None:
-            camera = Camera.around(scene.wire.everything_m()).facing(scene.vertex_motion.real)
-            self.camera = camera
+            camera = self.camera = _first_view(scene, canvas)
         phase = self.amplification * np.exp(1j * self.phase_rad)
         if self.rest:
             scene.wire.draw(canvas, camera, self.inks.weak)
@@ -289,6 +288,14 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
                     (f"axis found in {row['link']}", point, T[:3, :3] @ row["direction_link"])
                 )
         return found
+
+
+def _first_view(scene: _Scene, canvas: Canvas) -> Camera:
+    """From where the mode moves most, as near as it stays in the picture."""
+    motion, rest = scene.vertex_motion.real, scene.wire.everything_m()
+    moved = [scene.wire.position_m + way * motion for way in (1.0, -1.0)]
+    camera = Camera.around(rest).facing(motion)
+    return camera.filling(np.concatenate([rest, *moved]), canvas.width, canvas.height)
 
 
 def _why_not(view: PostureView) -> str:

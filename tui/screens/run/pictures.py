@@ -178,9 +178,12 @@ class HitPictures:
         if state.last_hit is None or here is None:
             return Text("")
         found = self._found(state, here)
-        key = (self._estimate[0], state.prompt)
+        left = sum(
+            max(p.wanted - p.accepted, 0) for p in state.progress if (p.posture, p.point) == here
+        )
+        key = (self._estimate[0], left)
         if self._craft[0] != key:
-            self._craft = (key, _craft_lines(state, found, here))
+            self._craft = (key, _craft_lines(state, found, here, left))
         return craft_text(self._craft[1], columns, rows)
 
     def _found(self, state: RunState, here: tuple[str, str]) -> PointFrf | None:
@@ -191,7 +194,7 @@ class HitPictures:
 
 
 def _craft_lines(
-    state: RunState, found: PointFrf | None, here: tuple[str, str]
+    state: RunState, found: PointFrf | None, here: tuple[str, str], left: int
 ) -> tuple[Text, ...]:
     lines = []
     band = None if state.last_hit is None else excited_band(state, state.last_hit.hit)
@@ -212,9 +215,6 @@ def _craft_lines(
     moved = None if before is None else resonance_moved(before.frf, found.frf)
     if before is not None and moved is not None:
         lines.append(drift_line(moved, before.point))
-    left = sum(
-        max(p.wanted - p.accepted, 0) for p in state.progress if (p.posture, p.point) == here
-    )
     lines.append(scatter_line(scatter_at_resonance(found), left, state.std_wanted))
     return tuple(lines)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,11 @@ from support.stage import Stage, play
 
 from armodal.analyzer.checks.records import Fault
 from armodal.daq.session_machine import hit_judged
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.errors import SessionError
 from armodal.protocols.frf_records import Dof
+from armodal.protocols.session.hdf5 import write_session
 from armodal.tui.screens.run.craft import (
     Moved,
     Scatter,
@@ -24,7 +28,7 @@ from armodal.tui.screens.run.craft import (
     resonance_moved,
     scatter_at_resonance,
 )
-from armodal.tui.screens.run.earlier import check_reciprocity, mirrors_in
+from armodal.tui.screens.run.earlier import check_reciprocity, earlier_frfs, mirrors_in
 from armodal.tui.screens.run.measured import point_frf
 from armodal.tui.screens.run.views.craft import (
     craft_text,
@@ -175,6 +179,8 @@ def test_the_craft_of_a_finished_point_stands_under_the_next_one(tmp_path):
             at = hit_judged(at, accepted=True)
             await stage.tell(pilot, *(HIT_EVENTS if number == 1 else ()), hit_at(number))
         await stage.tell(pilot, prompted(at))
+        # From the other process every prompt comes as a copy.
+        await stage.tell(pilot, pickle.loads(pickle.dumps(prompted(at))))  # noqa: S301 - our own
         await stage.settle(pilot)
         assert "Mount the sensor at point 2" in stage.text()
         assert "FRF at 19.5 Hz" in screen_rows(stage.app)[-3]
@@ -220,3 +226,13 @@ def test_no_path_is_compared_where_none_was_measured_the_other_way_round():
     now = point_frf(state_of(hit_at(1)), HERE).frf
     assert check_reciprocity(now, mirrored()) is None
     assert mirrors_in((mirrored(),), PLAN.postures[1]) is None
+
+
+def test_an_earlier_session_is_of_the_same_arm_or_refused(session, tmp_path):
+    path = tmp_path / "s.h5"
+    write_session(session, path)
+    found = earlier_frfs(path, session.header.arm)
+    assert [frf.posture for frf in found] == [p.name for p in session.header.plan.postures]
+    assert mirrors_in(found, session.header.plan.postures[1]) is found[1]
+    with pytest.raises(SessionError, match=r"--earlier .*: wanted a session of .*leave it out"):
+        earlier_frfs(path, load_arm("ur5"))
