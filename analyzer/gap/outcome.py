@@ -19,7 +19,7 @@ from armodal.analyzer.gap.inference.dispersion import dispersion
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
 from armodal.analyzer.gap.inference.intervals import intervals
-from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.library import title_of
 from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (
@@ -28,6 +28,7 @@ from armodal.analyzer.gap.records import (
     GapResult,
     Gate,
     Hidden,
+    Misfit,
     PostureGap,
     RivalRow,
     StiffnessRange,
@@ -80,7 +81,6 @@ def conclude(
     judged: Judged,
     named: Sequence[Step],
     test: tuple[int, ...],
-    phi: float,
     gates: tuple[Gate, ...],
     notes: list[str],
     limits: Thresholds,
@@ -95,9 +95,13 @@ def conclude(
     sharp = stages[-1]
     misfit = misfit_per_line(sharp, final)
     standing = judged.standing
-    spread = max(phi, dispersion(sharp, final))
+    calibration = judged.calibration
+    leaves = partial(misfit_of_replicas, sharp, beyond=limits.false_name)
+    spread = max(judged.phi, dispersion(sharp, final))
     effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
-    verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), limits=limits)
+    verdict, why = verdict_of(
+        sharp, final, found, judged, named=bool(named), leaves=leaves, limits=limits
+    )
     if verdict is not Verdict.NAMED and effects:
         found_on_the_way = "; ".join(effect.title for effect in effects)
         why = [*why, f"found on the way, but no name: {found_on_the_way}"]
@@ -131,7 +135,7 @@ def conclude(
         verdict=verdict,
         summary=_summary(verdict, effects, standing, misfit, left),
         effects=effects if verdict is Verdict.NAMED else (),
-        rivals=_rivals(found, standing, _COMMON * spread),
+        rivals=_rivals(found, judged, _COMMON * spread),
         hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=_ranges(
             stages[-2],
@@ -143,11 +147,15 @@ def conclude(
         gap_before=_gaps(sharp, before, first, measured),
         gap_after=_gaps(sharp, final, last, measured),
         where=where,
-        interface=_interface(stages[1], before),
+        interface=_interface(stages[1], before, calibration.limit_otherwise),
         gates=gates,
         notes=tuple(dict.fromkeys(notes)),
         misfit_per_line=misfit,
         next_test=advice.test,
+        false_name_probability=_false_name(effects) if verdict is Verdict.NAMED else None,
+        confidence=_confidence(effects) if verdict is Verdict.NAMED else None,
+        calibration=calibration.record(),
+        misfit=Misfit(measured=misfit, replicas_leave=leaves(final)),
     )
     return GapOutcome(
         result=result,
@@ -163,6 +171,9 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
     fit = step.fit
     instance = fit.last
     words = instance.effect
+    gain = step.without.evidence - fit.evidence
+    calibration = step.judged.calibration
+    chance = calibration.p_value(words.name, gain)
     return EffectFound(
         name=words.name,
         title=words.title,
@@ -170,8 +181,8 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         parameters=intervals(final, instance.owned, phi),
         size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
-        confidence=step.judged.confidence,
-        gain=step.without.evidence - fit.evidence,
+        confidence=step.judged.confidence * (1.0 - chance),
+        gain=gain,
         held_out_gain=float(
             np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
         ),
@@ -179,27 +190,41 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         confused_with=tuple(title_of(name) for name in words.confused_with),
         told_by=words.told_by,
         remedy=words.remedy,
+        false_name_probability=chance,
         moves=instance.begins_at,
     )
 
 
-def _rivals(found: Rivals, standing: Sequence[Fit], phi: float) -> tuple[RivalRow, ...]:
-    fits = found.with_standing(standing)
-    return tuple(_rival(fit, found.present, fits[0], standing, phi) for fit in fits)
+def _false_name(effects: Sequence[EffectFound]) -> float:
+    """That any of the names is chance, at most."""
+    return min(1.0, sum(e.false_name_probability or 0.0 for e in effects))
 
 
-def _rival(fit: Fit, present: Fit, best: Fit, standing: Sequence[Fit], phi: float) -> RivalRow:
+def _confidence(effects: Sequence[EffectFound]) -> float:
+    return float(np.prod([e.confidence for e in effects]))
+
+
+def _rivals(found: Rivals, judged: Judged, phi: float) -> tuple[RivalRow, ...]:
+    fits = found.with_standing(judged.standing)
+    return tuple(_rival(fit, found.present, fits[0], judged, phi) for fit in fits)
+
+
+def _rival(fit: Fit, present: Fit, best: Fit, judged: Judged, phi: float) -> RivalRow:
     instance = fit.last
+    calibration, gain = judged.calibration, present.evidence - fit.evidence
+    behind = fit.evidence - best.evidence
     return RivalRow(
         name=instance.effect.name,
         title=instance.effect.title,
         place=instance.place,
-        gain=present.evidence - fit.evidence,
-        behind=fit.evidence - best.evidence,
-        standing=any(f is fit for f in standing),
+        gain=gain,
+        behind=behind,
+        standing=any(f is fit for f in judged.standing),
         material=instance.is_material(fit.values),
         parameters=intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
+        false_name_probability=calibration.p_value(instance.effect.name, gain),
+        odds=calibration.odds(behind),
         moves=instance.begins_at,
     )
 
@@ -343,10 +368,10 @@ def _gaps(
     )
 
 
-def _interface(stage: Stage, before: Fit) -> str:
+def _interface(stage: Stage, before: Fit, least: float) -> str:
     near = fit_hypothesis(stage, before.hypothesis, resumed=before, max_iterations=3)
     lines = lines_of_interfaces(stage, near)
-    if not lines or lines[0].gain < Thresholds().clear:
+    if not lines or lines[0].gain < least:
         return "no interface of a link departs from the model beyond what is allowed"
     names = [joint.link.name for joint in before.hypothesis.ordinary.arm.joints]
     best = names[lines[0].link]

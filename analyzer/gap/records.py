@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 __all__ = [
+    "Calibrated",
     "Disagreement",
     "EffectFound",
     "GapResult",
     "Gate",
     "Hidden",
     "Interval",
+    "Misfit",
     "ModeMatch",
     "NextTest",
     "PostureGap",
@@ -52,13 +54,15 @@ class EffectFound:
     parameters: Mapping[str, Interval]
     size: str  # the parameter that says how large it is; empty for axes flipped or exchanged
     description: Mapping[str, object]  # direction and place of an axis, in the link's frame
-    confidence: float  # that it is this and no other effect of the library
+    confidence: float  # that it is this and no other effect of the library, and no chance
     gain: float  # of evidence over the model without it, nats
     held_out_gain: float  # of log density on postures it was not fitted to, nats
     signature: str
     confused_with: tuple[str, ...]  # titles of effects
     told_by: str
     remedy: str
+    # Of any effect of the library looking as clear on a session without one; None: not known.
+    false_name_probability: float | None = None
     moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place
 
 
@@ -75,7 +79,30 @@ class RivalRow:
     material: bool  # large enough to be worth a name
     parameters: Mapping[str, Interval]
     told_by: str
+    false_name_probability: float | None = None  # as of a named effect
+    odds: float | None = None  # over the best, by evidence and what errors are worth
     moves: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Calibrated:
+    """Limits of evidence, read from replicas of the session."""
+
+    accepted_false_name: float  # what the user accepts
+    replicas: int
+    limits: Mapping[str, float]  # nats of evidence by an effect's name
+    limit_otherwise: float  # nats, of effects that no linear look tells
+    tail: str  # how what is rarer than replicas tell was found
+    dispersion: float  # variance of an effect's size over that of independent errors
+    error_ratio: float  # of what the best model leaves, where effects feel it, over what is assumed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Misfit:
+    """chi^2 per real residual of the last model, beside what replicas of it leave."""
+
+    measured: float
+    replicas_leave: float  # at most, but for as many as the accepted false names
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,3 +199,7 @@ class GapResult:
         float  # chi^2 per real residual of the last model; about 0.5 where all is in it
     )
     next_test: NextTest | None = None
+    false_name_probability: float | None = None  # of all names together; None: nothing is named
+    confidence: float | None = None  # in all names together
+    calibration: Calibrated | None = None
+    misfit: Misfit | None = None

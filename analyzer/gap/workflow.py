@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibrations
 from armodal.analyzer.gap.decision.enough import check_enough, check_tests, notes_on
 from armodal.analyzer.gap.decision.judge import (
     SURELY_BY_LEVEL,
@@ -17,7 +18,6 @@ from armodal.analyzer.gap.decision.judge import (
     ends_alike,
     follows_no_level,
     one_mechanism,
-    scale,
 )
 from armodal.analyzer.gap.decision.named_step import Step, with_step
 from armodal.analyzer.gap.decision.naming import judge_round, step_to
@@ -25,6 +25,7 @@ from armodal.analyzer.gap.decision.without_levels import first_with_levels
 from armodal.analyzer.gap.gates import gates_of
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out_postures
+from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.inference.stages import at_three_levels, of_test, stages_of, with_tests
 from armodal.analyzer.gap.model.hit_levels import has_hits_between, has_levels, middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -53,6 +54,7 @@ def find_gap(
     session: Session,
     *,
     more: Sequence[Session] = (),
+    false_name: float = FALSE_NAME,
     gates: bool = True,
     modes: bool = True,
     advice: bool = True,
@@ -67,6 +69,8 @@ def find_gap(
     more
         Further tests of the same arm, such as a proposed one: their postures count with its own,
         in the state their plans tell (brakes, known masses).
+    false_name
+        Accepted probability of a false name, between 0 and 1.
     gates, modes, advice
         Run the checks without a model; pair modes in the comparison before and after; propose the
         next test.
@@ -79,7 +83,7 @@ def find_gap(
         If the session cannot carry the judgement: fewer than two postures with known angles, too
         few points, an arm without an elastic joint.
     """
-    limits = Thresholds()
+    limits = Thresholds(false_name=false_name)
     session, more, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
     check_enough(session)
@@ -93,11 +97,22 @@ def find_gap(
     notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
-    levels = partial(_by_level, session, more, superset, frfs, of_first[-1].models, notes, tell)
-    stages, present = levels(stages, Hypothesis(ordinary=ordinary, instances=from_file), start)
+    levels = partial(_by_level, session, more, superset, frfs, of_first[-1].models, tell)
+    stages, present = levels(
+        stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
+    )
     stages = _with_places(stages, present, start)
     between = partial(at_three_levels, superset, (session, *more))
-    ended = _search(session, stages, (present, start), levels, between, limits, notes, tell)
+    search = partial(_search, session, stages, (present, start), levels, between, limits)
+    ended, said = search(tell=tell)
+    if ended.named and ended.judged.calibration.is_model_wrong:
+        # A wrong first name explains much and leaves more: what else would be the first?
+        first = ended.named[0].fit.last
+        tell(f"again, without: {first.title}")
+        other, other_said = search(tell=tell, without=(first.key,))
+        if other.misfit < ended.misfit:
+            ended, said = other, other_said
+    notes += said
     final = ended.found.present
     return conclude(
         modes_of=[*frfs, *_frfs_of_tests(superset, more)] if modes else (),
@@ -108,7 +123,6 @@ def find_gap(
         judged=ended.judged,
         named=ended.named,
         test=ended.test,
-        phi=scale(ended.stages[-1], [final, *ended.found.rivals], limits),
         gates=gate_rows,
         notes=notes,
         limits=limits,
@@ -128,6 +142,11 @@ class _Ended:
     named: tuple[Step, ...]
     test: tuple[int, ...]  # held-out postures
 
+    @property
+    def misfit(self) -> float:
+        """Return what the model leaves a residual."""
+        return misfit_per_line(self.stages[-1], self.found.present)
+
 
 def _search(
     session: Session,
@@ -136,9 +155,10 @@ def _search(
     levels: Callable[..., tuple[tuple[Stage, ...], Hypothesis]],
     between: Callable[[Stage], Stage | None],
     limits: Thresholds,
-    notes: list[str],
+    *,
     tell: Tell,
-) -> _Ended:
+    without: Collection[tuple[str, str]] = (),
+) -> tuple[_Ended, list[str]]:
     """Name what is missing, one effect at a time, until nothing earns a name.
 
     Parameters
@@ -147,35 +167,51 @@ def _search(
         The arm as its user believes it, and where the effects of its file begin.
     levels, between
         Tell soft and hard hits apart (`_by_level`); give lines of three levels.
+    without
+        Keys of instances that are not tried.
+
+    Returns
+    -------
+    What it came to, and what is to be said of it.
     """
     present, start = believed
+    notes: list[str] = []
     test = held_out_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
-    rounds, n_notes = 0, len(notes)
+    rounds = 0
+    calibrations = Calibrations(limits.false_name)
     while True:
         rounds += 1
-        found = find_rivals(stages, present, start=start, fitted=fitted, tell=tell)
+        needs_more = partial(calibrations.needs_more, stages[-1])
+        found = find_rivals(
+            stages, present, needs_more, start=start, fitted=fitted, without=without, tell=tell
+        )
         before = before or found.present
-        judged = judge_round(stages[-1], found, between, limits, len(named), rounds, notes)
+        tell("replicas of the session")
+        calibration = calibrations.of(stages[-1], found.present, found.rivals)
+        judged = judge_round(
+            stages[-1], found, calibration, between, limits, len(named), rounds, notes
+        )
         if judged.named is None:
             break
         better = judged.named
+        leaves = partial(misfit_of_replicas, stages[-1], beyond=limits.false_name)
         step, doubt = step_to(
-            stages[-1], found.present, judged, better, test, limits, len(named), tell
+            stages[-1], found.present, judged, better, test, leaves, len(named), tell
         )
         if step is None:
             notes.append(f"{better.last.title} {doubt}; it was not named")
             judged = replace(judged, named=None, standing=(better, found.present), doubted=True)
             break
-        notes += _begins_elsewhere(better, found.rivals, limits.apart * judged.phi)
-        fitted, named = with_step(stages, named, step, believed[1], limits, notes)
+        notes += _begins_elsewhere(better, found.rivals, calibration.apart)
+        fitted, named = with_step(stages, named, step, believed[1], notes)
         present, start = fitted.hypothesis, fitted.values
-        apart, levelled = levels(stages, present, start, surely=True)
+        apart, levelled = levels(stages, present, start, notes, surely=True)
         if levelled is not present:
             # What had been missing hid it: from the start again, without what was said meanwhile.
-            notes[n_notes:] = notes[-1:]
+            notes = notes[-1:]
             rounds = 0
             stages, (present, start) = _with_places(apart, levelled, start), believed
             present = replace(present, ordinary=levelled.ordinary)
@@ -186,7 +222,7 @@ def _search(
             found = Rivals(present=fitted, rivals=())
             judged = replace(judged, named=None, standing=())
             break
-    return _Ended(
+    ended = _Ended(
         stages=stages,
         before=before,
         found=found,
@@ -194,6 +230,7 @@ def _search(
         named=tuple(named),
         test=test,
     )
+    return ended, notes
 
 
 def _with_places(
@@ -251,11 +288,11 @@ def _by_level(
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
     models: Sequence[PosedModel],
-    notes: list[str],
     tell: Tell,
     stages: tuple[Stage, ...],
     present: Hypothesis,
     start: Mapping[str, float],
+    notes: list[str],
     *,
     surely: bool = False,
 ) -> tuple[tuple[Stage, ...], Hypothesis]:

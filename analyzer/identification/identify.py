@@ -38,6 +38,7 @@ from armodal.analyzer.modal import (
     fit_modes,
     fit_modes_at,
     lines_within,
+    proposed_band,
     record_notes,
 )
 from armodal.protocols.errors import EstimateError
@@ -74,7 +75,7 @@ def identify(
     picked
         By posture, poles (rad/s) picked by hand that take the place of the automatic choice.
     band_hz
-        Lines that modes and model are fitted to; all by default.
+        Lines that modes and model are fitted to; by default modes to those that carry a signal.
 
     Raises
     ------
@@ -112,7 +113,9 @@ def identify(
             f"{', '.join(sorted(unknown))}; pick again in `armodal review`"
         )
     say("modes")
-    models = tuple(_modes(frf, by_hand.get(frf.posture)) for frf in fitted)
+    proposed = {frf.posture: proposed_band(frf) for frf in frfs} if band_hz is None else {}
+    bands = {name: band for name, (band, _) in proposed.items()}
+    models = tuple(_modes(frf, by_hand.get(frf.posture), bands) for frf in fitted)
     measured = _measured(superset, fitted, models)
     if not any(model.modes for model in models):
         raise EstimateError(
@@ -138,7 +141,7 @@ def identify(
         )
         for frf in frfs
     ]
-    held_out_models = tuple(_modes(frf, by_hand.get(frf.posture)) for frf in held_out)
+    held_out_models = tuple(_modes(frf, by_hand.get(frf.posture), bands) for frf in held_out)
     checked = _measured(superset, held_out, held_out_models)
     by_posture = {frf.posture: p for frf, p in zip(frfs, predictions, strict=True)}
     fit_predictions = [by_posture[frf.posture] for frf in fitted]
@@ -161,6 +164,7 @@ def identify(
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
             *ready.notes,
+            *(note for _, said in proposed.values() for note in said),
             *(
                 note
                 for frf in frfs
@@ -171,8 +175,12 @@ def identify(
     )
 
 
-def _modes(frf: FrequencyResponse, picked: Sequence[complex] | None) -> ModalModel:
-    automatic = fit_modes(frf)
+def _modes(
+    frf: FrequencyResponse,
+    picked: Sequence[complex] | None,
+    bands: Mapping[str, tuple[float, float] | None],
+) -> ModalModel:
+    automatic = fit_modes(frf, band_hz=bands.get(frf.posture))
     if picked is None:
         return automatic
     return fit_modes_at(frf, np.array(picked), automatic.stabilisation)

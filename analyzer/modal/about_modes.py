@@ -9,10 +9,12 @@ import numpy.typing as npt
 
 from armodal.analyzer.modal.regression import ModalData, Regression, modal_data
 
-__all__ = ["AboutModes", "about_modes", "near_runs"]
+__all__ = ["AboutModes", "about_modes", "linked_runs", "near_runs"]
 
 _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
+
+WIDER = 2.0  # a copy for mountings that differ, than one for those that agree
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,10 +25,10 @@ class AboutModes:
     variance: _Real  # (n_frf, n_lines)
     core: _Real  # (n_modes, n_lines), 1 within a half bandwidth of each mode, else 0
 
-    def of(self, member: npt.NDArray[np.bool_]) -> ModalData:
-        """Some of the FRFs (n_frf,)."""
-        data = self.data
-        return modal_data(data.form, data.s, data.values[member], self.variance[member])
+    def of(self, member: npt.NDArray[np.bool_], *, every: int = 1) -> ModalData:
+        """Some of the FRFs (n_frf,), on one line of so many."""
+        data, at = self.data, slice(None, None, every)
+        return modal_data(data.form, data.s[at], data.values[member, at], self.variance[member, at])
 
 
 def near_runs(poles: _Complex, within: float) -> list[list[int]]:
@@ -40,6 +42,24 @@ def near_runs(poles: _Complex, within: float) -> list[list[int]]:
                 continue
         runs.append([int(i)])
     return runs
+
+
+def linked_runs(poles: _Complex, within: float) -> list[list[int]]:
+    """Indices in runs by frequency, in which every pole may be a copy of another of its run.
+
+    Such are two poles within so many half bandwidths, frequency and decay together: of the wider,
+    but no more than WIDER times the narrower. A wide pole that rounds off the background is no copy
+    of what stands in it.
+    """
+    runs: list[list[int]] = []
+    half = -poles.real
+    for i in (int(k) for k in np.argsort(poles.imag)):
+        width = np.minimum(np.maximum(half, half[i]), WIDER * np.minimum(half, half[i]))
+        alike = np.abs(poles - poles[i]) < within * width
+        joined = [run for run in runs if np.any(alike[run])]
+        runs = [run for run in runs if not np.any(alike[run])]
+        runs.append(sorted([k for run in joined for k in run] + [i], key=lambda k: poles[k].imag))
+    return sorted(runs, key=lambda run: float(poles[run[0]].imag))
 
 
 def about_modes(

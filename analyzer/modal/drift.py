@@ -28,7 +28,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtrc
 
-from armodal.analyzer.modal.about_modes import AboutModes, about_modes, near_runs
+from armodal.analyzer.modal.about_modes import AboutModes, about_modes, linked_runs
 from armodal.analyzer.modal.own_poles import LINKED, own_fits, own_fits_again
 from armodal.analyzer.modal.random_effects import Quantity, random_effects
 from armodal.analyzer.modal.regression import (
@@ -193,7 +193,7 @@ def settle_drift(
     chance = _chances(fit, group, data.s.size, line_share)
     runs = [
         _Run(given=own, poles=fit.poles[own], drift=(), carried=None)
-        for own in near_runs(fit.poles, LINKED)
+        for own in linked_runs(fit.poles, LINKED)
     ]
     tried = [
         put_together if len(run.given) > 1 else bool(chance[run.given[0]] < SURE) for run in runs

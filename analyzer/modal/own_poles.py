@@ -26,6 +26,7 @@ _Int = npt.NDArray[np.int64]
 LINKED = 6.0  # half bandwidths between neighbours that may be copies: two, of those two apart, more
 VISIBLE = 0.05  # of the FRFs' weighted amplitude at a mode: less is no mode of its own
 CONSISTENT = 0.8  # MPC of a mode to be trusted: Pappa, Elliott, Schenk, J. Guidance 16 (1993) 860
+_LINES_OF_PEAK = 8  # of its bandwidth, that tell the start to begin from
 _STARTS = 3  # of a group's own poles: the misfit over their place has several hollows
 
 
@@ -35,25 +36,24 @@ def own_fits(
     """Own fits with the fewest poles that explain what these common poles do.
 
     None where all are needed and common poles leave nothing visible. What fewer poles leave over
-    counts for as much as it is a mode: not where neither common nor own poles make one of it. Fewer
-    poles that move are believed by Akaike's criterion; or because they have shapes that a mode can
-    have, those that stand still have not, and leave more than noise: every lineshape is
-    approximated by enough fixed poles.
+    counts for as much as it is a mode: not at a common pole whose shape no mode can have, if own
+    poles make no modes of these either. Fewer poles that move are believed by Akaike's criterion;
+    or because they have shapes that a mode can have, those that stand still have not, and leave
+    more than noise: every lineshape is approximated by enough fixed poles.
     """
     common = regress(local.data, poles, pole_terms=False)
     reference = _at_modes(local, misfit(local.data, common))
     visible = VISIBLE**2 * _at_modes(local, local.data.values)
     any_left = np.full(poles.size, np.inf)
-    every = (
-        _own_fits(local, group, poles, poles.size, any_left)
-        if not _is_mode(local, common.residues)
-        else None
-    )
-    no_modes = every is not None and not _is_mode(local, _moving(local, group, every[0]))
+    no_mode = _consistency(local, common.residues) < CONSISTENT
+    every = _own_fits(local, group, poles, poles.size, any_left) if no_mode.any() else None
+    most = reference + visible
+    if every is not None and not _is_mode(local, _moving(local, group, every[0])):
+        most[no_mode] = np.inf
     # Shapes of any phases may be the structure's own, where common poles leave nothing but noise.
     doubted = every is not None and _aic(local, every[0], common, line_share)
     for n in range(1, poles.size):
-        own = _own_fits(local, group, poles, n, any_left if no_modes else reference + visible)
+        own = _own_fits(local, group, poles, n, most)
         if own is None:
             continue
         if _aic(local, own[0], common, line_share) or (
@@ -96,14 +96,16 @@ def _own_fits(
         for move in moves
     ]
     shown = np.bincount(group, np.sum(np.abs(local.data.values) ** 2 / local.variance, axis=1))
+    every = max(int(local.core.sum(axis=1).min()) // _LINES_OF_PEAK, 1)
     fits: dict[int, Regression] = {}
     left = np.zeros(poles.size)
     for g in np.argsort(-shown):
-        data = local.of(group == g)
-        costs = [regress(data, start, pole_terms=False).cost.sum() for start in starts]
+        data, few = local.of(group == g), local.of(group == g, every=every)
+        costs = [regress(few, start, pole_terms=False).cost.sum() for start in starts]
         best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
-        ends = [refine_poles(data, start) for start in best]
-        fits[int(g)] = min(ends, key=lambda fit: float(fit.cost.sum()))
+        ends = [refine_poles(few, start) for start in best]
+        end = min(ends, key=lambda fit: float(fit.cost.sum()))
+        fits[int(g)] = refine_poles(data, end.poles) if every > 1 else end
         left += _at_modes(local, misfit(data, fits[int(g)]), group == g)
         if np.any(left >= most):
             return None
@@ -118,14 +120,19 @@ def _at_modes(
     return power
 
 
-def _is_mode(local: AboutModes, residues: _Complex) -> bool:
-    """Whether all these (n_frf, n) are shapes that a mode can have.
+def _consistency(local: AboutModes, residues: _Complex) -> _Real:
+    """MPC of these (n_frf, n): (n,).
 
     In units of each FRF's noise: what a noisy FRF or a strong reference tells of a phase counts for
     no more than it is known.
     """
     known = np.sqrt(local.data.row_weight)
-    return min(mpc(known * shape) for shape in residues.T) >= CONSISTENT
+    return np.array([mpc(known * shape) for shape in residues.T])
+
+
+def _is_mode(local: AboutModes, residues: _Complex) -> bool:
+    """Whether all these (n_frf, n) are shapes that a mode can have."""
+    return bool(_consistency(local, residues).min() >= CONSISTENT)
 
 
 def _moving(local: AboutModes, group: _Int, fits: list[Regression]) -> _Complex:

@@ -27,6 +27,7 @@ _Complex = npt.NDArray[np.complex128]
 
 _MOST_ROUNDS = 8  # of looking for poles in what the model leaves over
 _LEAST_PROGRESS = 0.99  # of the misfit before the round
+_PART_OF_PEAK = 3.0  # half bandwidths from where a second pole was tried to both that are found
 _ZOOM_ORDER_STEP = 3  # orders of a zoomed band: some fifteen suffice, each is an eigenvalue problem
 
 
@@ -181,7 +182,8 @@ def _split(problem: Problem, data: ModalData, chosen: Selection) -> Selection:
             line_share=problem.line_share,
             chosen=chosen,
         )
-        if again.share.size > chosen.share.size:
+        parts = np.abs(again.fit.poles - pole) < _PART_OF_PEAK * -pole.real
+        if again.share.size > chosen.share.size and np.count_nonzero(parts) > 1:
             chosen = again
     return chosen
 

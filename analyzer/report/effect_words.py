@@ -13,6 +13,7 @@ from armodal.analyzer.report.words import plus_minus, rounded
 __all__ = [
     "axis_of_effect",
     "certainty",
+    "chance",
     "effect_sentence",
     "interval_in_words",
     "mechanics",
@@ -25,6 +26,7 @@ _K = "stiffness "
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
+_HARDLY_EVER = 1e-4  # far beyond the replicas: their tail's form is assumed
 
 
 def effect_sentence(effect: EffectFound) -> str:
@@ -159,6 +161,16 @@ def certainty(effect: EffectFound) -> str:
     if effect.confidence > _ALMOST_SURE:
         return "above 99.9 %"
     return f"{100.0 * effect.confidence:.3g} %"
+
+
+def chance(probability: float | None) -> str:
+    """Return how often a session without any effect would look as clear, in words."""
+    if probability is None:
+        return "not known"
+    if probability < _HARDLY_EVER:
+        return f"below {100.0 * _HARDLY_EVER:g} %"
+    percent = 100.0 * probability
+    return f"{percent:.2g} %" if percent < 10.0 else f"{percent:.0f} %"
 
 
 def axis_of_effect(effect: EffectFound) -> MarkedAxis | None:

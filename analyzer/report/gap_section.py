@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.report.effect_words import certainty, mechanics_of
+from armodal.analyzer.report.effect_words import certainty, chance, mechanics_of
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
@@ -37,6 +37,7 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             advice=_ADVICE[result.verdict],
             mechanics=mechanics_of,
             certainty=certainty,
+            chance=chance,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
             maps=disagreement_svgs(result),

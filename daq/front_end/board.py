@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import os
 import secrets
+from dataclasses import replace
 from fractions import Fraction
 
 from armodal.daq.clock import Clock
 from armodal.daq.front_end.source import SampleSource
-from armodal.protocols.board.records import BoardDictionary
+from armodal.protocols.board.records import BoardDictionary, Channel
 from armodal.protocols.c.device_board import DeviceBoard, PortingLayer
 from armodal.protocols.front_end import FrontEnd
 
@@ -56,7 +57,7 @@ class FrontEndPort:
                 block_capacity=BLOCK_CAPACITY,
                 tick_hz=TICK_HZ,
                 filter_group_delay_samples=front_end.filter_group_delay_samples,
-                channels=front_end.channels,
+                channels=_with_teds(front_end.channels, source.teds),
             ),
             session=secrets.randbits(32) | 1,
             layer=PortingLayer(
@@ -111,3 +112,9 @@ class FrontEndPort:
 
     def _start(self, rate_hz: Fraction) -> None:
         self._source.start(rate_hz, self._clock.now_s())
+
+
+def _with_teds(channels: tuple[Channel, ...], teds: tuple[bytes, ...]) -> tuple[Channel, ...]:
+    """Channels with the data sheets that the device has read of their sensors."""
+    read = teds or (b"",) * len(channels)
+    return tuple(replace(c, teds=data) for c, data in zip(channels, read, strict=True))

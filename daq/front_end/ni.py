@@ -81,6 +81,7 @@ class NiModule:
                 for i in range(len(front_end.channels)):
                     self._add(front_end, i)
                 self._reader = readers.AnalogMultiChannelReader(self._task.in_stream)
+            self.teds = tuple(self._teds(name) for name in front_end.inputs)
         except BaseException:
             self.close()
             raise
@@ -162,6 +163,17 @@ class NiModule:
                 sensitivity_units=constants.AccelSensitivityUnits.MILLIVOLTS_PER_G,
                 **shared,
             )
+
+    def _teds(self, place: int | str) -> bytes:
+        """Return the data sheet of the sensor at an input; empty where it has none to be read."""
+        channels = importlib.import_module("nidaqmx.system.physical_channel")
+        options = self._server.anonymous() if self._server else None
+        channel = channels.PhysicalChannel(f"{self.name}/{place}", grpc_options=options)
+        try:
+            channel.configure_teds()
+            return bytes(channel.teds_bit_stream)
+        except self._ni.errors.Error:
+            return b""  # of a sensor without one, or a module that does not look
 
     def _configure(self, rate_hz: float) -> float:
         """Ask for a rate; return the one that is made."""

@@ -62,6 +62,10 @@ class NiServer:
             self._named(behaviours.ATTACH_TO_SERVER_SESSION).close()
         return self._named(behaviours.INITIALIZE_SERVER_SESSION)
 
+    def anonymous(self) -> Any:
+        """Options of what is no task."""
+        return self._ni.GrpcSessionOptions(self._limited, "")
+
     def close(self) -> None:
         """Let go of the connection."""
         self._channel.close()

@@ -46,6 +46,8 @@ class OpenDaqDevice:
         If the package, the device or a signal is not there, or a signal is of another kind.
     """
 
+    teds: tuple[bytes, ...] = ()
+
     def __init__(self, front_end: FrontEnd) -> None:
         self._daq = opendaq_package()
         self.name = front_end.source

@@ -29,6 +29,8 @@ class Replay:
 
     driver = "replay of a file"
 
+    teds: tuple[bytes, ...] = ()
+
     def __init__(self, front_end: FrontEnd) -> None:
         self._path = Path(front_end.source)
         self._counts, self._rate_hz = _read(self._path, front_end.inputs)

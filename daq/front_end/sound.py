@@ -45,6 +45,8 @@ class SoundCard:
         If PortAudio, the card or its channels are not there.
     """
 
+    teds: tuple[bytes, ...] = ()
+
     def __init__(self, front_end: FrontEnd) -> None:
         self._sound = sound_package()
         self._columns = np.array([int(number) - 1 for number in front_end.inputs])

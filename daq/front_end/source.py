@@ -35,6 +35,7 @@ class SampleSource(Protocol):
     """A device that samples; its channels are those of the front-end file, in order."""
 
     driver: str  # what samples, with its version
+    teds: tuple[bytes, ...]  # of each channel the sensor's own data sheet; () where none is read
 
     def rate_refusal(self, rate_hz: Fraction) -> str:
         """Return why the device does not make a rate exactly; empty where it does."""

@@ -39,6 +39,7 @@ class FakeNi:
         self.volts = np.zeros((0, 2))
         self.channels, self.rate_hz, self.running = [], 0.0, False
         self.open_inputs, self.looks_for_open = [], True
+        self.teds = {}  # place: bytes in a list, as the package gives them
         self.installed, self.fails, self.closed = True, {}, False
         constants = SimpleNamespace(
             AcquisitionType=_enum("AcquisitionType", "FINITE", "CONTINUOUS"),
@@ -58,8 +59,18 @@ class FakeNi:
                 __version__="1.7.0", Task=self._task, errors=errors, system=system
             ),
             "nidaqmx.constants": constants,
+            "nidaqmx.system.physical_channel": SimpleNamespace(
+                PhysicalChannel=self._physical_channel
+            ),
             "nidaqmx.stream_readers": SimpleNamespace(AnalogMultiChannelReader=self._reader),
         }
+
+    def _physical_channel(self, place, grpc_options=None):
+        def configure_teds():
+            if place not in self.teds:
+                raise DaqError("no TEDS", -200741)
+
+        return SimpleNamespace(configure_teds=configure_teds, teds_bit_stream=self.teds.get(place))
 
     def _system(self, device):
         if not self.installed:

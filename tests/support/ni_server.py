@@ -2,10 +2,10 @@
 
     python ni_server.py VOLTS.npy [SPEED]
 
-prints its port. It speaks the public protocol `nidaqmx.proto` by the code that the package nidaqmx
-itself has of it, as far as an IEPE measurement needs; rates and codes are those of an NI 9234 and
-of NI-DAQmx. A sample is taken when its time has come; SPEED is seconds of the module in one of the
-wall.
+prints its port, and ends with its standard input. It speaks the public protocol `nidaqmx.proto` by
+the code that the package nidaqmx itself has of it, as far as an IEPE measurement needs; rates and
+codes are those of an NI 9234 and of NI-DAQmx. A sample is taken when its time has come; SPEED is
+seconds of the module in one of the wall.
 """
 
 # ruff: noqa: N802 - names of the protocol
@@ -25,7 +25,13 @@ services = importlib.import_module("nidaqmx._stubs.nidaqmx_pb2_grpc")
 INPUTS = ("ai0", "ai1", "ai2", "ai3")
 MODULE = "cDAQ1Mod1"
 STANDARD_GRAVITY_M_S2 = 9.80665
-NO_DEVICE, NO_INPUT, OVERWRITTEN, RESERVED = -200220, -200170, -200279, -50103
+NO_DEVICE, NO_INPUT, OVERWRITTEN, RESERVED, NO_TEDS = (
+    -200220,
+    -200170,
+    -200279,
+    -50103,
+    -200741,
+)
 INITIALIZE, ATTACH = 1, 2  # of SessionInitializationBehavior
 
 
@@ -46,6 +52,7 @@ class Module(services.NiDAQmxServicer):
     def __init__(self, volts, speed=1.0):
         self.volts, self.speed = volts, speed
         self.open_inputs = []
+        self.teds = {}  # place, as cDAQ1Mod1/ai0: bytes of the sensor's memory
         self.tasks = {}
 
     def _fail(self, context, code):
@@ -132,6 +139,15 @@ class Module(services.NiDAQmxServicer):
             context.abort(grpc.StatusCode.UNIMPLEMENTED, f"attribute {wanted}")
         return messages.GetReadAttributeUInt32Response(value=value)
 
+    def ConfigureTEDS(self, request, context):
+        if request.physical_channel not in self.teds:
+            self._fail(context, NO_TEDS)
+        return messages.ConfigureTEDSResponse()
+
+    def GetPhysicalChanAttributeBytes(self, request, context):
+        data = self.teds[request.physical_channel]
+        return messages.GetPhysicalChanAttributeBytesResponse(value=data)
+
     def GetReadAttributeBool(self, request, context):
         return messages.GetReadAttributeBoolResponse(value=bool(self.open_inputs))
 
@@ -160,4 +176,5 @@ if __name__ == "__main__":
     running, at = serve(Module(np.load(sys.argv[1]), float((sys.argv[2:] or ["1"])[0])))
     sys.stdout.write(f"{at}\n")
     sys.stdout.flush()
-    running.wait_for_termination()
+    sys.stdin.read()  # to its end: whoever started this has gone
+    running.stop(None)

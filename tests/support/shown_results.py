@@ -59,7 +59,15 @@ GAP = {
             "confused_with": ["Bearing soft across its axis"],
         },
     ],
-    "rivals": [{"name": "bearing", "place": "joint_1", "behind": 12.0, "standing": False}],
+    "rivals": [
+        {
+            "name": "bearing",
+            "place": "joint_1",
+            "behind": 12.0,
+            "false_name_probability": 0.03,
+            "standing": False,
+        }
+    ],
     "gap_before": [{"posture": "test 1", "held_out": True, "frf_error": 0.4, "floor": 0.03}],
     "gap_after": [{"posture": "test 1", "held_out": True, "frf_error": 0.1, "floor": 0.03}],
     "joint_stiffness_ranges": [{"joint": "joint_1", "k_n_m_per_rad": 2e4, "low": 1e4, "high": 3e4}],

@@ -22,7 +22,7 @@ FULL_SCALES = (800.0, 80.0, 80.0, 80.0)  # N, then m/s^2
 NAMES = ("hammer", "acc_x", "acc_y", "acc_z")
 
 OPENDAQ_SERVER = """
-import opendaq, sys, time
+import opendaq, sys
 instance = opendaq.Instance()
 device = instance.add_device("daqref://device0")
 for channel in device.channels_recursive:
@@ -36,7 +36,7 @@ config.add_property(
 )
 server = instance.add_server("OpenDAQNativeStreaming", config)
 print("ready", flush=True)
-time.sleep(3600)
+sys.stdin.read()  # to its end: whoever started this has gone
 """
 
 
@@ -82,7 +82,11 @@ def _sound(folder: Path, every_s: float, seconds: float) -> Started:
 
 def _served(command: list[str]) -> tuple[subprocess.Popen[str], str]:
     server = subprocess.Popen(
-        [sys.executable, *command], stdout=subprocess.PIPE, text=True, start_new_session=True
+        [sys.executable, *command],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
     assert server.stdout is not None
     return server, server.stdout.readline().strip()

@@ -91,8 +91,9 @@ class KilledSession:
         if self._device is not None:
             self._device.kill()
             self._device.wait()
-            if self._device.stdout is not None:
-                self._device.stdout.close()
+            for stream in (self._device.stdin, self._device.stdout):
+                if stream is not None:
+                    stream.close()
         self._device, self._started = None, False
 
     def kill_once(self) -> None:

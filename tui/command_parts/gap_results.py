@@ -20,7 +20,12 @@ from armodal.analyzer.gap.add import added_effects, joint_estimates
 from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
-from armodal.analyzer.report.effect_words import certainty, effect_sentence, mechanics_of
+from armodal.analyzer.report.effect_words import (
+    certainty,
+    chance,
+    effect_sentence,
+    mechanics_of,
+)
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
@@ -162,19 +167,20 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
 def _effect_lines(effect: EffectFound) -> Text:
     """What was named, in the words of mechanics."""
     lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
+    lines += [f"  by chance {chance(effect.false_name_probability)}"]
     lines += [f"  {what}: {words}" for what, words in mechanics_of(effect)]
     return Text("\n".join([*lines, ""]))
 
 
 def _rival_lines(rivals: Sequence[RivalRow]) -> Text:
     """Rivals of the last step, best first."""
-    lines = ["Rivals (evidence over the model without, in nats):"]
+    lines = ["Rivals (how often chance looks as clear; odds beside the best):"]
     for rival in rivals:
         stands = "stands" if rival.standing else "does not stand"
         size = "" if rival.material else ", too small to matter"
         lines.append(
-            f"  {rival.title} ({rival.place}): gain {rival.gain:.1f}, {rival.behind:.1f} behind "
-            f"the best; {stands}{size}"
+            f"  {rival.title} ({rival.place}): by chance {chance(rival.false_name_probability)}, "
+            f"odds {chance(rival.odds)}; {stands}{size}"
         )
     return Text("\n".join([*lines, ""]))
 

@@ -15,7 +15,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.as_effects import identified_arm
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.modal import ModalModel, fit_modes, record_notes
+from armodal.analyzer.modal import ModalModel, fit_modes, proposed_band, record_notes
 from armodal.protocols.arm.records import PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import EstimateError, ForeignFileError
@@ -67,7 +67,8 @@ def export_session(
         if output.suffix.lower() in _ARRAYS:
             _ARRAYS[output.suffix.lower()](frf, path)
         else:
-            found = _exported(fit_modes(frf)) if modes else []
+            band = proposed_band(frf)[0] if band_hz is None else band_hz
+            found = _exported(fit_modes(frf, band_hz=band)) if modes else []
             content, said = posture_uff(frf, arm, modes=found, software=software)
             write_uff(content, path, binary=binary)
         files.append({"posture": frf.posture, "file": str(path), "notes": list(said)})

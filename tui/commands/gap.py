@@ -11,6 +11,7 @@ import numpy as np
 import typer
 
 from armodal.analyzer.gap.add import is_of_one_posture
+from armodal.analyzer.gap.decision.calibration import FALSE_NAME
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
 from armodal.hil_sim.study import (
@@ -51,7 +52,7 @@ _DRAWN_FROM = 2  # version of the library of which the laboratory draws: a seed 
 app = typer.Typer(add_completion=False)
 
 # By parameter: what has a meaning only with a session, and only with --lab.
-_OF_SESSION = ("more", "arm")
+_OF_SESSION = ("more", "arm", "false_name")
 _OF_LAB = ("lab_arm", "lab_plan", "hide", "magnitude", "seed", "budget", "folder")
 
 
@@ -105,6 +106,10 @@ def gap_command(
         list[str] | None,
         typer.Option(help="With --motion: ROLE=TOPIC, of encoder, command, a point; repeatable."),
     ] = None,
+    false_name: Annotated[
+        float,
+        typer.Option(min=1e-4, max=0.5, help="Probability of a false name that you accept."),
+    ] = FALSE_NAME,
     folder: Annotated[
         Path, typer.Option("--out", help="Folder for the laboratory's sessions; continued there.")
     ] = Path("gap-lab"),
@@ -152,7 +157,7 @@ def gap_command(
         if arm is not None:
             measured = with_arm(measured, load_arm(arm))
         further = [read_session(path) for path in more or ()]
-        outcome = find_gap(measured, more=further, tell=say)
+        outcome = find_gap(measured, more=further, false_name=false_name, tell=say)
     written = keep_gap(measured, session, outcome, arm_out)
     for effect in outcome.result.effects:
         if "arm_file" in written and is_of_one_posture(effect):

@@ -9,14 +9,14 @@ errors leave says that something is missing which the library does not know.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 import numpy as np
 
+from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
 from armodal.analyzer.gap.decision.shared import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.protocols.arm.records import Joint
@@ -30,38 +30,24 @@ __all__ = [
     "is_as_good",
     "is_certain",
     "judge",
+    "limit_of",
     "one_mechanism",
-    "outside_misfit",
-    "scale",
 ]
 
 
 _LIKELIER, _PART_OF_GAIN = 3.0, 0.1
-_MUCH_ELSE = 3.0  # times the ordinary misfit
-# What one joint's stiffness and damping at each level do not tell looks like another such joint.
-_LEVEL_AGAIN = 3.0
+_MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scatter
 # Nats: six nulls had 5 at most and an uncorrected window 12.3; of eight cracks five had 69 to 354,
 # three no more than 8 to 14.
 SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
-_TEMPERED = 10.0  # nats that tell as one would if the models had no errors in common
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thresholds:
-    """Calibrated on seeds that no study uses (`docs/theory-gap.md`)."""
+    """What the user accepts, and what no replica tells (`docs/theory-gap.md`)."""
 
-    clear: float = 100.0  # nats of evidence over the present hypothesis
-    apart: float = 20.0  # nats to the next rival
-    ordinary_misfit: float = 0.60  # chi^2 per real residual that ordinary errors leave at most
-    misread: float = 45.0  # nats for axes exchanged or turned round: nothing to tune
-    relaxed: float = 25.0  # nats for an ordinary error beyond its tolerance: no new term
-    outside_misfit: float = 0.80  # above this something is missing
-    # Likewise where soft and hard hits are apart and no name follows the level: of 600 sealed cases
-    # the right ones without such a name left 0.63 at most, a null 0.70, a crack named an axis 0.79.
-    unfollowed_misfit: float = 0.75
-    # At least, where the variance allows for hits of unequal levels: true models leave 0.37.
-    outside_widened: float = 0.50
+    false_name: float = FALSE_NAME  # accepted probability of a false name
     # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
     # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
     outside_left: float = 0.20
@@ -72,7 +58,6 @@ class Thresholds:
     beside_name: float = 250.0
     # Wanted of another effect beside one that follows the level: right ones leave 207 at most.
     beside_level: float = 250.0
-    held_out: float = 3.0  # nats that held-out postures must gain together
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,69 +66,72 @@ class Judged:
 
     named: Fit | None
     standing: tuple[Fit, ...]  # ambiguous with each other where more than one
-    phi: float  # allowance beyond the assumed discrepancy, estimated
+    phi: float  # of the data's variance: what errors are worth over independent ones
+    calibration: Calibration
     doubted: bool = False  # the first fits better, but held-out postures speak against it
     confidence: float = 1.0  # of what is named: by its evidence over that of others, tempered
 
 
-def outside_misfit(stage: Stage, thresholds: Thresholds) -> float:
-    """Misfit a residual above which something is missing."""
-    widened = max(lines.widened for lines in stage.lines)
-    least = thresholds.outside_widened
-    return max(thresholds.outside_misfit / float(np.sqrt(widened)), least)
-
-
-def scale(stage: Stage, fits: Sequence[Fit], thresholds: Thresholds) -> float:
-    """Factor by which evidence counts less: what the best fit leaves over ordinary misfit."""
-    best = min(misfit_per_line(stage, f) for f in fits)
-    return max(1.0, best / thresholds.ordinary_misfit)
-
-
-def judge(stage: Stage, present: Fit, rivals: Sequence[Fit], thresholds: Thresholds) -> Judged:
+def judge(
+    stage: Stage,
+    present: Fit,
+    rivals: Sequence[Fit],
+    calibration: Calibration,
+    thresholds: Thresholds,
+) -> Judged:
     """Judge the rivals of one step.
 
     Parameters
     ----------
     rivals
         Best evidence first, each the present hypothesis and one effect more.
+    calibration
+        Their limits, by replicas of the session.
     """
-    phi = scale(stage, [present, *rivals], thresholds)
-    better = [r for r in rivals if present.evidence - r.evidence > _wanted(r, thresholds) * phi]
-    if not better:
-        return Judged(named=None, standing=(), phi=phi)
-    beyond_doubt = thresholds.unplaced * phi
+    phi, apart = calibration.inflation, calibration.apart
+    nothing = Judged(named=None, standing=(), phi=phi, calibration=calibration)
     material = [
         r
-        for r in better
-        if r.last.is_material(r.values)
+        for r in rivals
+        if present.evidence - r.evidence > limit_of(r, calibration, thresholds)
+        and r.last.is_material(r.values)
         and (
-            present.evidence - r.evidence > beyond_doubt
+            present.evidence - r.evidence > thresholds.unplaced * phi
             or (is_certain(r) and is_shared(stage, present, r))
         )
     ]
     if not material:
-        return Judged(named=None, standing=(), phi=phi)
-    best = _plainest(material, present, thresholds.apart, phi)
+        return nothing
+    best = _plainest(material, present, apart, phi)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
         for r in rivals
         if r is not best
-        and r.evidence - best.evidence < thresholds.apart * phi
+        and r.evidence - best.evidence < apart
         and not _same(best, r)
         and not _at_an_end(r, best, phi)
-        and not _is_no_more_than(r, best, thresholds.apart * phi)
+        and not _is_no_more_than(r, best, apart)
     ]
-    if beside and present.evidence - best.evidence < _clear(best, thresholds) * phi:
-        # So little, and for several alike: what ordinary errors leave, not an error beyond them.
-        return Judged(named=None, standing=(), phi=phi)
     if beside:
-        return Judged(named=None, standing=(best, *beside), phi=phi)
+        return replace(nothing, standing=(best, *beside))
     others = [r for r in rivals if r is not best and not _same(best, r)]
     others = [r for r in others if r.evidence > best.evidence]
-    behind = np.array([r.evidence - best.evidence for r in (present, *others)])
-    odds = float(np.sum(np.exp(-behind / (_TEMPERED * phi))))
-    return Judged(named=best, standing=(best,), phi=phi, confidence=1.0 / (1.0 + odds))
+    odds = sum(calibration.odds(r.evidence - best.evidence) for r in (present, *others))
+    return replace(nothing, named=best, standing=(best,), confidence=1.0 / (1.0 + odds))
+
+
+def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> float:
+    """Nats that the last effect needs to be named.
+
+    More beside one that follows the hits' level, which a spring and a damper at each level are only
+    nearly.
+    """
+    *others, added = fit.hypothesis.instances
+    limit = calibration.limit(added.effect.name)
+    if any(other.by_level for other in others):
+        return max(limit, thresholds.beside_level * calibration.inflation)
+    return limit
 
 
 def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -> Fit:
@@ -213,27 +201,6 @@ def one_mechanism(
 def follows_no_level(hypothesis: Hypothesis) -> bool:
     """Whether the hits' level surely tells something, and no effect follows it."""
     return hypothesis.ordinary.level_gain > SURELY_BY_LEVEL and not hypothesis.by_level
-
-
-def _wanted(fit: Fit, thresholds: Thresholds) -> float:
-    added = fit.last
-    if added.adds_term:
-        return _clear(fit, thresholds)
-    return thresholds.relaxed if added.relaxes else thresholds.misread
-
-
-def _clear(fit: Fit, thresholds: Thresholds) -> float:
-    """Nats that an added effect needs to be named.
-
-    More beside one that follows the hits' level, which a spring and a damper at each level are
-    only nearly; and none needs less than usual where soft and hard hits are apart.
-    """
-    *others, added = fit.hypothesis.instances
-    if any(other.by_level for other in others):
-        return _LEVEL_AGAIN * thresholds.clear if added.by_level else thresholds.beside_level
-    if added.effect.wanted is None or fit.hypothesis.ordinary.level_span:
-        return thresholds.clear
-    return added.effect.wanted
 
 
 def _same(one: Fit, other: Fit) -> bool:

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.calibration import Calibration
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.search.rivals import PATIENCE
 
 __all__ = ["Step", "with_step"]
 
-_FEW_STEPS, _FAR = 4, 20.0  # times what is clear, after some steps: an effect that is needed
+_FEW_STEPS = 4
 # Of priors: an ordinary error beyond it took on what an effect is to explain.
 _BELIEVABLE = 4.9
 _FROM_THE_START = (12, 8, 8, 24)  # steps on the lines of each stage
@@ -36,7 +38,6 @@ def with_step(
     named: Sequence[Step],
     step: Step,
     begin: Mapping[str, float],
-    limits: Thresholds,
     notes: list[str],
 ) -> tuple[Fit, list[Step]]:
     """Return the model with one name more, and the steps that still earn their place.
@@ -62,7 +63,7 @@ def with_step(
         step = replace(step, fit=_with_last(better, *turned.values()))
     every = [_renamed(old, swapped | turned) for old in (named if is_in_a_step else [*named, step])]
     better = _begun_again(stages, better, begin)
-    fitted, gone = _still_earning(sharp, better, limits, step.judged.phi)
+    fitted, gone = _still_earning(sharp, better, step.judged.calibration)
     notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
     return fitted, [step for step in every if step.fit.last not in gone]
 
@@ -152,9 +153,7 @@ def _renamed(step: Step, swapped: dict[tuple[str, str], Instance]) -> Step:
     return replace(step, fit=renamed, judged=replace(step.judged, standing=standing))
 
 
-def _still_earning(
-    stage: Stage, fit: Fit, limits: Thresholds, phi: float
-) -> tuple[Fit, list[Instance]]:
+def _still_earning(stage: Stage, fit: Fit, calibration: Calibration) -> tuple[Fit, list[Instance]]:
     """Take out effects, added before the last, that the later ones made unneeded."""
     gone: list[Instance] = []
     while True:
@@ -162,9 +161,10 @@ def _still_earning(
             start, hypothesis = _taken_out(fit, instance)
             fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
             small = not instance.is_material(fit.values)
-            if small or fewer.evidence - fit.evidence < _FAR * limits.clear * phi:
+            limit = calibration.limit(instance.effect.name)
+            if small or fewer.evidence - PATIENCE * fewer.promised < fit.evidence + limit:
                 fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
-            if small or fewer.evidence - fit.evidence < limits.clear * phi:
+            if small or fewer.evidence - fit.evidence < limit:
                 gone.append(instance)
                 fit = fewer
                 break

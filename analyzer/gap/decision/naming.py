@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds, judge, outside_misfit
+from armodal.analyzer.gap.decision.calibration import Calibration
+from armodal.analyzer.gap.decision.judge import Judged, Thresholds, judge
 from armodal.analyzer.gap.decision.named_step import Step
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
@@ -29,6 +30,7 @@ Tell = Callable[[str], None]
 def judge_round(
     stage: Stage,
     found: Rivals,
+    calibration: Calibration,
     between: Callable[[Stage], Stage | None],
     limits: Thresholds,
     n_named: int,
@@ -41,6 +43,8 @@ def judge_round(
 
     Parameters
     ----------
+    calibration
+        Limits for these rivals.
     between
         Gives lines of three levels (`stages.at_three_levels`).
     n_named, rounds
@@ -48,9 +52,9 @@ def judge_round(
     notes
         Gets a line for what was told or left out.
     """
-    judged = judge(stage, found.present, found.rivals, limits)
+    judged = judge(stage, found.present, found.rivals, calibration, limits)
     for told_by_hits_between in hooks("told_by_hits_between"):
-        judged, words = told_by_hits_between(judged, stage, between, limits.apart)
+        judged, words = told_by_hits_between(judged, stage, between, calibration.apart / judged.phi)
         notes += words
     if judged.named is not None and is_alike(judged.named):
         notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
@@ -58,7 +62,7 @@ def judge_round(
     if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
         return judged
     notes.append(f"{judged.named.last.title} earns a name too; no more are looked for")
-    return Judged(named=None, standing=(), phi=judged.phi)
+    return replace(judged, named=None, standing=())
 
 
 def step_to(
@@ -67,7 +71,7 @@ def step_to(
     judged: Judged,
     better: Fit,
     test: tuple[int, ...],
-    limits: Thresholds,
+    leaves: Callable[[Fit], float],
     n_named: int,
     tell: Tell,
 ) -> tuple[Step | None, str]:
@@ -79,19 +83,23 @@ def step_to(
         Fits without and with the name.
     test
         Held-out postures, which the better model must foretell.
+    leaves
+        The misfit that replicas of a fit leave at most.
     n_named
         Effects named before: one beside others must explain more.
     """
+    beyond = misfit_per_line(stage, better) > leaves(better)
     least = _LEAST_BESIDE if n_named else _LEAST_EXPLAINED
-    if _explains_too_little(stage, present, better, limits, least):
+    if beyond and _explained(stage, present, better) < least:
         return None, "is the best of the library, but leaves most of what is missing"
     tell(f"held-out postures: {better.hypothesis.name}")
     without = held_out(stage, present, test)
     with_it = held_out(stage, better, test)
     gains = np.subtract(without.surprise, with_it.surprise)
     # What the null has with a narrow prior foretells little more when that is widened.
-    wanted = -limits.held_out if _only_relaxes(better) else limits.held_out
-    if gains.sum() < wanted * judged.phi:
+    apart = judged.calibration.apart
+    wanted = -apart if _only_relaxes(better) else apart
+    if gains.sum() < wanted:
         return None, "fits better but does not foretell postures it was not fitted to"
     step = Step(
         without=present,
@@ -103,13 +111,10 @@ def step_to(
     return step, ""
 
 
-def _explains_too_little(
-    stage: Stage, present: Fit, better: Fit, limits: Thresholds, least: float
-) -> bool:
-    """Whether most of what ordinary errors do not leave is still there."""
+def _explained(stage: Stage, present: Fit, better: Fit) -> float:
+    """Part of the misfit that a better model takes off."""
     before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
-    explained = (before - after) / max(before - limits.ordinary_misfit, 1e-9)
-    return after > outside_misfit(stage, limits) and explained < least
+    return (before - after) / before
 
 
 def _only_relaxes(fit: Fit) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from armodal.analyzer.gap.decision.judge import (
     Thresholds,
     follows_no_level,
     one_mechanism,
-    outside_misfit,
 )
 from armodal.analyzer.gap.inference.compare import posture_gap
 from armodal.analyzer.gap.inference.fit import Fit, Stage
@@ -23,11 +22,20 @@ from armodal.analyzer.gap.search.rivals import Rivals
 
 __all__ = ["verdict_of"]
 
+Leaves = Callable[[Fit], float]
+
 _LIKELY = 20.0  # of evidence: an effect may be there
 
 
 def verdict_of(
-    stage: Stage, final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
+    stage: Stage,
+    final: Fit,
+    found: Rivals,
+    judged: Judged,
+    *,
+    named: bool,
+    leaves: Leaves,
+    limits: Thresholds,
 ) -> tuple[Verdict, list[str]]:
     """Return the verdict, and why something is outside the library.
 
@@ -39,11 +47,14 @@ def verdict_of(
         The model with everything that was named, its rivals, and which of them stand.
     named
         Whether anything was.
+    leaves
+        The misfit that replicas of a fit leave at most.
     """
     standing = judged.standing
     # A name is judged by what its own model leaves; of several that stand one must explain.
     explaining = standing if standing and not named and not judged.doubted else (final,)
-    left = min(misfit_per_line(stage, fit) for fit in explaining)
+    least = min(explaining, key=lambda fit: misfit_per_line(stage, fit))
+    is_much = misfit_per_line(stage, least) > leaves(least) or judged.calibration.is_model_wrong
     why: list[str] = []
     both = _one_mechanism(final, found, judged)
     if both is not None:
@@ -56,10 +67,10 @@ def verdict_of(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    if _is_unfollowed(stage, final, found, standing, named=named, limits=limits):
+    if _is_unfollowed(final, found, standing, named=named, is_much=is_much):
         why.append("the response depends on the hits' level, and nothing that was named does")
     unplaced = _is_unplaced(final, found, judged, named=named, limits=limits)
-    if why or unplaced or left > outside_misfit(stage, limits):
+    if why or unplaced or is_much:
         return Verdict.OUTSIDE_LIBRARY, why
     if named:
         return Verdict.NAMED, why
@@ -108,13 +119,12 @@ def _left_by_level(stage: Stage, final: Fit) -> float:
 
 
 def _is_unfollowed(
-    stage: Stage,
     final: Fit,
     found: Rivals,
     standing: Sequence[Fit],
     *,
     named: bool,
-    limits: Thresholds,
+    is_much: bool,
 ) -> bool:
     """Whether the level tells what nothing named follows, or where nothing is, nothing likely.
 
@@ -123,7 +133,7 @@ def _is_unfollowed(
     """
     hypothesis = final.hypothesis
     apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.by_level
-    if named and apart and misfit_per_line(stage, final) > limits.unfollowed_misfit:
+    if named and apart and is_much:
         return True
     if not follows_no_level(hypothesis):
         return False

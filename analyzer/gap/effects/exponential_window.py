@@ -18,7 +18,6 @@ WORDS = EffectWords(
     changes="the line s of every FRF to s + decay: all poles lie that much further left",
     signature="every mode loses the same 1/s beside its own damping, whatever its frequency",
     confused_with=("hysteretic", "nonproportional"),
-    wanted=40.0,  # nothing else looks like one: of 1178 nulls none had one that was worth a fit
     told_by="a record twice as long, or the same hit with the front end's window switched off",
     remedy="switch the front end's exponential window off, or write its end into the plan",
 )

@@ -22,7 +22,6 @@ WORDS = EffectWords(
     confused_with=("encoder_offset", "hammer_gain", "wrong_point"),
     # All aims off alike: ordinary errors beyond their tolerance rather than a term. Of 1178 nulls
     # none had a turn that was worth a fit.
-    wanted=20.0,
     told_by="hits along a surface normal, or with a guide that holds the hammer",
     remedy="measure the direction of the hits again and correct it in the plan",
 )

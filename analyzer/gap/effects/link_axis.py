@@ -219,14 +219,25 @@ def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance |
 
 
 def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
-    """Return which of a link's points may stand before an axis: one, or more, nearest first."""
+    """Return which of a link's points may stand before an axis: one, or more, the first ones.
+
+    In the order along the link towards its next joint, and by distance from its own: on a short
+    link with a wide shell the two differ.
+    """
     points = [
         point
         for point, own in zip(ordinary.arm.points, ordinary.superset.point_link, strict=True)
         if own == link
     ]
-    points.sort(key=lambda point: float(np.linalg.norm(point.position_m)))
-    return tuple(tuple(p.id for p in points[:n]) for n in range(1, len(points)))
+    reach = reach_m(ordinary.superset, link)
+    orders = (
+        sorted(points, key=lambda point: float(point.position_m @ reach)),
+        sorted(points, key=lambda point: float(np.linalg.norm(point.position_m))),
+    )
+    found = [{p.id for p in order[:n]} for order in orders for n in range(1, len(points))]
+    # As the arm file lists them: two orders may have the same points first.
+    listed = [tuple(p.id for p in points if p.id in own) for own in found]
+    return tuple(dict.fromkeys(listed))
 
 
 def _even_length(ordinary: Ordinary, link: int) -> Array:

@@ -20,7 +20,6 @@ WORDS = EffectWords(
     changes="servo, rotor, transmission, link in a row: one more freedom behind the joint's spring",
     signature="a joint that is softer below the rotor's frequency than above; a good fit hides it",
     confused_with=("rotor",),
-    wanted=60.0,  # what else is missing hardly looks like one: of 190 nulls none had one of 20
     # Two of 878 nulls were named so, 151 and 186 nats on one peak of one posture, which two and
     # four mountings brought; true ones, of 256 nats and more, 9 to 21.
     least_shared=6.0,

@@ -29,7 +29,6 @@ class EffectWords:
     one_such_as: str = ""  # what both together may be instead
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
-    wanted: float | None = None  # nats to be named, where fewer than of other terms do
     least_shared: float = 0.0  # mountings that must bring it: fewer may be badly aimed hits
     own_look: bool = False  # a look of its own seeks it: the common one finds it too late
     several_starts: bool = False  # each candidate of a place is a place to begin of its own

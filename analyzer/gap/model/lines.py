@@ -75,7 +75,6 @@ class PostureLines:
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
-    widened: float = 1.0  # by how much the variance allows for averaged hits of unequal levels
 
     def is_hit_as(self, other: PostureLines) -> bool:
         """Return whether only values, their variance and the hits' level may differ."""
@@ -170,8 +169,7 @@ def _widened(
                 )
             ]
         )
-        variance = lines.variance * factors[:, None, None]
-        result.append(replace(lines, variance=variance, widened=float(np.median(factors))))
+        result.append(replace(lines, variance=lines.variance * factors[:, None, None]))
     return tuple(result)
 
 

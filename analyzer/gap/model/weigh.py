@@ -163,6 +163,33 @@ class Weighing:
         left = r - np.einsum("milk,mik->mil", N, _solved(N, Nr[..., None])[..., 0])
         return np.ascontiguousarray(left).view(np.complex128)
 
+    def sensitivities(self, y: ComplexArray, dy: ComplexArray) -> tuple[Array, Array, Array]:
+        """Weighted derivatives, raw and with mounting errors integrated out, and the residual.
+
+        Returns
+        -------
+        J, clean : (n, m, 3, 2L)
+            clean is W J and J'clean the curvature, W = I - N (N'N + I)^-1 N'.
+        r : (m, 3, 2L)
+            W times the residual.
+        """
+        N = self._nuisance(y)
+        J = _stacked(dy * self.scale.astype(dy.real.dtype))  # (n, m, 3, 2L)
+        solve = np.matmul(
+            np.linalg.inv(np.matmul(N.swapaxes(-1, -2), N) + np.eye(N.shape[-1])),
+            N.swapaxes(-1, -2),
+        ).astype(J.dtype)
+        own = N.astype(J.dtype)
+
+        def cleaned(rows: Array) -> Array:  # (m, 3, n, 2L)
+            taken = np.matmul(np.matmul(rows, solve.swapaxes(-1, -2)), own.swapaxes(-1, -2))
+            return np.asarray(rows - taken)
+
+        by_channel = np.ascontiguousarray(J.transpose(1, 2, 0, 3))
+        clean = cleaned(by_channel).transpose(2, 0, 1, 3)
+        r = cleaned(self._residual(y)[:, :, None].astype(J.dtype))[:, :, 0]
+        return J, clean, r
+
     def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
         """Misfit of a prediction with its derivatives (n, m, 3, L)."""
         return summed([self], y[None], dy[:, None], [0])[0]

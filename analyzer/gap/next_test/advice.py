@@ -21,7 +21,7 @@ from armodal.protocols.plan_rewrite import text_with_posture
 
 __all__ = ["NARROWS", "Advice", "advise", "plan_text"]
 
-NARROWS = "which widens k of"  # in the reason of a test that narrows a range
+NARROWS = "which would widen the range of k of"  # in the reason of a test that narrows a range
 
 _SEED = 2718  # proposals are repeatable
 _MOST_RIVALS = 3
@@ -81,7 +81,7 @@ def advise(
             return Advice()
         candidate, change, joint = found
         compared = [final, hidden_rival(stage, final, candidate, change)]
-        why = f"shows whether {candidate.instance.title} hides, {NARROWS} {joint}"
+        why = f"shows whether {candidate.instance.title} is there too, {NARROWS} {joint}"
     best = proposed(stage, compared, rng=rng, tell=tell)
     if best is None:
         return Advice()

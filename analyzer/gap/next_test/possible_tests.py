@@ -42,8 +42,8 @@ class Test:
     @property
     def words(self) -> str:
         """Return what to do."""
-        angles = ", ".join(f"{a:.0f}" for a in np.rad2deg(self.joints_rad))
-        hit = ", ".join(f"{x:+.2f}" for x in self.hit_direction)
+        angles = ", ".join(f"{round(a) + 0.0:.0f}" for a in np.rad2deg(self.joints_rad))
+        hit = ", ".join(f"{round(x, 2) + 0.0:+.2f}" for x in self.hit_direction)
         where = "hits" if self.hit_point is None else f"hits on point {self.hit_point}"
         words = f"measure all points with the joints at {angles} deg, {where} along ({hit}) in base"
         if self.more_points:

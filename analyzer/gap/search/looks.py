@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.library import all_instances, hooks
@@ -10,7 +10,15 @@ from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.scan import Candidate, scan_instances
 
-__all__ = ["goes_with", "look_at_all", "look_at_others"]
+__all__ = ["goes_with", "look_at_all", "look_at_others", "others_beside"]
+
+
+def others_beside(base: Fit) -> list[Instance]:
+    """Return every effect at every place that a hypothesis has not and that can stand beside."""
+    present = base.hypothesis
+    taken = {instance.key for instance in present.instances}
+    every = all_instances(present.ordinary)
+    return [i for i in every if i.key not in taken and goes_with(i, present)]
 
 
 def look_at_others(stage: Stage, base: Fit) -> list[Candidate]:
@@ -27,13 +35,15 @@ def look_at_all(
     *,
     from_start: bool,
     others: Sequence[Candidate] | None = None,
+    without: Collection[tuple[str, str]] = (),
 ) -> list[Candidate]:
     """Every effect at every place by its linear gain; sensors also beside the first guess.
 
-    `others` is what `look_at_others` saw, if that is at hand.
+    `others` is what `look_at_others` saw, if that is at hand; `without` are keys of instances that
+    are not looked at.
     """
     hypothesis = base.hypothesis
-    taken = {instance.key for instance in hypothesis.instances}
+    taken = {*without, *(instance.key for instance in hypothesis.instances)}
     instances = [
         i
         for i in all_instances(hypothesis.ordinary)

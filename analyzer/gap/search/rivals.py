@@ -10,16 +10,15 @@ as cost about the same at every stage.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, better_start, fit_hypothesis
-from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.looks import goes_with, look_at_all, look_at_others
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["Rivals", "find_rivals"]
+__all__ = ["PATIENCE", "Rivals", "find_rivals"]
 
 # Candidates fitted on the widest, broad, middle and sharp lines, and steps of each.
 _KEPT = (28, 12, 6, 4)
@@ -28,16 +27,15 @@ _LEADING = 2  # of each stage, whose alternatives are fitted beside them
 _FIRST = 2  # steps of a fit that only tells whether to go on
 _NEAR = 8  # most promising about the present fit on the sharp lines
 _LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
-_SOMETHING = 50.0  # of evidence: more than what ordinary errors leave by chance
-_ORDINARY = 0.45  # misfit a residual above which something is to be explained
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _BLOCK, _MOST_STEPS = 4, 28  # steps of a finalist at a time, and in all
 _NULL_STEPS = (8, 5, 5, _MOST_STEPS)  # of the present hypothesis; on sharp lines as a finalist has
 # A fit goes on while so many times what it still promises could bring it beside the best: within
 # what tells two apart.
-_PATIENCE, _BESIDE = 3.0, 25.0
+PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
+NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,9 +64,11 @@ class Rivals:
 def find_rivals(
     stages: Sequence[Stage],
     present: Hypothesis,
+    needs_more: NeedsMore,
     *,
     start: Mapping[str, float] | None = None,
     fitted: Fit | None = None,
+    without: Collection[tuple[str, str]] = (),
     tell: Progress = lambda _: None,
 ) -> Rivals:
     """Fit the present hypothesis and the effects that could improve on it.
@@ -77,23 +77,28 @@ def find_rivals(
     ----------
     stages
         Widest, broad, middle and sharp lines of the same postures.
+    needs_more
+        Whether a search that begins where nothing is fitted yet is worth its time, by the present
+        fit and the first steps of what promises most beside it.
     start
         Where its effects begin.
     fitted
         A sharp fit of the present hypothesis to all postures, if there is one.
+    without
+        Keys of instances that are not tried.
     """
     *_, sharp = stages
     start = dict(start or {})
     tell("the arm as believed" if not present.instances else present.name)
     base = _annealed(stages, present, start, fitted)
     others = look_at_others(sharp, base[-1])
-    looked = look_at_all(sharp, base[-1], start, from_start=False, others=others)
+    looked = look_at_all(sharp, base[-1], start, from_start=False, others=others, without=without)
     promising = [c for c in looked if c.gain > _LOOK][:_NEAR]
     finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
-    gained = max((base[-1].evidence - f.evidence for f in finals), default=0.0)
-    if gained > _SOMETHING or misfit_per_line(sharp, base[-1]) > _ORDINARY:
-        finals = _one_each([*finals, *_far(stages, base, present, start, tell)])
-        finals = _hopeful([*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])])
+    if needs_more(base[-1], finals):
+        finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
+        finals = [*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])]
+        finals = _hopeful([f for f in finals if f.last.key not in without])
     ended: list[Fit] = []
     for fit in finals:
         tell(f"fitted on the finest lines: {fit.hypothesis.name}")
@@ -126,6 +131,7 @@ def _far(
     base: Sequence[Fit],
     present: Hypothesis,
     start: Mapping[str, float],
+    without: Collection[tuple[str, str]],
     tell: Progress,
 ) -> list[Fit]:
     """What wide lines lead to, whatever the sharp fit made of it."""
@@ -136,7 +142,7 @@ def _far(
     unfitted = fit_hypothesis(widest, present, start=begin, max_iterations=0)
     pool: list[tuple[float, Fit, Candidate]] = []
     for about in (unfitted, base[0]):
-        looked = look_at_all(widest, about, begin, from_start=about is unfitted)
+        looked = look_at_all(widest, about, begin, from_start=about is unfitted, without=without)
         pool += [(c.gain, about, c) for c in looked]
     tell(f"{len(pool)} candidates fitted on wide lines")
     fits = _one_each(
@@ -146,7 +152,8 @@ def _far(
         ]
     )
     for before, stage, steps, kept in zip(stages, stages[1:], _STEPS[1:], _KEPT[1:], strict=False):
-        fits = _hopeful([*fits, *_alternatives(before, fits[:_LEADING], _FIRST)])[:kept]
+        fits = [*fits, *_alternatives(before, fits[:_LEADING], _FIRST)]
+        fits = _hopeful([f for f in fits if f.last.key not in without])[:kept]
         tell(fits[0].hypothesis.name if fits else "nothing")
         fits = _hopeful([_further(stage, f, steps) for f in fits])
     return fits
@@ -229,7 +236,7 @@ def _one_each(fits: Sequence[Fit]) -> list[Fit]:
 def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
     """One of each effect and place, by evidence, that may still come beside the best."""
     each = _one_each(fits)
-    return [f for f in each if f.evidence - _PATIENCE * f.promised < each[0].evidence + _BESIDE]
+    return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + _BESIDE]
 
 
 def _further(stage: Stage, fit: Fit, steps: int) -> Fit:
@@ -243,7 +250,7 @@ def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit]) -> Fit:
     best = min((f.evidence for f in others), default=float("inf"))
     for _ in range(0, _MOST_STEPS, _BLOCK):
         further = _further(stage, fit, _BLOCK)
-        hopeless = further.evidence - _PATIENCE * further.promised > best + _BESIDE
+        hopeless = further.evidence - PATIENCE * further.promised > best + _BESIDE
         if further is fit or further.converged or hopeless:
             return further
         fit = further

@@ -17,7 +17,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.space import Space
 
-__all__ = ["Candidate", "scan_instances"]
+__all__ = ["Candidate", "scan_instances", "small"]
 
 Array = npt.NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
 
 def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space, Array, Array]:
     """Space, gradient and curvature of a fit's hypothesis with all of the instances at no size."""
-    new = [_small(i) for i in instances if i.parameters and not i.relaxes]
+    new = [small(i) for i in instances if i.parameters and not i.relaxes]
     wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *new))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **fit.values}
@@ -86,8 +86,8 @@ def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space,
     return space, whole.gradient, whole.curvature
 
 
-def _small(instance: Instance) -> Instance:
-    """The instance with its size at zero, so that it changes nothing yet."""
+def small(instance: Instance) -> Instance:
+    """Return the instance with its size at zero, so that it changes nothing yet."""
     if not instance.size or instance.size_offset:
         return instance
     parameters = tuple(

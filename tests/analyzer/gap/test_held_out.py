@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
+from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap.decision import naming
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.decision.naming import step_to
 from armodal.analyzer.gap.effects import bearing, encoder_offset
 from armodal.analyzer.gap.inference.fit import fit_hypothesis
@@ -102,11 +103,11 @@ def test_the_surprise_of_held_out_postures_is_their_predictive_log_density(stage
     np.testing.assert_allclose(np.array(found.surprise) + constant, surprise, rtol=1e-9)
 
 
-PHI = 2.0
+APART = 6.0  # nats
 RELAXES = {"size": Parameter(name="size", unit="", mean=0.0, std=10.0)}
 TERM = Instance(effect=bearing.WORDS, place="j1", parameters=tuple(RELAXES.values()))
 RELAXATION = Instance(effect=encoder_offset.WORDS, place="j1", relaxes=RELAXES)
-OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
 
 
 def fit_that_leaves(misfit, *instances):
@@ -122,18 +123,20 @@ def step_where(better, present, gains, monkeypatch, n_named=0):
         return SimpleNamespace(training=fit, postures=test, surprise=tuple(surprise[id(fit)]))
 
     monkeypatch.setattr(naming, "held_out", foretells)
-    judged = Judged(named=better, standing=(better,), phi=PHI)
+    judged = Judged(
+        named=better, standing=(better,), phi=1.0, calibration=made_calibration(apart=APART)
+    )
     test = tuple(range(len(gains)))
-    return step_to(OF_1000, present, judged, better, test, Thresholds(), n_named, lambda _: None)
+    return step_to(OF_1000, present, judged, better, test, lambda _: 0.8, n_named, lambda _: None)
 
 
 @pytest.mark.parametrize(
     ("instance", "gain", "is_taken"),
     [
-        (TERM, 2.9, False),
-        (TERM, 3.1, True),
-        (RELAXATION, -3.1, False),
-        (RELAXATION, -2.9, True),
+        (TERM, 0.95, False),
+        (TERM, 1.05, True),
+        (RELAXATION, -1.05, False),
+        (RELAXATION, -0.95, True),
     ],
 )
 def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil_them(
@@ -141,7 +144,7 @@ def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil
 ):
     present, better = fit_that_leaves(0.7), fit_that_leaves(0.6, instance)
     # Together: one posture alone may speak against it.
-    step, doubt = step_where(better, present, [gain * PHI + 5.0, -5.0], monkeypatch)
+    step, doubt = step_where(better, present, [gain * APART + 5.0, -5.0], monkeypatch)
     assert (step is not None) == is_taken
     if is_taken:
         assert (step.without, step.fit) == (present, better)
@@ -155,10 +158,10 @@ def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil
 @pytest.mark.parametrize(
     ("before", "after", "n_named", "is_taken"),
     [
-        (4.6, 3.7, 0, False),  # 0.9 of the 4.0 that ordinary errors do not leave
-        (4.6, 3.5, 0, True),
-        (4.6, 2.7, 1, False),
-        (4.6, 2.5, 1, True),
+        (4.0, 3.1, 0, False),
+        (4.0, 2.9, 0, True),
+        (4.0, 2.1, 1, False),
+        (4.0, 1.9, 1, True),
         (0.85, 0.79, 1, True),  # little is explained, and nothing is missing any more
     ],
 )

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.made_calibration import made_calibration
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds, follows_no_level
@@ -127,8 +128,8 @@ def test_names_that_follow_no_level_leave_out_what_soft_and_hard_hits_showed(apa
     [
         ((), 0.70, True, Verdict.NAMED),
         ((), 0.78, True, Verdict.OUTSIDE_LIBRARY),
-        ((), 0.78, False, Verdict.NOTHING_DETECTABLE),  # by chance a null's hits are apart
-        ((lambda o: friction.instances(o)[0],), 0.78, True, Verdict.NAMED),
+        ((), 0.70, False, Verdict.NOTHING_DETECTABLE),  # by chance a null's hits are apart
+        ((lambda o: friction.instances(o)[0],), 0.70, True, Verdict.NAMED),
     ],
 )
 def test_a_name_that_leaves_much_where_the_level_tells_must_follow_it(
@@ -137,9 +138,15 @@ def test_a_name_that_leaves_much_where_the_level_tells_must_follow_it(
     stage = apart[0]
     fit = fit_hypothesis(stage, of_session(apart, *kinds), max_iterations=2)
     final = replace(fit, cost=misfit * sum(w.n for w in stage.weighings) / 2.0)
-    nothing = Judged(named=None, standing=(), phi=1.0)
+    nothing = Judged(named=None, standing=(), phi=1.0, calibration=made_calibration())
     found, why = verdict_of(
-        stage, final, Rivals(present=final, rivals=()), nothing, named=named, limits=Thresholds()
+        stage,
+        final,
+        Rivals(present=final, rivals=()),
+        nothing,
+        named=named,
+        leaves=lambda _: 0.75,
+        limits=Thresholds(),
     )
     assert found is verdict
     assert bool(why) == (verdict is Verdict.OUTSIDE_LIBRARY)
@@ -162,8 +169,13 @@ def test_much_that_is_told_beside_a_name_and_has_none_is_outside(apart, nats, na
     found = Rivals(
         present=final, rivals=(replace(final, hypothesis=beside, cost=final.cost - nats),)
     )
-    nothing = Judged(named=None, standing=(), phi=1.0)
-    assert verdict_of(stage, final, found, nothing, named=named, limits=Thresholds())[0] is verdict
+    nothing = Judged(named=None, standing=(), phi=1.0, calibration=made_calibration())
+    assert (
+        verdict_of(
+            stage, final, found, nothing, named=named, leaves=lambda _: 0.75, limits=Thresholds()
+        )[0]
+        is verdict
+    )
 
 
 def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap.decision import named_step
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.decision.named_step import Step, with_step
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
 from armodal.analyzer.gap.model.effect import Instance
@@ -28,7 +29,7 @@ def step_to(fit):
         fit=fit,
         foretold_without=surprise,
         foretold_with=surprise,
-        judged=Judged(named=fit, standing=(fit,), phi=1.0),
+        judged=Judged(named=fit, standing=(fit,), phi=1.0, calibration=made_calibration()),
     )
 
 
@@ -57,7 +58,7 @@ def test_a_turn_that_joins_one_of_the_arm_file_is_still_named(plain, monkeypatch
     monkeypatch.setattr(
         sensor_axes, "together", lambda _, a, b: both if (a, b) == (of_file, found) else None
     )
-    fit, named = with_step([None], [], step_to(fit_of(of_file, found)), {}, Thresholds(), [])
+    fit, named = with_step([None], [], step_to(fit_of(of_file, found)), {}, [])
     assert fit.hypothesis.instances == (both,)
     assert [step.fit.last for step in named] == [both]
 
@@ -69,7 +70,7 @@ def test_a_turn_that_joins_an_earlier_one_stands_in_its_step(plain, monkeypatch)
         sensor_axes, "together", lambda _, a, b: both if (a, b) == (before, found) else None
     )
     earlier = [step_to(fit_of(before))]
-    fit, named = with_step([None], earlier, step_to(fit_of(before, found)), {}, Thresholds(), [])
+    fit, named = with_step([None], earlier, step_to(fit_of(before, found)), {}, [])
     assert fit.hypothesis.instances == (both,)
     assert [step.fit.last for step in named] == [both]
 
@@ -86,7 +87,7 @@ def test_an_axis_of_the_arm_file_is_not_swapped_for_what_it_may_stand_for(plain)
 
     def fit_and_names(*instances):
         fit = fit_to(Hypothesis(ordinary=None, instances=instances), cost=200.0)
-        found, named = with_step([None], [], step_to(fit), {}, Thresholds(), [])
+        found, named = with_step([None], [], step_to(fit), {}, [])
         return found.hypothesis.instances, [step.fit.last for step in named]
 
     assert fit_and_names(axis, other) == ((axis, other), [other])
@@ -120,7 +121,7 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_be
     )
     ended = replace(fit_of(payload, rotor), u=np.array([off, 1.0]))
     begin = {"body": 3.0}
-    fit, named = with_step(STAGES, [], step_to(ended), begin, Thresholds(), [])
+    fit, named = with_step(STAGES, [], step_to(ended), begin, [])
     assert fit.cost == kept
     assert [step.fit.last for step in named] == [rotor]
     assert [stage for stage, _ in begun] == (list(STAGES) if off > 4.9 else [])
@@ -130,23 +131,23 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_be
 def test_a_name_alone_never_begins_again(plain):
     alone = Instance(effect=SimpleNamespace(name="body", title=""), place="")
     ended = replace(fit_of(alone), u=np.array([6.0, 1.0]))
-    fit, _ = with_step(STAGES, [], step_to(ended), {}, Thresholds(), [])
+    fit, _ = with_step(STAGES, [], step_to(ended), {}, [])
     assert fit is ended
 
 
 @pytest.mark.parametrize(("gain", "is_kept"), [(0.9, False), (1.1, True)])
 def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_kept, monkeypatch):
-    limits, notes = Thresholds(), []
+    notes = []
 
     def fitted(stage, hypothesis, **_):
-        return fit_to(hypothesis, 100.0 + gain * limits.clear)
+        return fit_to(hypothesis, 100.0 + gain * made_calibration().limit("one"))
 
     monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
     one, two = (
         Instance(effect=SimpleNamespace(name=name, title=name), place="") for name in ("one", "two")
     )
     earlier = [step_to(fit_of(one))]
-    fit, named = with_step(STAGES, earlier, step_to(fit_of(one, two)), {}, limits, notes)
+    fit, named = with_step(STAGES, earlier, step_to(fit_of(one, two)), {}, notes)
     assert fit.hypothesis.instances == ((one, two) if is_kept else (two,))
     assert [step.fit.last for step in named] == ([one, two] if is_kept else [two])
     assert notes == ([] if is_kept else ["one was taken out again: it no longer earns its place"])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.arm.superset import Superset
@@ -226,7 +227,12 @@ def standing():
 
 def judged_by(bow, monkeypatch, standing):
     monkeypatch.setattr(slips_or_softens, "bow_of", lambda *_: bow)
-    before = Judged(named=None if len(standing) > 1 else standing[0], standing=standing, phi=1.0)
+    before = Judged(
+        named=None if len(standing) > 1 else standing[0],
+        standing=standing,
+        phi=1.0,
+        calibration=made_calibration(),
+    )
     after, notes = told_by_hits_between(before, "sharp", lambda sharp: [sharp], 20.0)
     names = [fit.hypothesis.instances[-1].effect.name for fit in after.standing]
     assert after.named is (after.standing[0] if len(names) == 1 else None)
@@ -262,7 +268,7 @@ def test_what_the_bow_speaks_against_stands_no_longer(names, bow, left, standing
 @pytest.mark.parametrize("names", [(("friction", 1),), (("coupling", 0), *BOTH), ()])
 def test_nobody_asks_where_neither_is_best(names, standing, monkeypatch):
     monkeypatch.setattr(slips_or_softens, "bow_of", lambda *_: pytest.fail("asked"))
-    before = Judged(named=None, standing=standing(*names), phi=1.0)
+    before = Judged(named=None, standing=standing(*names), phi=1.0, calibration=made_calibration())
     assert told_by_hits_between(before, "sharp", pytest.fail, 20.0) == (before, [])
 
 

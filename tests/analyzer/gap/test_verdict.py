@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
@@ -14,8 +15,12 @@ from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.search.rivals import Rivals
 
 # A thousand residuals, soft and hard hits together.
-OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(widened=1.0)])
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()), level_span=0.0, level_gain=0.0)
+
+
+def replicas_leave(_fit):
+    return 0.8
 
 
 def fit_that_leaves(misfit, *instances):
@@ -32,17 +37,36 @@ STANDING = (
 
 def ended(final, standing=(), *, named=False, doubted=False):
     found = Rivals(present=final, rivals=standing)
-    judged = Judged(named=None, standing=standing, phi=1.0, doubted=doubted)
-    verdict, _ = verdict_of(OF_1000, final, found, judged, named=named, limits=Thresholds())
+    judged = Judged(
+        named=None, standing=standing, phi=1.0, calibration=made_calibration(), doubted=doubted
+    )
+    verdict, _ = verdict_of(
+        OF_1000, final, found, judged, named=named, leaves=replicas_leave, limits=Thresholds()
+    )
     return verdict
 
 
 @pytest.mark.parametrize("named", [False, True])
-def test_a_misfit_far_above_the_ordinary_is_outside_the_library_whatever_was_named(named):
+def test_a_misfit_beyond_what_replicas_leave_is_outside_the_library_whatever_was_named(named):
     inside = Verdict.NAMED if named else Verdict.NOTHING_DETECTABLE
-    # docs/theory-gap.md: above 0.8 a residual something is missing.
     assert ended(fit_that_leaves(0.79), named=named) is inside
     assert ended(fit_that_leaves(0.81), named=named) is Verdict.OUTSIDE_LIBRARY
+
+
+def test_errors_larger_than_a_right_model_s_where_effects_feel_them_are_outside_the_library():
+    final = fit_that_leaves(0.5)
+    found = Rivals(present=final, rivals=())
+    for error_ratio, verdict in ((1.9, Verdict.NAMED), (2.1, Verdict.OUTSIDE_LIBRARY)):
+        judged = Judged(
+            named=None,
+            standing=(),
+            phi=1.0,
+            calibration=made_calibration(error_ratio=error_ratio),
+        )
+        said, _ = verdict_of(
+            OF_1000, final, found, judged, named=True, leaves=replicas_leave, limits=Thresholds()
+        )
+        assert said is verdict
 
 
 def test_what_stands_explains_the_misfit_unless_held_out_postures_speak_against_it():
@@ -70,8 +94,10 @@ def test_a_named_axis_is_none_where_the_level_surely_tells_of_a_joint_of_its_lin
             Hypothesis(ordinary=ordinary, instances=(axis, slips)), cost=final.cost - gain
         )
         found = Rivals(present=final, rivals=(rival,))
-        judged = Judged(named=None, standing=(), phi=1.0)
-        return verdict_of(OF_1000, final, found, judged, named=True, limits=Thresholds())
+        judged = Judged(named=None, standing=(), phi=1.0, calibration=made_calibration())
+        return verdict_of(
+            OF_1000, final, found, judged, named=True, leaves=replicas_leave, limits=Thresholds()
+        )
 
     # docs/theory-gap.md: by 40 nats the level surely tells; chance brought 5 at most.
     verdict, why = told("j2", 41.0)

@@ -8,9 +8,11 @@ from support.without_errors import without_errors
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.effects.link_axis import splits
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.long_links import reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.priors import BASE_GAIN_STD
@@ -109,3 +111,25 @@ def test_a_point_of_the_base_may_move_half_as_much_more_than_the_base(superset, 
     own = weighing.prior[:, [0, 1, 2], [0, 1, 2]]
     assert (own[on_base] >= BASE_GAIN_STD).all()
     assert (own[~on_base] < 0.1 * BASE_GAIN_STD).all()
+
+
+def test_on_a_wide_shell_points_stand_before_an_axis_by_where_they_are_along_the_link(superset):
+    """A point beside the link's foot is further from its joint than one a little way up."""
+    link = 1
+    along = reach_m(superset, link) / np.linalg.norm(reach_m(superset, link))
+    beside = np.cross(along, [0.0, 0.0, 1.0])
+    beside /= np.linalg.norm(beside)
+    own = [
+        p.id for p, at in zip(superset.arm.points, superset.point_link, strict=True) if at == link
+    ]
+    foot, above, *_ = own
+    places = {foot: 0.02 * along + 0.15 * beside, above: 0.1 * along}
+    points = [
+        replace(p, position_m=places.get(p.id, p.position_m + along)) for p in superset.arm.points
+    ]
+    ordinary = Ordinary(
+        superset=Superset(replace(superset.arm, points=tuple(points))), postures=("p",)
+    )
+    offered = splits(ordinary, link)
+    assert {(foot,), (above,), (foot, above)} <= set(offered)
+    assert len(set(offered)) == len(offered)

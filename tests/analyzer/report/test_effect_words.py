@@ -9,7 +9,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.lines_in_links import LineInLink
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import Interval
-from armodal.analyzer.report.effect_words import mechanics
+from armodal.analyzer.report.effect_words import chance, mechanics
 from armodal.protocols.arm.files import load_arm
 
 COMPLIANCE = Interval(unit="rad/(N m)", value=1e-5, std=1e-7, low=9.8e-6, high=1.02e-5)
@@ -58,3 +58,18 @@ def test_a_moved_axis_is_given_by_its_point_nearest_the_origin_of_its_link(seed)
     direction, point = line.at(dict(zip(line.moves, random.normal(size=4), strict=True)))
     assert np.linalg.norm(direction) == pytest.approx(1.0)
     assert direction @ point == pytest.approx(0.0, abs=1e-12)  # rounding of products near 1
+
+
+@pytest.mark.parametrize(
+    ("probability", "words"),
+    [
+        (None, "not known"),
+        (1.0, "100 %"),
+        (0.25, "25 %"),
+        (0.034, "3.4 %"),
+        (4e-4, "0.04 %"),
+        (3e-9, "below 0.01 %"),
+    ],
+)
+def test_chance_is_told_as_far_as_replicas_tell_it(probability, words):
+    assert chance(probability) == words

@@ -85,6 +85,11 @@ def test_supply_and_range_are_those_of_the_file(ni):
     assert acc_z["sensitivity"] == pytest.approx(10.2 * 9.80665)
 
 
+def test_data_sheets_of_sensors_are_those_that_the_driver_reads(ni):
+    ni.teds["cDAQ1Mod1/ai1"] = [1, 2, 3]
+    assert opened().teds == (b"", b"\x01\x02\x03")
+
+
 def test_a_rate_that_is_not_exact_is_refused_with_the_module_s(ni, tmp_path, time, run_link):
     path = tmp_path / "ni.toml"
     path.write_text(TEXT)

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.acquisition_run import Run
+from support.teds_bits import iepe
 
 from armodal.daq.clock import SystemClock
 from armodal.daq.commands import Ready
@@ -190,7 +191,7 @@ def served(tmp_path):
     def start(volts):
         np.save(tmp_path / "volts.npy", volts)
         command = [sys.executable, str(Path(ni_server.__file__)), str(tmp_path / "volts.npy")]
-        server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         started.append(server)
         return server, f"127.0.0.1:{server.stdout.readline().strip()}"
 
@@ -198,6 +199,7 @@ def served(tmp_path):
     for server in started:
         server.kill()
         server.wait()
+        server.stdin.close()
         server.stdout.close()
 
 
@@ -242,6 +244,28 @@ def at_rate(plan):
     """The plan at a rate that the module makes: 51 200 Hz over 31."""
     sampling = replace(plan.sampling, rate_hz=Fraction(51_200, 31))
     return replace(plan, sampling=sampling)
+
+
+def test_data_sheets_of_sensors_are_read(module, address, tmp_path, run_link):
+    """A sensor without one, as most, leaves its channel without."""
+    module.teds["cDAQ1Mod1/ai0"] = sheet = iepe(0.00625, is_force=True, serial=7)
+    path = tmp_path / "ni.toml"
+    path.write_text(TEXT.format(server=address))
+    with closing(open_front_end(path, SystemClock())) as port:
+        _, found = run_link(port, RATE)
+    assert [channel.teds for channel in found.dictionary.channels] == [sheet, b"", b"", b""]
+
+
+def test_a_data_sheet_that_contradicts_the_file_is_refused(lab, module, address, tmp_path):
+    lab.board.unplug()
+    module.teds["cDAQ1Mod1/ai0"] = iepe(0.00225, is_force=True, serial=7)
+    path = tmp_path / "ni.toml"
+    path.write_text(TEXT.format(server=address))
+    run = Run(lab, board_port=str(path), plan=at_rate(lab.plan))
+    message = run.failure().message
+    run.ours.close()
+    assert "hammer: the sensor says 2.25 mV per N, the board 6.25" in message
+    assert not lab.journal.exists()
 
 
 def test_the_server_is_of_an_ni_module_alone():

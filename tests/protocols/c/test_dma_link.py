@@ -2,18 +2,42 @@
 
 import shutil
 import subprocess
+from fractions import Fraction
 
+import numpy as np
 import pytest
 from cffi import FFI
 from hypothesis import given
 from hypothesis import strategies as st
+from support.c_device import FFI as LIBRARY_FFI
+from support.c_device import Device, sealed
 from support.uart_dma_model import UartDma
 
+from armodal.protocols.board import (
+    BlockInfo,
+    Configuration,
+    FrameDecoder,
+    FrameType,
+    Slope,
+    decode_payload,
+    decode_samples,
+    encode_payload,
+)
 from armodal.protocols.c.build import HERE, STRICT, compilers
 from armodal.protocols.c.library import declarations
 
 PORTS = HERE / "ports"
 RING, OUT = 16, 8
+WANTED = Configuration(
+    rate_hz=Fraction(51_200),
+    channel_mask=0b11,
+    trigger_channel=0,
+    trigger_level_counts=50_000,
+    slope=Slope.RISING,
+    pretrigger=50,
+    block_length=200,
+    stream=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +127,54 @@ def test_a_long_run_of_the_sending_counter_wraps_without_harm(driver):
     assert line.write(b"x") == 0  # the transfer under way keeps its room to its end
     line.transmit(100)
     assert bytes(line.line) == numbered(0, OUT)
+
+
+class BoardOnDma(Device):
+    """The device library's board, its link a UART with rings smaller than a frame."""
+
+    def __init__(self, line):
+        self.line, self.bytes = line, b""
+        super().__init__()
+
+    def _send(self, _context, data, size):
+        return self.line.write(bytes(LIBRARY_FFI.buffer(data, size)))
+
+    def turn(self):
+        """A turn of the main loop, as in ports/board.c."""
+        self.bytes += self.line.read(64 - len(self.bytes))
+        self.bytes = self.bytes[self.receive(self.bytes) :]
+        return self.poll()
+
+
+def test_a_hit_passes_through_rings_smaller_than_a_frame(driver):
+    line = UartDma(*driver, ring_size=32, out_size=64)
+    board, host = BoardOnDma(line), FrameDecoder()
+    rng = np.random.default_rng(1)
+    commands = sealed(1, FrameType.HELLO, session=0)
+    commands += sealed(1, FrameType.CONFIGURE, encode_payload(WANTED))
+    commands += sealed(1, FrameType.START)
+    counts = rng.integers(-1000, 1000, (400, 2), dtype=np.int32)
+    counts[200] = 100_000  # the only crossing
+    while commands:
+        n = int(rng.integers(1, 20))
+        line.receive(commands[:n])
+        commands = commands[n:]
+        board.turn()
+        line.transmit(int(rng.integers(0, 50)))
+    while board.turn() or line.memory is not None:
+        line.transmit(int(rng.integers(1, 50)))
+    board.feed(counts, 5_000)
+    while board.turn() or line.memory is not None:
+        line.transmit(int(rng.integers(1, 50)))
+    frames = host.feed(bytes(line.line))
+    assert (host.bad_frames, line.link.overruns) == (0, 0)
+    assert [frame.header.sequence for frame in frames] == list(range(len(frames)))
+    (ready,) = [f for f in frames if f.header.type is FrameType.BLOCK_READY]
+    info = decode_payload(BlockInfo, ready.payload)
+    data = [f for f in frames if f.header.type is FrameType.BLOCK_DATA]
+    block = np.concatenate([decode_samples(frame).counts for frame in data])
+    assert info.trigger_sample == 200
+    np.testing.assert_array_equal(block, counts[150:350])
 
 
 def test_it_compiles_for_a_microcontroller_into_less_than_a_kilobyte(tmp_path):

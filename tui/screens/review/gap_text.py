@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval
-from armodal.analyzer.report.effect_words import mechanics
+from armodal.analyzer.report.effect_words import chance, mechanics
 from armodal.tui.fitting_table import FittingTable
 from armodal.tui.screens.review.gap_map import gap_map
 from armodal.tui.screens.review.next_test import next_test_of
@@ -174,17 +174,21 @@ def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
     rows = _rows(found, "rivals")
     if not rows:
         return None
-    table = _table("effect", "behind", "stands", "told apart by")
+    table = _table("effect", "by chance", "stands", "told apart by")
     for row in rows[:12]:
         stands = row.get("standing")
         _add(
             table,
             _name(row),
-            _number(row.get("behind"), 3),
+            chance(_probability(row.get("false_name_probability"))),
             "-" if stands is None else "yes" if stands else "no",
             str(row.get("told_by", "")),
         )
     return _titled("Rivals, best first", table)
+
+
+def _probability(value: object) -> float | None:
+    return float(value) if isinstance(value, (int, float)) else None
 
 
 def _stiffness(found: Mapping[str, Any]) -> RenderableType | None:

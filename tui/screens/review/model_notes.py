@@ -18,7 +18,8 @@ def model_notes(state: ReviewState) -> tuple[str, ...]:
     if model is None:
         return ()
     told = told_by_hand(state.opened.session.header)
-    return (*told, *(f"moves: {told.words}" for told in drift_told(model)), *model.notes)
+    moves = (f"moves: {told.words}" for told in drift_told(model))
+    return (*state.view.said, *told, *moves, *model.notes)
 
 
 class ModelNotes(Static):

@@ -13,7 +13,13 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
-from armodal.analyzer.modal import ModalModel, fit_modes, fit_modes_at, lines_within
+from armodal.analyzer.modal import (
+    ModalModel,
+    fit_modes,
+    fit_modes_at,
+    lines_within,
+    proposed_band,
+)
 from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.os_words import os_words
@@ -44,6 +50,7 @@ class PostureView:
     measured: MeasuredModes | None = None
     joint_share: tuple[float | None, ...] = ()
     problem: str = ""
+    said: tuple[str, ...] = ()  # of its lines
 
     @property
     def name(self) -> str:
@@ -124,13 +131,16 @@ def opened_session(
             f"{path}: wanted accepted hits or FRFs, the session has none yet; go on measuring with "
             "`armodal run`"
         )
+    views = []
+    for frf in frfs:
+        band, said = proposed_band(frf) if band_hz is None else (band_hz, ())
+        banded = frf if band is None else lines_within(frf, band)
+        views.append(PostureView(frf=banded, said=said))
     return OpenSession(
         path=path,
         session=session,
         superset=superset,
-        views=tuple(
-            PostureView(frf=frf if band_hz is None else lines_within(frf, band_hz)) for frf in frfs
-        ),
+        views=tuple(views),
         band_hz=band_hz,
     )
 

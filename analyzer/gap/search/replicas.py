@@ -1,0 +1,155 @@
+"""Replicas of a session without any further effect, and what every effect would gain on them.
+
+A replica is the model fitted, with errors drawn anew: error modes of every posture (`error_modes`)
+and ordinary errors from their priors. A model is wrong in its form, which pulls an effect the same
+way in every posture. A session cannot tell that from the effect itself; it tells only that B
+postures bring B times the variance at most, and so much is drawn.
+
+Every effect at every place has a few columns beside the ordinary ones. What they gain after the
+ordinary parameters have followed is a product of matrices, so thousands of replicas cost as much as
+one look (a score bootstrap: no replica is fitted).
+
+References
+----------
+Kline and Santos, J. Econometric Methods 1 (2012) 23.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.inference.error_modes import (
+    curvature_of,
+    error_slopes,
+    released,
+    sensitivities,
+)
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.search.scan import small
+
+__all__ = ["Gains", "replica_gains"]
+
+Array = npt.NDArray[np.float64]
+
+_N_REPLICAS = 2000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """Linear gains of evidence on replicas, nats."""
+
+    instances: tuple[Instance, ...]
+    replicas: Array  # (n_instances, n_replicas)
+    dispersion: float  # variance of what errors do to an effect's slope, over independent errors'
+    error_ratio: float  # likewise of errors independent between postures
+
+
+def replica_gains(
+    stage: Stage, best: Fit, added: Sequence[Instance], others: Sequence[Instance], *, seed: int = 0
+) -> Gains:
+    """Draw replicas of a model and return what every effect gains on them.
+
+    Parameters
+    ----------
+    best
+        The model of best evidence: what it leaves is error.
+    added
+        Effects of it that the replicas do not have.
+    others
+        Effects it does not have.
+    """
+    kept = tuple(i for i in best.hypothesis.instances if all(i is not a for a in added))
+    firm = tuple(replace(i, relaxes={}) for i in added if i.parameters)
+    new = tuple(small(i) for i in others if i.parameters and not i.relaxes)
+    wide = replace(best.hypothesis, instances=(*kept, *firm, *new))
+    space = wide.space()
+    values = {**{p.name: p.first for p in space.parameters}, **best.values}
+    parts = sensitivities(stage, wide, space, values)
+    instances = (*added, *others)
+    apart = {p.name for i in instances for p in i.parameters}
+    relaxed = {name for i in instances for name in i.relaxes}
+    moved = {n for n, f in zip(best.space.index, best.free, strict=True) if f}
+    at = space.index
+    fitted = np.array([at[n] for n in at if n in moved])
+    free = np.array([at[n] for n in at if n not in apart and (n in moved or n in relaxed)])
+
+    H = curvature_of(parts)
+    rng = np.random.default_rng(seed)
+    G = np.zeros((len(H), _N_REPLICAS))
+    for slopes in error_slopes(parts, released(parts, fitted)):
+        draws = rng.standard_normal((2, slopes.shape[1], _N_REPLICAS))
+        draws *= np.sqrt(0.5 * len(parts))  # as if all postures erred alike
+        G -= slopes.real @ draws[0] + slopes.imag @ draws[1]
+    prior = rng.standard_normal((len(free), _N_REPLICAS))
+    covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))
+    back = covariance @ (G[free] + prior)
+
+    row_of = {int(i): k for k, i in enumerate(free)}
+    gains, ratios = [], []
+    for instance in instances:
+        if instance.relaxes:
+            names = [n for n in instance.relaxes if n in at]
+            columns = np.array([at[n] for n in names])
+            rows = np.array([row_of[i] for i in columns])
+            mean, std = space.mean[columns], space.std[columns]
+            wider = np.array([instance.relaxes[n].std for n in names])
+            shift = (mean - np.array([instance.relaxes[n].mean for n in names])) / std
+            Q = np.linalg.inv(covariance[np.ix_(rows, rows)])
+            gains.append(_relaxed(Q, -back[rows], prior[rows], std / wider, shift))
+            continue
+        columns = np.array([at[p.name] for p in instance.parameters])
+        B = H[np.ix_(free, columns)]
+        S = H[np.ix_(columns, columns)] + np.eye(len(columns)) - B.T @ covariance @ B
+        slope = G[columns] - B.T @ back
+        sizes = (instance.size, *instance.sizes)
+        one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
+        gains.append(_added(S, slope, one_sided))
+        k = [p.name for p in instance.parameters].index(instance.size)
+        ratios.append(float(np.var(slope[k]) / S[k, k]))
+    return Gains(
+        instances=instances,
+        replicas=np.array(gains),
+        dispersion=float(np.mean(ratios)),
+        error_ratio=float(np.mean(ratios)) / len(parts),
+    )
+
+
+def _added(S: Array, slope: Array, one_sided: npt.NDArray[np.bool_]) -> Array:
+    """Evidence gained by own columns; a size that must not be negative stays zero."""
+    step = -np.linalg.solve(S, slope)
+    whole = -0.5 * np.sum(step * slope, axis=0) - 0.5 * float(np.linalg.slogdet(S)[1])
+    rest = ~one_sided
+    fewer = np.zeros(slope.shape[1])
+    if rest.any():
+        S_rest = S[np.ix_(rest, rest)]
+        fewer = 0.5 * np.sum(slope[rest] * np.linalg.solve(S_rest, slope[rest]), axis=0)
+        fewer = fewer - 0.5 * float(np.linalg.slogdet(S_rest)[1])
+    return np.asarray(np.where((step[one_sided] >= 0.0).all(axis=0), whole, fewer))
+
+
+def _relaxed(Q: Array, best: Array, prior: Array, narrower: Array, shift: Array) -> Array:
+    """Evidence gained when priors become wide.
+
+    Parameters
+    ----------
+    Q, best
+        (k, k) precision and (k, n) best point of the parameters with narrow priors, all others
+        following.
+    prior
+        (k, n) how far from their narrow priors' means replicas begin.
+    narrower, shift
+        (k,) narrow over wide deviation; narrow mean less wide one. In narrow deviations.
+    """
+    keep = narrower[:, None] ** 2
+    there = prior + shift[:, None]
+    W = Q - np.eye(len(Q)) + np.diag(narrower**2)
+    slope = -Q @ best - prior + keep * there
+    constant = 0.5 * np.sum(best * (Q @ best) - prior**2 + keep * there**2, axis=0)
+    gain = 0.5 * np.sum(slope * np.linalg.solve(W, slope), axis=0) - constant
+    log_det = np.linalg.slogdet(W)[1] - 2.0 * np.sum(np.log(narrower)) - np.linalg.slogdet(Q)[1]
+    return np.asarray(gain - 0.5 * log_det)

@@ -1,0 +1,140 @@
+"""Limits of evidence read from replicas."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support.made_calibration import made_calibration
+from support.made_gap_fits import made_fit
+
+from armodal.analyzer.gap.decision import calibration
+from armodal.analyzer.gap.decision.calibration import Calibrations, Tail, calibrate
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.space import Parameter, Space
+from armodal.analyzer.gap.search.replicas import Gains
+
+KINDS = {"much": 40.0, "some": 12.0, "little": 8.0}  # nats, scale of what chance brings
+
+
+def drawn(rng, n):
+    """What each kind gains: half a square of a Gaussian, two places of the last, alike in part."""
+    z = rng.standard_normal((4, n))
+    z[3] = 0.8 * z[2] + 0.6 * z[3]
+    scales = np.array([*KINDS.values(), KINDS["little"]])
+    return 0.5 * scales[:, None] * z**2
+
+
+def instances():
+    return tuple(
+        Instance(effect=SimpleNamespace(name=name), place=place)
+        for name, place in (*((k, "a") for k in KINDS), ("little", "b"))
+    )
+
+
+def calibrated(monkeypatch, false_name, dispersion=1.0):
+    gains = Gains(
+        instances=instances(),
+        replicas=drawn(np.random.default_rng(0), 4000),
+        dispersion=dispersion,
+        error_ratio=0.5,
+    )
+    monkeypatch.setattr(calibration, "replica_gains", lambda *_: gains)
+    monkeypatch.setattr(calibration, "others_beside", lambda _: ())
+    present = made_fit(Hypothesis(ordinary=None), cost=100.0)
+    return calibrate(None, present, present, false_name)
+
+
+@pytest.mark.parametrize("false_name", [0.01, 0.05])
+def test_as_many_replicas_as_accepted_have_any_effect_beyond_its_limit(false_name, monkeypatch):
+    found = calibrated(monkeypatch, false_name)
+    fresh = drawn(np.random.default_rng(1), 40_000)
+    limits = np.array([found.limit(i.effect.name) for i in instances()])
+    rate = np.mean((fresh > limits[:, None]).any(axis=0))
+    # The limit is of 4000 replicas, a rate of which has a deviation of sqrt(p / 4000): four.
+    assert rate == pytest.approx(false_name, abs=4.0 * np.sqrt(false_name / 4000))
+    assert limits[0] > limits[1] > limits[2]
+
+
+def test_what_is_at_its_limit_is_as_likely_by_chance_as_accepted(monkeypatch):
+    found = calibrated(monkeypatch, 0.01)
+    for name in KINDS:
+        assert found.p_value(name, found.limit(name)) == pytest.approx(0.01)
+        assert found.p_value(name, 0.0) == 1.0
+        assert found.p_value(name, 10.0 * found.limit(name)) < 1e-6
+
+
+def test_what_no_linear_look_tells_has_the_limit_of_the_whole_library(monkeypatch):
+    found = calibrated(monkeypatch, 0.01)
+    fresh = drawn(np.random.default_rng(2), 40_000).max(axis=0)
+    rate = np.mean(fresh > found.limit("swapped_axes"))
+    assert rate == pytest.approx(0.01, abs=4.0 * np.sqrt(0.01 / 4000))
+
+
+def test_errors_that_disagree_widen_what_tells_rivals_apart(monkeypatch):
+    narrow, wide = (calibrated(monkeypatch, 0.01, dispersion=d) for d in (0.3, 3.0))
+    assert narrow.apart == pytest.approx(np.log(100.0))  # never less than independent errors
+    assert wide.apart == pytest.approx(3.0 * narrow.apart)
+    assert wide.odds(wide.apart) == pytest.approx(0.01)
+
+
+def test_a_tail_goes_on_as_an_exponential():
+    rng = np.random.default_rng(5)
+    tail = Tail.of(rng.exponential(7.0, 100_000))
+    # Beyond the 5 % of 100 000 the mean of 5000 excesses: 1.4 %; four deviations.
+    assert tail.scale == pytest.approx(7.0, rel=0.06)
+    assert tail.limit(1e-4) == pytest.approx(7.0 * np.log(1e4), rel=0.06)
+    assert tail.p_value(tail.limit(1e-4)) == pytest.approx(1e-4)
+
+
+def test_limits_are_told_with_what_they_rest_on():
+    told = made_calibration(40.0, limits={"bearing": 30.0}).record()
+    assert told.limits == {"bearing": 30.0}
+    assert told.limit_otherwise == 40.0
+    assert told.replicas == 1000
+    assert "upper 5%" in told.tail
+
+
+def with_effect(cost, *, size=1.0):
+    """A fit with an effect that matters beyond 0.1."""
+    sized = Parameter(name="size", unit="", mean=0.0, std=1.0)
+    own = Instance(
+        effect=SimpleNamespace(name="much"),
+        place="",
+        parameters=(sized,),
+        size="size",
+        material=0.1,
+    )
+    hypothesis = Hypothesis(ordinary=None, instances=(own,))
+    return made_fit(hypothesis, cost=cost, space=Space([sized]), u=[size])
+
+
+@pytest.mark.parametrize(
+    ("gain", "size", "leaves", "wanted"),
+    [
+        (41.0, 1.0, 9.0, True),
+        (39.0, 1.0, 9.0, False),
+        (41.0, 0.01, 9.0, False),  # too small to matter
+        (0.0, 1.0, 1.0, True),  # more is left than half of the replicas leave
+    ],
+)
+def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
+    gain, size, leaves, wanted, monkeypatch
+):
+    limits = made_calibration(limits={"much": 40.0})
+    monkeypatch.setattr(calibration, "calibrate", lambda *_: limits)
+    monkeypatch.setattr(calibration, "misfit_per_line", lambda *_: 2.0)
+    monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)
+    present = made_fit(Hypothesis(ordinary=None), cost=100.0)
+    begun = [with_effect(100.0 - gain, size=size)]
+    assert Calibrations(0.01).needs_more(None, present, begun) == wanted
+
+
+def test_a_model_is_calibrated_anew_only_where_another_is_best(monkeypatch):
+    made = []
+    monkeypatch.setattr(calibration, "calibrate", lambda *given: made.append(given))
+    present, one, two = with_effect(100.0), with_effect(90.0), with_effect(80.0)
+    calibrations = Calibrations(0.05)
+    for rivals in ((), (), (one,), (one,), (one, two)):
+        calibrations.of(None, present, rivals)
+    assert made == [(None, present, best, 0.05) for best in (present, one, two)]

@@ -1,0 +1,68 @@
+"""Errors of a right model, learnt from what a fit leaves."""
+
+import numpy as np
+import pytest
+
+from armodal.analyzer.gap.inference.error_modes import (
+    Sensitivities,
+    curvature_of,
+    error_slopes,
+    released,
+)
+
+N_FREE, CHANNELS, LINES, POSTURES = 40, 9, 5, 4
+
+
+def made(rng, errors=None):
+    """A linear model of four postures; what its fit leaves of errors, drawn if not given."""
+    shape = (POSTURES, N_FREE, CHANNELS, 2 * LINES)
+    J = rng.standard_normal(shape) * np.geomspace(3.0, 0.05, N_FREE)[:, None, None]
+    e = rng.standard_normal((POSTURES, CHANNELS, 2 * LINES)) if errors is None else errors
+    flat = J.transpose(1, 0, 2, 3).reshape(N_FREE, -1)
+    u = np.linalg.solve(flat @ flat.T + np.eye(N_FREE), flat @ e.reshape(-1))
+    left = e - np.tensordot(u, J.transpose(1, 0, 2, 3), axes=1)
+    parts = [Sensitivities(raw=j, clean=j, left=r) for j, r in zip(J, left, strict=True)]
+    return parts, e
+
+
+def test_what_a_fit_took_of_the_errors_is_given_back_on_average():
+    rng = np.random.default_rng(1)
+    ratios, fitted = [], []
+    for _ in range(200):
+        parts, e = made(rng)
+        back = released(parts, np.arange(N_FREE))
+        ratios.append(np.sum(np.square(back)) / np.sum(e**2))
+        fitted.append(sum(np.sum(p.left**2) for p in parts) / np.sum(e**2))
+    # Of 360 residuals the fit takes what its prior leaves of 40 parameters.
+    assert np.mean(fitted) < 0.93
+    # Mean of 200; unbiased where errors are independent and parameters as their priors: here none
+    # is off, and the prior keeps a little less than that.
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
+
+
+def test_all_modes_with_amplitude_one_are_the_error_itself():
+    rng = np.random.default_rng(2)
+    parts, e = made(rng)
+    for part, error, slopes in zip(parts, e, error_slopes(parts, list(e)), strict=True):
+        want = np.tensordot(part.clean, error, axes=2)
+        np.testing.assert_allclose(slopes.real.sum(axis=1), want, rtol=1e-9, atol=1e-9)
+
+
+def test_errors_of_one_pattern_scatter_a_slope_as_much_as_their_power():
+    """One mode: its amplitude is a complex Gaussian, so a slope's variance is half its power."""
+    rng = np.random.default_rng(3)
+    z = np.outer(rng.standard_normal(CHANNELS), rng.standard_normal(LINES)).astype(complex)
+    J = rng.standard_normal((2, CHANNELS, 2 * LINES))
+    part = Sensitivities(raw=J, clean=J, left=z.view(float))
+    (slopes,) = error_slopes([part], [z.view(float)])
+    power = np.sum(np.abs(slopes) ** 2, axis=1)
+    draws = rng.standard_normal((2, slopes.shape[1], 20_000)) / np.sqrt(2.0)
+    drawn = slopes.real @ draws[0] - slopes.imag @ draws[1]
+    # A variance of 20 000 draws has a deviation of sqrt(2 / 20 000) = 1 %: four of them.
+    np.testing.assert_allclose(drawn.var(axis=1), power / 2.0, rtol=0.04)
+
+
+def test_curvature_is_the_sum_over_postures():
+    parts, _ = made(np.random.default_rng(4))
+    want = sum(p.raw.reshape(N_FREE, -1) @ p.clean.reshape(N_FREE, -1).T for p in parts)
+    np.testing.assert_allclose(curvature_of(parts), want)

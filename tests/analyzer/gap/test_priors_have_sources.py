@@ -1,0 +1,59 @@
+"""Every number that describes an arm is in `docs/gap-priors.md`, with its value and its source.
+
+Left out: numbers of a search (where it begins, how far it steps, how many it keeps).
+"""
+
+import ast
+from pathlib import Path
+
+from armodal import analyzer
+
+ROOT = Path(__file__).parents[3]
+GAP = Path(analyzer.__file__).parent / "gap"
+FILES = [GAP / "model" / "priors.py", *sorted((GAP / "effects").glob("*.py"))]
+OF_A_SEARCH = {"_STEP", "_STEPS", "_ROUNDS", "_PARTS", "_ROTORS", "_WRIST_FROM", "_UP", "FLOOR"}
+
+
+def numbers(node):
+    """Sizes of the literals, in order; signs and roots are left out."""
+    for part in ast.walk(node):
+        if isinstance(part, ast.Constant) and type(part.value) in (int, float) and part.value:
+            yield float(part.value)
+
+
+def of_code():
+    for path in FILES:
+        if path.stem.endswith("_look"):
+            continue
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if not isinstance(node, ast.Assign):
+                continue
+            for target in node.targets:
+                pairs = [(target, node.value)]
+                if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                    pairs = list(zip(target.elts, node.value.elts, strict=True))
+                for name, value in pairs:
+                    found = sorted(numbers(value))
+                    is_number = isinstance(name, ast.Name) and name.id.lstrip("_").isupper()
+                    if is_number and name.id not in OF_A_SEARCH | {"WORDS", "_SAID"} and found:
+                        yield f"{path.stem}.{name.id}", found
+
+
+def of_page():
+    for line in (ROOT / "docs" / "gap-priors.md").read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if len(cells) == 4 and "." in cells[0]:
+            assert cells[2], cells[0]
+            assert cells[3], cells[0]
+            yield cells[0], sorted(float(number) for number in cells[1].split())
+
+
+def test_the_page_has_every_number_and_no_other():
+    code, page = dict(of_code()), dict(of_page())
+    assert {name for name in code if name not in page} == set()
+    assert {name for name in page if name not in code} == set()
+
+
+def test_the_page_has_the_values_of_the_code():
+    code = dict(of_code())
+    assert {name: values for name, values in of_page() if values != code[name]} == {}

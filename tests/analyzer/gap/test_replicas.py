@@ -1,0 +1,119 @@
+"""What effects gain on replicas, beside fits of each replica."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support.made_gap_fits import made_fit
+
+from armodal.analyzer.gap.inference.error_modes import Sensitivities, curvature_of
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.space import Parameter
+from armodal.analyzer.gap.search import replicas
+from armodal.analyzer.gap.search.replicas import replica_gains
+
+CHANNELS, LINES, POSTURES, DRAWS = 6, 4, 3, 4000
+ORDINARY = tuple(Parameter(name=f"o{i}", unit="", mean=0.0, std=1.0) for i in range(4))
+SIZE = Parameter(name="size", unit="", mean=0.0, std=1.0)
+GROWS = Instance(
+    effect=SimpleNamespace(name="grows"),
+    place="",
+    parameters=(Parameter(name="size", unit="", mean=0.0, std=1.0, low=0.0),),
+    size="size",
+)
+EITHER_WAY = Instance(
+    effect=SimpleNamespace(name="either"), place="", parameters=(SIZE,), size="size"
+)
+OTHER = Instance(
+    effect=SimpleNamespace(name="other"),
+    place="",
+    parameters=(Parameter(name="other", unit="", mean=0.0, std=1.0),),
+    size="other",
+)
+LOOSE = Instance(
+    effect=SimpleNamespace(name="loose"),
+    place="",
+    relaxes={"o1": Parameter(name="o1", unit="", mean=0.0, std=10.0)},
+    size="o1",
+)
+
+
+@pytest.fixture
+def linear(monkeypatch):
+    """A linear model of three postures and what it leaves, four ordinary parameters and a size."""
+    rng = np.random.default_rng(7)
+    scale = np.array([3.0, 0.3, 1.0, 2.0, 0.7, 1.0])[:, None, None]
+    parts = []
+    for _ in range(POSTURES):
+        J = scale * rng.standard_normal((6, CHANNELS, 2 * LINES))
+        left = rng.standard_normal((CHANNELS, 2 * LINES))
+        parts.append(Sensitivities(raw=J, clean=J, left=left))
+
+    def seen(_stage, _hypothesis, space, _values):
+        n = len(space)
+        return [Sensitivities(raw=p.raw[:n], clean=p.clean[:n], left=p.left) for p in parts]
+
+    monkeypatch.setattr(replicas, "sensitivities", seen)
+    # What is left is as it was drawn: its modes are those of the errors.
+    monkeypatch.setattr(replicas, "released", lambda parts, _: [p.left for p in parts])
+    return parts
+
+
+def null():
+    hypothesis = Hypothesis(ordinary=SimpleNamespace(parameters=lambda: ORDINARY))
+    space = hypothesis.space()
+    return made_fit(hypothesis, cost=1.0, space=space, u=np.zeros(len(space)))
+
+
+def evidence(J, r, mean, std):
+    """Of a linear model with a Gaussian prior, up to a constant: minus the log, least cost."""
+    A = J @ J.T + np.diag(1.0 / std**2)
+    b = J @ r + mean / std**2
+    u = np.linalg.solve(A, b)
+    cost = 0.5 * (r @ r + np.sum((mean / std) ** 2) - b @ u)
+    return cost + 0.5 * np.linalg.slogdet(A * np.outer(std, std))[1], u
+
+
+def fitted_gains(parts, instance):
+    """Each replica fitted, without the effect and with it."""
+    rng = np.random.default_rng(8)
+    flat = np.concatenate([p.raw[:5].reshape(5, -1) for p in parts], axis=1)
+    found = []
+    for _ in range(DRAWS):
+        errors = []
+        for part in parts:
+            u, s, vh = np.linalg.svd(part.left.view(complex), full_matrices=False)
+            a = (rng.standard_normal(s.size) + 1j * rng.standard_normal(s.size)) / np.sqrt(2.0)
+            errors.append(np.sqrt(POSTURES) * ((u * s * a) @ vh).view(float).reshape(-1))
+        r = np.concatenate(errors)
+        mean, std = rng.standard_normal(4), np.ones(4)
+        without, _ = evidence(flat[:4], r, mean, std)
+        if instance.relaxes:
+            wide, _ = evidence(flat[:4], r, mean * [1, 0, 1, 1], std * [1, 10, 1, 1])
+            found.append(without - wide)
+            continue
+        with_it, u = evidence(flat, r, np.append(mean, 0.0), np.ones(5))
+        grown = u[4] > 0.0 or instance is EITHER_WAY
+        found.append(without - with_it if grown else 0.0)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("instance", [GROWS, EITHER_WAY, LOOSE])
+def test_gains_scatter_as_those_of_fitted_replicas(instance, linear):
+    found = replica_gains(None, null(), (), [instance, OTHER])
+    fitted = fitted_gains(linear, instance)
+    # Quantiles of 2000 and 4000 draws: their rate has a deviation of sqrt(p (1 - p) / n).
+    for q in (0.92, 0.97):
+        limit = np.quantile(found.replicas[0], q)
+        tolerance = 4.0 * np.sqrt(q * (1.0 - q) * (1.0 / 2000 + 1.0 / DRAWS))
+        assert np.mean(fitted > limit) == pytest.approx(1.0 - q, abs=tolerance)
+
+
+def test_dispersion_counts_errors_of_all_postures_alike(linear):
+    found = replica_gains(None, null(), (), [EITHER_WAY])
+    H = curvature_of(linear)
+    assert H.shape == (6, 6)
+    # Residuals of unit variance, as many modes as channels and lines allow: a slope's variance is
+    # that of independent ones times the postures, within what a few modes of one draw make of it.
+    assert found.dispersion == pytest.approx(POSTURES, rel=0.5)
