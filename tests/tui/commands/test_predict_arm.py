@@ -64,10 +64,11 @@ def test_a_user_s_mistake_is_one_message(arguments, message):
     assert message in str(result.exception)
 
 
-def test_a_plan_for_an_arm_with_effects_is_refused_by_name(corrected):
-    result = CliRunner().invoke(app, ["plan", corrected])
-    assert isinstance(result.exception, ArmodalError)
-    assert "got the effects link_axis (shoulder)" in str(result.exception)
+def test_a_plan_for_an_arm_with_an_axis_counts_with_its_mode(corrected, small_search):
+    value = json.loads(CliRunner().invoke(app, ["plan", corrected, "--tests=3", "--json"]).stdout)
+    (note,) = value["notes"]
+    assert note == "planned with: Link gives way about an axis of its own (shoulder)"
+    assert all(len(test["modes"]) == 4 for test in value["tests"])  # of three joints and the axis
 
 
 def test_a_plan_for_an_arm_with_a_payload_is_of_the_loaded_links(tmp_path, small_search):
@@ -80,8 +81,9 @@ def test_a_plan_for_an_arm_with_a_payload_is_of_the_loaded_links(tmp_path, small
         for own, rest in ((str(path), arguments), ("rv4frl", ["--tests=3", "--json"]))
     )
     assert load_plan(plan, load_arm(path)).fixed_point == with_load["hit_point"]
-    (note,) = with_load["notes"]
-    assert "the room it takes is not known" in note
+    counted, room = with_load["notes"]
+    assert counted.startswith("planned with: ")
+    assert room == "the room that its payload takes is not known"
     assert without["notes"] == []
     assert with_load["most_selective"] != without["most_selective"]
 
