@@ -78,7 +78,7 @@ docs: $(DEVICE_LIBRARY)
 	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/site
 
 bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
-	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
+	for script in bench/bench_*.py; do PYTHONPATH=tests $(BIN)/python $$script || exit 1; done
 
 # What docs/reliability.md promises, at length.
 torture: $(DEVICE_LIBRARY)
