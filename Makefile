@@ -18,7 +18,7 @@ export MKL_NUM_THREADS = 1
 # What one process has compiled the next need not: tests start some fifty.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo firmware firmware-check test test-all coverage check bench torture fuzz hashes sizes format clean setup
+.PHONY: demo messages firmware firmware-check test test-all coverage check bench torture fuzz hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -72,6 +72,11 @@ check: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# The site, in build/site: its warnings are errors, and its notebooks are run.
+docs: $(DEVICE_LIBRARY)
+	$(PIP) --constraint constraints.txt --editable '.[docs]'
+	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/site
+
 bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 	for script in bench/bench_*.py; do $(BIN)/python $$script || exit 1; done
 
@@ -86,6 +91,11 @@ hashes:
 	build/hashes/bin/python -m pip install --quiet --disable-pip-version-check uv
 	build/hashes/bin/uv pip compile constraints.txt --quiet --no-config --no-deps --universal \
 		--python-version 3.11 --generate-hashes --no-header --no-annotate --output-file constraints-hashed.txt
+
+# What is made from the table of messages, protocols/board/records.py.
+messages: $(STAMP)
+	$(BIN)/python -m armodal.protocols.board.generate
+	$(BIN)/python tests/vectors/make_board_vectors.py
 
 # The boards of docs/porting.md, section 2, and every step of the check on them.
 firmware: $(STAMP)

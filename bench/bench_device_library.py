@@ -49,17 +49,17 @@ from armodal.protocols.board import (
     FrameType,
     Header,
     IepeState,
+    Release,
     Samples,
     SequenceTracker,
     Slope,
+    decode_answer,
     decode_samples,
-    decode_status,
-    encode_configuration,
     encode_frame,
-    encode_release,
+    encode_payload,
     encode_samples,
 )
-from armodal.protocols.c.build import HEADER, INCLUDE, SOURCES, STRICT, compile_with, compilers
+from armodal.protocols.c.build import HEADERS, INCLUDE, SOURCES, STRICT, compile_with, compilers
 from armodal.protocols.c.library import declarations
 
 RATE_HZ, N_CHANNELS, N_SAMPLES = 51_200, 4, 64
@@ -148,7 +148,8 @@ def library(folder: Path, *options: str) -> tuple[Any, Any]:
     if said:
         raise RuntimeError(said)
     ffi = FFI()
-    ffi.cdef(declarations(HEADER))
+    for header in HEADERS:
+        ffi.cdef(declarations(header))
     ffi.cdef("size_t encode_all(uint8_t *, size_t, const uint8_t *, size_t, size_t);")
     ffi.cdef("size_t decode_all(ab_receiver *, const uint8_t *, size_t);")
     return ffi, ffi.dlopen(str(made))
@@ -273,13 +274,13 @@ class Host:
             elif frame.header.type is FrameType.BLOCK_DATA:
                 self._release_complete(decode_samples(frame))
             elif frame.header.type is FrameType.STATUS_REPLY:
-                self.status = decode_status(frame.payload)
+                self.status = decode_answer(BoardStatus, frame.payload)
 
     def _release_complete(self, samples: Samples) -> None:
         # Of the 2048 samples of a block the last frame carries 64 as well: none is torn.
         self.blocks += len(samples.counts)
         if self.blocks % WANTED.block_length == 0:
-            self.send(FrameType.RELEASE, encode_release(samples.block_id or 0))
+            self.send(FrameType.RELEASE, encode_payload(Release(block_id=samples.block_id or 0)))
 
 
 def board_share(seconds: float) -> tuple[float, Host]:
@@ -289,7 +290,7 @@ def board_share(seconds: float) -> tuple[float, Host]:
     process = context.Process(target=run_board, args=(other, seconds))
     process.start()
     host = Host(os.open(pipe.recv(), os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK))
-    host.send(FrameType.CONFIGURE, encode_configuration(WANTED))
+    host.send(FrameType.CONFIGURE, encode_payload(WANTED))
     host.send(FrameType.START)
     while not pipe.poll():
         host.pump()

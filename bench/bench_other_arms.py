@@ -19,6 +19,7 @@ from support.offline_lab import simulate_session
 
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.planning.clearance import Clearance
+from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.plan_text import plan_text
 from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
@@ -53,7 +54,7 @@ def try_arm(name: str, urdf: Path, folder: Path) -> None:
     elastic = elastic_joints(arm)
     began = time.perf_counter()
     plan = plan_tests(
-        arm, elastic, np.random.default_rng(0), clearance=Clearance(floor_m=-0.5), n_tests=4
+        planned_arm(arm), np.random.default_rng(0), clearance=Clearance(floor_m=-0.5), n_tests=4
     )
     print(f"{name}: plan {time.perf_counter() - began:.1f} s, {plan.n_needed} tests needed")
     study = study_workspace(arm, elastic, 100_000)

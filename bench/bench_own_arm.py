@@ -38,7 +38,6 @@ from armodal.analyzer.own_arm.solids import touches, triangle_solid
 from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.errors import ArmodalError
@@ -167,7 +166,6 @@ def try_arm(
     try:
         made = made_plan(
             draft.arm,
-            elastic_joints(draft.arm),
             np.random.default_rng(0),
             name="bench",
             bodies=draft.bodies,

@@ -28,7 +28,7 @@ from armodal.protocols.plan import load_plan
 from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.review.posture_view import fit_automatic, opened_session
 from armodal.tui.screens.run.app import RunApp
-from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import find_place
 from armodal.tui.screens.run.state import Step
 

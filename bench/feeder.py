@@ -22,16 +22,18 @@ from cobs import cobs
 
 from armodal.daq.process import ask_for_priority
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.codec import (
+    FrameDecoder,
+    encode_frame,
+)
 from armodal.protocols.board.messages import (
-    decode_configuration,
-    decode_release,
+    decode_payload,
     dictionary_hash,
-    encode_block_info,
+    encode_answer,
     encode_dictionary,
+    encode_payload,
     encode_reply,
     encode_samples,
-    encode_status,
     hello_fragments,
 )
 from armodal.protocols.board.records import (
@@ -44,6 +46,7 @@ from armodal.protocols.board.records import (
     FrameType,
     Header,
     IepeState,
+    Release,
     ReplyCode,
     Samples,
 )
@@ -153,14 +156,14 @@ class Feeder:
                     self.out += self.frame(FrameType.HELLO_REPLY, fragment, tag)
                 continue
             if kind is FrameType.CONFIGURE:
-                self.configuration = decode_configuration(frame.payload)
+                self.configuration = decode_payload(Configuration, frame.payload)
             elif kind is FrameType.START:
                 self.running, self.started_s, self.sample = True, time.monotonic(), 0
                 self.next_hit_s = self.started_s + HIT_EVERY_S
             elif kind is FrameType.STOP:
                 self.running = False
             elif kind is FrameType.STATUS:
-                reply = encode_status(
+                reply = encode_answer(
                     BoardStatus(
                         state=BoardState.RUNNING if self.running else BoardState.CONFIGURED,
                         next_sequence=self.sequence + 1,
@@ -172,7 +175,10 @@ class Feeder:
                         adc_overruns=0,
                     )
                 )
-            elif kind is FrameType.RELEASE and decode_release(frame.payload) == self.held:
+            elif (
+                kind is FrameType.RELEASE
+                and decode_payload(Release, frame.payload).block_id == self.held
+            ):
                 self.held = 0
             self.out += self.frame(FrameType(kind | 0x80), reply, tag)
 
@@ -191,7 +197,7 @@ class Feeder:
         first = int((now_s - self.started_s) * rate_hz) - n
         self.out += self.frame(
             FrameType.BLOCK_READY,
-            encode_block_info(
+            encode_payload(
                 BlockInfo(
                     block_id=self.block,
                     first_sample=first,

@@ -25,6 +25,7 @@ from armodal.daq.board_session import BoardSession
 from armodal.daq.clock import Clock
 from armodal.daq.commands import Command, Stop
 from armodal.daq.events import BoardFound, Failed, Finished, SessionOpened
+from armodal.daq.front_end.opening import is_front_end
 from armodal.daq.joint_source import JointSource
 from armodal.daq.journal_mirror import MirroredJournal, begin, go_on
 from armodal.daq.journal_writer import JournalWriter
@@ -44,6 +45,8 @@ from armodal.protocols.errors import (
     JournalError,
 )
 from armodal.protocols.file_layer import DISK, FileLayer
+from armodal.protocols.front_end import load_front_end
+from armodal.protocols.sensor_memory import load_sensors, remember_sensors, unlike_before
 from armodal.protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
 from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.protocols.session.progress import roving_point
@@ -143,7 +146,8 @@ def _run(
     hear_every_joint(joints, clock, settings.can_timeout_s)
     board.prepare()
     _check_same_sensors(board, journal)
-    contradicted = _teds_contradictions(board, settings)
+    range_v = _input_range_v(settings)
+    contradicted = _contradictions(board, settings, range_v)
     outbox.put(
         BoardFound(
             port=settings.board_port, dictionary=board.found.dictionary, channel_mask=board.mask
@@ -153,6 +157,9 @@ def _run(
     session_id = earlier.header.session_id if earlier else settings.session_id
     session_id = session_id or secrets.token_hex(8)
     writer = _open_journal(settings, session_id, board, clock, journal, stack)
+    if settings.sensor_memory is not None:
+        today = datetime.now(UTC).date().isoformat()
+        remember_sensors(settings.sensor_memory, board.channels, range_v, today)
     board.start()
     hits = earlier.hits if earlier else ()
     loop = SessionLoop(
@@ -318,9 +325,23 @@ def _check_same_sensors(board: BoardSession, journal: _Journal) -> None:
         )
 
 
-def _teds_contradictions(board: BoardSession, settings: AcquisitionSettings) -> list[str]:
-    """Return what sensors say otherwise than the board; refused until somebody has confirmed it."""
-    said = [text for c in board.channels for text in contradictions(c, settings.input_range_v)]
+def _input_range_v(settings: AcquisitionSettings) -> float | None:
+    """Return the largest input voltage, if it is known."""
+    if settings.input_range_v is None and is_front_end(settings.board_port):
+        return load_front_end(Path(settings.board_port)).range_v
+    return settings.input_range_v
+
+
+def _contradictions(
+    board: BoardSession, settings: AcquisitionSettings, range_v: float | None
+) -> list[str]:
+    """Return what sensors say otherwise than the board, or were known by before.
+
+    It is refused until somebody has confirmed it.
+    """
+    said = [text for c in board.channels for text in contradictions(c, range_v)]
+    if settings.sensor_memory is not None:
+        said += unlike_before(board.channels, range_v, load_sensors(settings.sensor_memory))
     if said and not settings.teds_confirmed:
         raise BoardRefusedError(
             f"{'; '.join(said)}: mount the sensors that the board describes, or correct its "

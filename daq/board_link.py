@@ -13,13 +13,17 @@ from typing import TypeVar
 from armodal.daq.clock import Clock, waits
 from armodal.daq.clock_fit import RoundTrip
 from armodal.daq.serial_port import BytePort
-from armodal.protocols.board.codec import PROTOCOL_VERSION, FrameDecoder, encode_frame
+from armodal.protocols.board.codec import (
+    PROTOCOL_VERSION,
+    FrameDecoder,
+    encode_frame,
+)
 from armodal.protocols.board.messages import (
+    decode_answer,
     decode_dictionary,
     decode_reply,
-    decode_status,
     dictionary_hash,
-    encode_configuration,
+    encode_payload,
     join_hello,
 )
 from armodal.protocols.board.records import (
@@ -32,7 +36,9 @@ from armodal.protocols.board.records import (
     Header,
     ReplyCode,
 )
-from armodal.protocols.board.sequence import SequenceTracker
+from armodal.protocols.board.sequence import (
+    SequenceTracker,
+)
 from armodal.protocols.errors import (
     BoardRefusedError,
     DeviceLostError,
@@ -178,7 +184,7 @@ class BoardLink:
 
     def configure(self, configuration: Configuration) -> None:
         """Set rate, channels, trigger and block; BoardRefusedError with the board's reason."""
-        self.request(FrameType.CONFIGURE, encode_configuration(configuration))
+        self.request(FrameType.CONFIGURE, encode_payload(configuration))
 
     def start(self) -> None:
         """Start sampling; a repeated START that finds the board running is none the worse."""
@@ -195,7 +201,7 @@ class BoardLink:
     def status(self) -> tuple[BoardStatus, RoundTrip]:
         """Ask for the board's state and counts, and wait for them."""
         reply = self._exchange(FrameType.STATUS)
-        return decode_status(reply.frame.payload), reply.trip
+        return decode_answer(BoardStatus, reply.frame.payload), reply.trip
 
     def request(self, kind: FrameType, payload: bytes = b"") -> Reply:
         """Send a command and wait for its OK.

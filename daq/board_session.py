@@ -13,23 +13,27 @@ from armodal.daq.losses import LossTally
 from armodal.daq.preview import StreamWatch
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.board.messages import (
-    decode_block_info,
+    decode_answer,
+    decode_payload,
     decode_reply,
     decode_samples,
-    decode_status,
-    encode_release,
-    encode_resend,
+    encode_payload,
 )
 from armodal.protocols.board.records import (
+    BlockInfo,
     BoardStatus,
     Channel,
     Configuration,
     Frame,
     FrameType,
+    Release,
     ReplyCode,
+    Resend,
     Slope,
 )
-from armodal.protocols.board.samples import COUNT_MAX
+from armodal.protocols.board.samples import (
+    COUNT_MAX,
+)
 from armodal.protocols.errors import BoardRefusedError, DeviceLostError, FrameError, PlanError
 from armodal.protocols.plan_records import Plan
 
@@ -200,7 +204,10 @@ class BoardSession:
             self._take_or_count(frame, now_s)
         for wanted in self._blocks.overdue(now_s):
             self._link.send(
-                FrameType.RESEND, encode_resend(wanted.block_id, wanted.first, wanted.count)
+                FrameType.RESEND,
+                encode_payload(
+                    Resend(block_id=wanted.block_id, first=wanted.first, count=wanted.count)
+                ),
             )
         self._release_again(now_s)
         status_every_s = max(STATUS_EVERY_S, STATUS_EVERY_WALL_S / self._clock.wall_s(1.0))
@@ -229,7 +236,10 @@ class BoardSession:
         """Let the board forget a block; asked again until the board confirms."""
         self._releasing[block_id] = now_s
         self._release_tags.append(
-            (self._link.send(FrameType.RELEASE, encode_release(block_id)), block_id)
+            (
+                self._link.send(FrameType.RELEASE, encode_payload(Release(block_id=block_id))),
+                block_id,
+            )
         )
 
     def count_losses(self, now_s: float) -> None:
@@ -270,13 +280,13 @@ class BoardSession:
         elif kind is FrameType.BLOCK_DATA:
             self._blocks.add(decode_samples(frame), now_s)
         elif kind is FrameType.BLOCK_READY:
-            if self._blocks.announce(decode_block_info(frame.payload), now_s):
+            if self._blocks.announce(decode_payload(BlockInfo, frame.payload), now_s):
                 # The reply shows whether the clock is still what it was.
                 self._link.send(FrameType.STATUS)
         elif kind in _REPLIES:
             reply = self._link.reply_of(frame)
             if kind is FrameType.STATUS_REPLY:
-                status = decode_status(frame.payload)
+                status = decode_answer(BoardStatus, frame.payload)
                 self._take_status(status)
                 if reply is not None and self._tracker.add(reply.trip):
                     self._jumped_sample = status.next_sample
@@ -287,7 +297,9 @@ class BoardSession:
         self.status = status
         oldest = status.oldest_block
         if status.buffered_blocks and not self._blocks.knows(oldest):
-            self._link.send(FrameType.RESEND, encode_resend(oldest, 0, 0))
+            self._link.send(
+                FrameType.RESEND, encode_payload(Resend(block_id=oldest, first=0, count=0))
+            )
 
     def _confirm_release(self, frame: Frame) -> None:
         code, reason = decode_reply(frame.payload)

@@ -23,7 +23,7 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 __all__ = ["COMPARED", "NARROW_KERNEL", "WIDE_KERNEL", "templates", "without_narrow_pulse"]
 
@@ -94,13 +94,13 @@ def _responses(freq: Array) -> npt.NDArray[np.complex128]:
     for cutoff in _CUTOFFS:
         corner = 2.0 * np.pi * cutoff
         for b, a in (
-            signal.ellip(7, 0.1, 80.0, corner, analog=True),
-            signal.ellip(9, 0.3, 100.0, corner, analog=True),
-            signal.cheby1(8, 0.1, corner, analog=True),
-            signal.butter(8, corner, analog=True),
-            signal.bessel(6, corner, analog=True, norm="mag"),
+            scipy.signal.ellip(7, 0.1, 80.0, corner, analog=True),
+            scipy.signal.ellip(9, 0.3, 100.0, corner, analog=True),
+            scipy.signal.cheby1(8, 0.1, corner, analog=True),
+            scipy.signal.butter(8, corner, analog=True),
+            scipy.signal.bessel(6, corner, analog=True, norm="mag"),
         ):
-            response = signal.freqs(b, a, 2.0 * np.pi * freq)[1]
+            response = scipy.signal.freqs(b, a, 2.0 * np.pi * freq)[1]
             rows.append(np.asarray(response, dtype=np.complex128))
         fall = np.clip((freq - cutoff) / _FALL, 0.0, 1.0)
         rows.append((0.5 + 0.5 * np.cos(np.pi * fall)).astype(np.complex128))

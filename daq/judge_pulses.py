@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import find_peaks
 
 from armodal.daq.judge_anti_alias import COMPARED, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
 from armodal.daq.judge_disturbance import without_disturbance, without_undershoot
@@ -189,7 +189,7 @@ def _half_width(force_n: Signal, peak_at: int) -> float:
 
 def _maxima(signal: Signal, least_n: float, floor_n: float) -> list[int]:
     """Local maxima that stand out by more than `least_n` and `floor_n`."""
-    peaks, _ = find_peaks(
+    peaks, _ = scipy.signal.find_peaks(
         signal, height=max(_STANDING * least_n, floor_n), prominence=max(least_n, floor_n)
     )
     return [int(peak) for peak in peaks]

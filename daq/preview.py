@@ -6,13 +6,12 @@ many frames at a time.
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 
 from armodal.daq.events import Preview
-from armodal.protocols.board.messages import STREAM_PREFIX_SIZE
-from armodal.protocols.board.records import Frame
+from armodal.protocols.board.layout import layout_of
+from armodal.protocols.board.messages import STREAM_HEAD_SIZE
+from armodal.protocols.board.records import Frame, StreamHead
 from armodal.protocols.board.samples import BYTES_PER_COUNT, unpack_counts
 
 __all__ = ["PREVIEW_EVERY_WALL_S", "StreamWatch"]
@@ -20,7 +19,7 @@ __all__ = ["PREVIEW_EVERY_WALL_S", "StreamWatch"]
 PREVIEW_EVERY_WALL_S = 0.08  # with a turn's delay still more than ten a second
 BINS = 64
 MOST_BYTES = 2**20
-_PREFIX = struct.Struct("<HBB")
+_HEAD = layout_of(StreamHead).form
 
 
 class StreamWatch:
@@ -52,16 +51,16 @@ class StreamWatch:
     def add(self, frame: Frame) -> None:
         """Take a STREAM frame in."""
         payload = frame.payload
-        if len(payload) < STREAM_PREFIX_SIZE:
+        if len(payload) < STREAM_HEAD_SIZE:
             self.malformed += 1
             return
-        n_samples, n_channels, size = _PREFIX.unpack_from(payload)
+        n_samples, n_channels, size = _HEAD.unpack_from(payload)
         n_bytes = n_samples * n_channels * BYTES_PER_COUNT
         if (
             n_channels != self._n_channels
             or size != BYTES_PER_COUNT
             or n_samples == 0
-            or len(payload) != STREAM_PREFIX_SIZE + n_bytes
+            or len(payload) != STREAM_HEAD_SIZE + n_bytes
         ):
             self.malformed += 1
             return
@@ -74,7 +73,7 @@ class StreamWatch:
         if not self._parts:
             self._first_sample = first
         if (self._n_samples + n_samples) * self._n_channels * BYTES_PER_COUNT <= MOST_BYTES:
-            self._parts.append(payload[STREAM_PREFIX_SIZE:])
+            self._parts.append(payload[STREAM_HEAD_SIZE:])
             self._n_samples += n_samples
 
     @property

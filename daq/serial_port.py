@@ -14,6 +14,7 @@ from typing import Protocol
 
 import serial
 
+from armodal.daq.ports import find_ports
 from armodal.daq.session_lock import lock_port
 from armodal.protocols.errors import DeviceLostError, DeviceTimeoutError, PortError
 
@@ -149,6 +150,12 @@ class SerialPort:
         )
 
 
+def _there() -> str:
+    """Which ports there are: plugged in again, a device often has another name."""
+    ports = ", ".join(f"{port.path} ({port.description})" for port in find_ports())
+    return f"There are {ports}" if ports else "No serial device is plugged in"
+
+
 def _port_error(name: str, error: Exception) -> PortError:
     """Say in one sentence why the port cannot be used."""
     code = getattr(error, "errno", None)
@@ -160,7 +167,7 @@ def _port_error(name: str, error: Exception) -> PortError:
     if "lock" in text or code in {errno.EBUSY, errno.EAGAIN}:
         reason = "it is in use by another program; close that one first"
     elif code in {errno.ENOENT, errno.ENXIO, errno.ENODEV}:
-        reason = "there is no such device; is it plugged in, and is this its name?"
+        reason = f"there is no such device; is it plugged in, and is this its name? {_there()}"
     elif code in {errno.EACCES, errno.EPERM}:
         reason = "permission denied; on Linux add yourself to the group of the device (dialout)"
     elif code in {errno.EISDIR, errno.ENOTTY, errno.EINVAL} or "configure port" in text:

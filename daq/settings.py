@@ -39,7 +39,9 @@ class AcquisitionSettings:
         they are waited for at most so long
     stream : whether the board is asked for its preview
     teds_confirmed : somebody has seen where sensors and board contradict each other
-    input_range_v : largest voltage of the board's inputs, to compare sensitivities by
+    input_range_v : largest voltage of the board's inputs, to compare sensitivities by; a front-end
+        file tells its own
+    sensor_memory : file of the sensitivities that sensors were last used with; None: not compared
     max_memory : bytes for blocks in the making
     """
 
@@ -64,6 +66,7 @@ class AcquisitionSettings:
     stream: bool = True
     teds_confirmed: bool = False
     input_range_v: float | None = None
+    sensor_memory: Path | None = None
     max_memory: int = 64 * 2**20
     limits: JudgeLimits = field(default_factory=JudgeLimits)
 

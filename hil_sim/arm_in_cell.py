@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 import numpy.typing as npt
+import scipy.signal  # noqa: F401 - loaded before the clock runs, not with the first sample
 
 from armodal.hil_sim.hand import Blow, blow, hand_at
 from armodal.hil_sim.lab_process import ArmInCell

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import zlib
 
+from armodal.hil_sim.board_id import BOARD_ID
 from armodal.hil_sim.plant_file import PlantFile
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 
-__all__ = ["BOARD_ID", "board_dictionary"]
+__all__ = ["board_dictionary"]
 
-BOARD_ID = "armodal-sim"
 FIRMWARE = "sim-1.0"
 HALF_RANGE_COUNTS = 1 << 23
 LINK_BYTES_PER_S = 1_000_000

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 from armodal.hil_sim.plant_file import PlantFile
 
@@ -33,7 +33,7 @@ class FrontEnd:
         taps = 2 * self.delay_samples * self.oversampling + 1
         # Kaiser 8.6: -90 dB; the transition ends at the board's Nyquist frequency.
         width = 3.6 / (2 * self.delay_samples)
-        self._taps = signal.firwin(
+        self._taps = scipy.signal.firwin(
             taps, (0.5 - width / 2) * 2 / self.oversampling, window=("kaiser", 8.6)
         )
         hammer, accelerometer, volts = truth.hammer, truth.accelerometer, truth.board.range_v
@@ -93,7 +93,7 @@ class FrontEnd:
         after = np.zeros((max(n - head_n, 0), 4))
         for channel, corner_hz in enumerate(self._corners_hz):
             b, a = _highpass(corner_hz, self.fine_hz)
-            passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
+            passed[:, channel] = scipy.signal.lfilter(b, a, fine[:, channel])
             gain = (b[0] + b[1] / ratio) / (1.0 + a[1] / ratio)
             tail[:-1, channel] = gain * free[:, channel]
             tail[-1, channel] = passed[-1, channel] - tail[:-1, channel].sum().real
@@ -103,7 +103,9 @@ class FrontEnd:
             after[:, channel] = _decay(
                 filtered * tail[:, channel], logs, fine_after, self.oversampling
             )
-        head = signal.upfirdn(self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0)
+        head = scipy.signal.upfirdn(
+            self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0
+        )
         sampled: Array = np.concatenate([head[:head_n], after @ self._mixing.T])
         return sampled
 
@@ -112,9 +114,9 @@ class FrontEnd:
         passed = np.empty_like(fine)
         for channel, corner_hz in enumerate(self._corners_hz):
             b, a = _highpass(corner_hz, self.fine_hz)
-            passed[:, channel] = signal.lfilter(b, a, fine[:, channel])
+            passed[:, channel] = scipy.signal.lfilter(b, a, fine[:, channel])
         n = (len(fine) - 1) // self.oversampling + 1
-        sampled: Array = signal.upfirdn(
+        sampled: Array = scipy.signal.upfirdn(
             self._taps, passed @ self._mixing.T, down=self.oversampling, axis=0
         )[:n]
         return sampled
@@ -123,7 +125,7 @@ class FrontEnd:
 @lru_cache(maxsize=32)
 def _highpass(corner_hz: float, rate_hz: float) -> tuple[Array, Array]:
     """Coefficients of a first-order high pass."""
-    b, a = signal.butter(1, corner_hz, "highpass", fs=rate_hz)
+    b, a = scipy.signal.butter(1, corner_hz, "highpass", fs=rate_hz)
     return np.asarray(b), np.asarray(a)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 from armodal.hil_sim.front_end import FrontEnd
 from armodal.hil_sim.plant_file import PlantFile
@@ -37,7 +37,9 @@ class ChannelNoise:
         if n == 0:  # lfilter leaves the state undefined
             return np.zeros((0, len(CHANNELS)))
         drive = np.sqrt(1.0 - self._keep**2) * white_noise(self._slow, n)
-        slow, self._state = signal.lfilter([1.0], [1.0, -self._keep], drive, axis=0, zi=self._state)
+        slow, self._state = scipy.signal.lfilter(
+            [1.0], [1.0, -self._keep], drive, axis=0, zi=self._state
+        )
         counts: Array = white_noise(self._white, n) * self._white_counts + slow * self._slow_counts
         return counts
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 from armodal.hil_sim.front_end import FrontEnd
 from armodal.hil_sim.hand import Blow
@@ -66,7 +66,7 @@ def modal_states(motion: SmallMotion, force: Array, fine_hz: float) -> ComplexAr
     ramp, step = (np.exp(a) - 1.0 - a) / a**2, (np.exp(a) - 1.0) / a
     states: ComplexArray = np.stack(
         [
-            signal.lfilter([T * r, T * (s - r)], [1.0, -np.exp(z)], force)
+            scipy.signal.lfilter([T * r, T * (s - r)], [1.0, -np.exp(z)], force)
             for r, s, z in zip(ramp, step, a, strict=True)
         ]
     )

@@ -9,14 +9,16 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-
-import cantools
-import cantools.database.can
+from typing import TYPE_CHECKING
 
 from armodal.protocols.arm.records import CanMapping, JointSignal
 from armodal.protocols.can_records import CLASSIC_BYTES, CanFrame, bytes_carried
 from armodal.protocols.errors import CanError
+
+if TYPE_CHECKING:
+    from cantools.database.can import Database, Message
 
 __all__ = [
     "DBC_DIRECTORY",
@@ -29,17 +31,6 @@ __all__ = [
 ]
 
 DBC_DIRECTORY = Path(__file__).parent / "dbc"
-
-# A DBC file comes from elsewhere: whatever its parser trips over is the file's fault.
-_PARSER_ERRORS = (
-    cantools.Error,
-    ValueError,
-    LookupError,
-    TypeError,
-    AttributeError,
-    ArithmeticError,
-    RecursionError,
-)
 
 
 _MESSAGE_LENGTH = re.compile(r"\bBO_\s+\d+\s+\w+\s*:\s*(\d+)")
@@ -70,7 +61,7 @@ class CanUpdate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _MappedMessage:
-    definition: cantools.database.can.Message
+    definition: Message
     joints: tuple[JointSignal, ...]
     state: str | None
     counter: str | None
@@ -182,7 +173,7 @@ class CanEncoder:
                 values[mapped.counter] = counter % mapped.counter_modulus
             try:
                 data = mapped.definition.encode(values)
-            except _PARSER_ERRORS as problem:
+            except _parser_errors() as problem:
                 raise CanError(
                     f"{mapped.definition.name} cannot be encoded: {problem}"
                 ) from problem
@@ -204,7 +195,7 @@ def fd_messages(mapping: CanMapping) -> tuple[str, ...]:
     return tuple(each.name for each in definitions if each.length > CLASSIC_BYTES)
 
 
-def load_database(text: str, name: str) -> cantools.database.can.Database:
+def load_database(text: str, name: str) -> Database:
     """Parse the text of a DBC file, or raise CanError with its name."""
     for found in _MESSAGE_LENGTH.finditer(text):
         # The parser lays out every bit of a message, so that a huge one would take the memory.
@@ -219,18 +210,33 @@ def load_database(text: str, name: str) -> cantools.database.can.Database:
                 f"CAN database {name}: wanted signals of at most {_LONGEST_SIGNAL} bits below bit "
                 f"1000, got {found[1][:12]}|{found[2][:12]}"
             )
+    cantools = import_module("cantools")
     try:
         database = cantools.database.load_string(text, database_format="dbc", strict=True)
-    except _PARSER_ERRORS as problem:
+    except _parser_errors() as problem:
         raise CanError(f"CAN database {name}: wanted a DBC file, got: {problem}") from problem
     if not isinstance(database, cantools.database.can.Database):
         raise CanError(f"CAN database {name}: wanted a DBC file, got another kind of database")
-    return database
+    found_one: Database = database
+    return found_one
+
+
+def _parser_errors() -> tuple[type[Exception], ...]:
+    """A DBC file comes from elsewhere: whatever its parser trips over is the file's fault."""
+    return (
+        import_module("cantools").Error,
+        ValueError,
+        LookupError,
+        TypeError,
+        AttributeError,
+        ArithmeticError,
+        RecursionError,
+    )
 
 
 def mapped_message(
-    database: cantools.database.can.Database, message: str, signal: str, *, number: bool = False
-) -> cantools.database.can.Message:
+    database: Database, message: str, signal: str, *, number: bool = False
+) -> Message:
     """Return the message, having checked that it carries the signal in a form we can decode.
 
     Parameters
@@ -289,13 +295,13 @@ def _mapped_messages(mapping: CanMapping) -> dict[tuple[int, bool], _MappedMessa
     return messages
 
 
-def _decode_signals(definition: cantools.database.can.Message, frame: CanFrame) -> dict[str, float]:
+def _decode_signals(definition: Message, frame: CanFrame) -> dict[str, float]:
     carried = bytes_carried(definition.length, fd=frame.fd)
     if len(frame.data) != carried:
         raise CanError(f"{definition.name}: wanted {carried} bytes, got {len(frame.data)}")
     try:
         decoded = definition.decode(frame.data[: definition.length], decode_choices=False)
-    except _PARSER_ERRORS as problem:
+    except _parser_errors() as problem:
         raise CanError(f"{definition.name} cannot be decoded: {problem}") from problem
     if not isinstance(decoded, dict):
         raise CanError(f"{definition.name}: wanted a plain message, got a container")

@@ -55,6 +55,7 @@ class _FrontEndTable(FileModel):
     format: Literal["armodal-front-end-1"]
     device: Literal["replay", "sound", "ni", "opendaq"]
     source: Annotated[str, Field(max_length=256)] = ""
+    server: Annotated[str, Field(pattern=r"^$|^[^\s:]+:[0-9]{1,5}$|^\[[^\s\]]+\]:[0-9]{1,5}$")] = ""
     range_v: Positive | None = None
     filter_group_delay_samples: Annotated[float, Field(ge=0.0)] = 0.0
     channels: Annotated[list[_ChannelTable], Field(min_length=2, max_length=32)]
@@ -65,6 +66,7 @@ class FrontEnd:
     """What a front-end file says.
 
     source : the file to replay, the sound device, or the module's name in the driver
+    server : host and port of the NI gRPC Device Server that has the module; empty: this computer
     channels : as a board would describe them; a count is `scale` of its unit
     inputs : of each channel, a number from 1 on, or a name of the device's
     sensitivity_mv : of each channel, mV per N or per m/s^2; None where no volts are known
@@ -75,6 +77,7 @@ class FrontEnd:
     name: str
     device: str
     source: str
+    server: str
     channels: tuple[Channel, ...]
     inputs: tuple[int | str, ...]
     sensitivity_mv: tuple[float | None, ...]
@@ -123,6 +126,7 @@ def front_end_from_text(text: str, *, name: str, origin: str) -> FrontEnd:
         name=name,
         device=table.device,
         source=table.source,
+        server=table.server,
         channels=tuple(
             _channel(channel, table, f"channels[{i}]", origin)
             for i, channel in enumerate(table.channels)
@@ -139,6 +143,10 @@ def _check_devices(table: _FrontEndTable, origin: str) -> None:
     """Refuse what the device has not."""
     if table.device != "sound" and not table.source:
         refuse(FrontEndError, origin, "source", wanted=_SOURCES[table.device], got=table.source)
+    if table.server and table.device != "ni":
+        refuse(
+            FrontEndError, origin, "server", wanted='none unless device is "ni"', got=table.server
+        )
     for i, channel in enumerate(table.channels):
         counted = table.device in _OF_NUMBERS
         if isinstance(channel.input, int) != counted:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.whole_file import whole_file
 
 __all__ = ["replace_text", "write_new_text"]
@@ -23,7 +24,7 @@ def replace_text(path: Path, text: str) -> None:
             file.write(text.encode())
     except OSError as problem:
         raise SessionError(
-            f"cannot write {path}: {problem.strerror}; check the folder and the disk"
+            f"cannot write {path}: {os_words(problem)}; check the folder and the disk"
         ) from problem
 
 
@@ -41,4 +42,4 @@ def write_new_text(path: Path, text: str, *, error: type[ArmodalError]) -> None:
     except FileExistsError:
         raise error(f"{path} exists already; give another name") from None
     except OSError as problem:
-        raise error(f"cannot write {path}: {problem.strerror}; check the folder") from problem
+        raise error(f"cannot write {path}: {os_words(problem)}; check the folder") from problem

@@ -20,6 +20,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from armodal.protocols.bounds import MOST_KEY_PARTS, MOST_TABLE_DEPTH
 from armodal.protocols.errors import ArmodalError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.printable import UNSEEN
 
 __all__ = [
@@ -77,7 +78,9 @@ def read_text(path: Path, *, what: str, limit_bytes: int, error: type[ArmodalErr
     try:
         absent = not path.is_file()
     except (OSError, ValueError) as problem:
-        raise error(f"{what} {path}: cannot be read ({problem}); check the path") from problem
+        raise error(
+            f"{what} {path}: cannot be read ({os_words(problem)}); check the path"
+        ) from problem
     if absent:
         raise error(f"{what} {path}: wanted a readable file, found none; check the path")
     try:
@@ -85,7 +88,9 @@ def read_text(path: Path, *, what: str, limit_bytes: int, error: type[ArmodalErr
             size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
             data = file.read(min(size, limit_bytes) + 1)
     except (OSError, ValueError) as problem:
-        raise error(f"{what} {path}: cannot be read ({problem}); check the path") from problem
+        raise error(
+            f"{what} {path}: cannot be read ({os_words(problem)}); check the path"
+        ) from problem
     if len(data) > limit_bytes:
         raise error(f"{what} {path.name}: wanted at most {limit_bytes} bytes, got more")
     try:

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import tempfile
 import time
 from functools import cache
 
@@ -9,13 +10,19 @@ from functools import cache
 for _library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
+# What is remembered of sensors is the tests' own.
+_HOME = tempfile.TemporaryDirectory(prefix="armodal-tests-")
+os.environ["XDG_DATA_HOME"] = _HOME.name
+
 import pytest
 from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
 from support.offline_lab import simulate_session
+from support.once_for_all import once_for_all
 
 from armodal.analyzer.arm import Superset
 from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.planning import search, selective
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
 
@@ -74,16 +81,26 @@ def plant():
 
 
 @pytest.fixture(scope="session")
-def session():
+def session(tmp_path_factory):
     """The arm measured by its shipped plan, with good hits."""
-    return simulate_session(4)
+    return once_for_all(tmp_path_factory, "session", lambda: simulate_session(4))
 
 
 @pytest.fixture(scope="session")
-def identified(session):
-    return identify(session)
+def identified(session, tmp_path_factory):
+    return once_for_all(tmp_path_factory, "identified", lambda: identify(session))
 
 
 @pytest.fixture(scope="session")
 def superset(arm):
     return Superset(arm)
+
+
+@pytest.fixture(scope="module")
+def small_search():
+    """A plan's search of fewer postures: what is found is as free, if less selective."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "N_RANDOM", 3000)
+        patch.setattr(search, "ROUNDS", 2)
+        patch.setattr(selective, "N_OTHERS", 10)
+        yield

@@ -11,7 +11,6 @@ from support.gap_results import made_result
 
 import armodal
 from armodal.analyzer.gap.records import PostureGap
-from armodal.analyzer.planning import search
 
 
 def test_a_session_becomes_frfs_and_modes(session, tmp_path):
@@ -51,10 +50,8 @@ def test_frfs_and_a_gap_are_drawn(session):
         armodal.figure(nothing)
 
 
-def test_a_plan_is_the_command_s_own(tmp_path, monkeypatch):
+def test_a_plan_is_the_command_s_own(tmp_path, small_search):
     """Of a search so small that it is quick: both plan with the same numbers."""
-    monkeypatch.setattr(search, "N_RANDOM", 3000)
-    monkeypatch.setattr(search, "ROUNDS", 2)
     made = armodal.plan(armodal.load_arm("viper_s650"), n_tests=2, minutes=40.0, seed=3)
     path = tmp_path / "plan.toml"
     done = command(

@@ -13,7 +13,7 @@ from support.plain_hits import write_manifest
 from support.viper_session import viper_session
 
 from armodal.protocols.session.hdf5 import write_session
-from armodal.tui.cli import MODULES, OF_DEVICES
+from armodal.tui.cli import OF_DEVICES, command_modules
 
 TESTS = Path(__file__).parent
 POSTURE = "--posture=0,30,30,0,90,0"
@@ -77,8 +77,11 @@ def test_an_arm_is_imported_identified_and_reported_without_what_windows_lacks(
 def test_every_command_has_help_there_and_those_of_devices_refuse():
     devices = [*((name,) for name in sorted(OF_DEVICES)), ("check", "board", "COM3")]
     devices.append(("check", "can", "COM4"))
-    told = on_bare_system(("--help",), *((name, "--help") for name in MODULES), *devices)
-    help_, refused = told["commands"][: 1 + len(MODULES)], told["commands"][1 + len(MODULES) :]
+    told = on_bare_system(("--help",), *((name, "--help") for name in command_modules()), *devices)
+    help_, refused = (
+        told["commands"][: 1 + len(command_modules())],
+        told["commands"][1 + len(command_modules()) :],
+    )
     assert [(code, err) for code, _, err in help_ if code] == []
     for command, (code, _, err) in zip(devices, refused, strict=True):
         assert code == 2, command

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pkgutil
 import sys
 from collections.abc import Iterator, MutableMapping
+from functools import lru_cache
 from importlib import import_module
 from typing import Annotated, Any
 
@@ -12,46 +14,34 @@ from typer.core import TyperGroup
 
 from armodal import SOFTWARE
 from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.protocols.os_words import os_words
+from armodal.tui import commands
 from armodal.tui.console import err, out
 from armodal.tui.this_system import check_runs_devices, runs_devices
 
 __all__ = ["app", "main"]
 
 USER_ERROR = 2
-# In the order of the help, each with its module of `tui/commands`, whose `app` holds the command or
-# is a group of that name.
-MODULES = {
-    "demo": "demo",
-    "sim": "sim",
-    "devices": "devices",
-    "acquire": "acquire",
-    "run": "run",
-    "recover": "recover",
-    "inspect": "inspect_files",
-    "import": "exchange",
-    "export": "exchange",
-    "merge": "merge",
-    "review": "review",
-    "arm": "arm",
-    "plan": "plan",
-    "mozzi": "mozzi",
-    "workspace": "workspace",
-    "calibrate-inertia": "calibrate_inertia",
-    "reproduce": "reproduce",
-    "fit": "fit",
-    "identify": "identify",
-    "predict": "predict",
-    "shaper": "shaper",
-    "stiffness-map": "stiffness_map",
-    "chatter": "chatter",
-    "model": "model",
-    "report": "report",
-    "gap": "gap",
-    "gap-study": "gap_study",
-    "check": "check",
-    "can": "can",
-}
+# Commands in the order of the help; any other stands behind them, by its name.
+FIRST = (
+    "demo", "sim", "devices", "acquire", "run", "recover", "inspect", "import", "export", "merge",
+    "review", "arm", "plan", "mozzi", "workspace", "calibrate-inertia", "reproduce", "fit",
+    "identify", "predict", "shaper", "stiffness-map", "chatter", "model", "report", "gap",
+    "gap-study", "check", "can",
+)  # fmt: skip
 OF_DEVICES = frozenset({"demo", "sim", "devices", "acquire", "run"})
+
+
+@lru_cache(maxsize=1)
+def command_modules() -> dict[str, str]:
+    """Return every command's module: of a name that Python takes, it ends in an underscore.
+
+    The module's `app` holds the command, or is a group of that name.
+    """
+    found = (module.name for module in pkgutil.iter_modules(commands.__path__))
+    modules = {name.rstrip("_").replace("_", "-"): name for name in found}
+    order = (*(name for name in FIRST if name in modules), *sorted(modules.keys() - set(FIRST)))
+    return {name: modules[name] for name in order}
 
 
 class _Loaded(MutableMapping[str, Any]):
@@ -65,7 +55,7 @@ class _Loaded(MutableMapping[str, Any]):
             if name in OF_DEVICES and not runs_devices():
                 app = _refusing(name)
             else:
-                app = import_module(f"armodal.tui.commands.{MODULES[name]}").app
+                app = import_module(f"{commands.__name__}.{command_modules()[name]}").app
             group: Any = typer.main.get_command(app)
             command = getattr(group, "commands", {}).get(name, group)
             command.name = name
@@ -79,10 +69,10 @@ class _Loaded(MutableMapping[str, Any]):
         del self._found[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(MODULES)
+        return iter(command_modules())
 
     def __len__(self) -> int:
-        return len(MODULES)
+        return len(command_modules())
 
 
 def _refusing(name: str) -> typer.Typer:
@@ -118,12 +108,15 @@ def _version(wanted: bool) -> None:
 def _armodal(
     context: typer.Context,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print it and end.")
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Print the version and exit."
+        ),
     ] = False,
 ) -> None:
     """Test a robot arm with a hammer: from the hit to a model that explains the measurement.
 
-    Without a command, in a terminal: the home screen, from which all is reached.
+    Without a command, in a terminal, the home screen opens: everything is reached from there.
     """
     del version  # it has ended the command where it was given
     if context.invoked_subcommand is not None:
@@ -131,7 +124,7 @@ def _armodal(
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         out.print(context.get_help())
         raise typer.Exit(USER_ERROR)
-    journey = import_module("armodal.tui.commands.journey")
+    journey = import_module("armodal.tui.command_parts.journey")
     raise typer.Exit(journey.go_from(import_module("armodal.tui.screens.wishes").GoHome()))
 
 
@@ -143,7 +136,7 @@ def main() -> None:
         err.print(f"armodal: {error}")
         sys.exit(USER_ERROR)
     except OSError as error:
-        problem = SessionError(f"{error.filename or 'file'}: {error.strerror or error}")
+        problem = SessionError(f"{error.filename or 'file'}: {os_words(error)}")
         err.print(f"armodal: {problem}")
         sys.exit(USER_ERROR)
     except KeyboardInterrupt:

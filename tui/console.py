@@ -12,10 +12,12 @@ import typer
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.markup import escape
 from rich.segment import Segment
+from rich.table import Table
 
 from armodal.daq.clock import check_time_scale
 from armodal.protocols.errors import SessionError
 from armodal.protocols.printable import printable
+from armodal.tui.fitting_table import FittingTable
 from armodal.tui.json_text import json_text
 
 __all__ = [
@@ -43,10 +45,11 @@ class _Console(Console):
             yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def print(self, *objects: Any, **settings: Any) -> None:
-        """Print objects; tables fold, text only on a terminal."""
+        """Print objects; tables as they fit, text folded only on a terminal."""
         is_text = all(isinstance(thing, (str, Path)) for thing in objects)
         settings.setdefault("soft_wrap", is_text and not self.is_terminal)
-        super().print(*objects, **settings)
+        fitting = (FittingTable(one) if isinstance(one, Table) else one for one in objects)
+        super().print(*fitting, **settings)
 
 
 out = _Console(highlight=False, markup=False)
@@ -60,7 +63,7 @@ def _checked(scale: float) -> float:
     return scale
 
 
-TimeScale = Annotated[float, typer.Option(callback=_checked, help="Lab seconds a second.")]
+TimeScale = Annotated[float, typer.Option(callback=_checked, help="Simulated seconds per second.")]
 
 
 def say(text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ import tempfile
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 
 from armodal.protocols.errors import SessionError
 
@@ -25,13 +27,17 @@ def check_prints() -> None:
     Raises
     ------
     SessionError
-        If neither Chromium nor WeasyPrint is there.
+        If neither Chromium nor WeasyPrint with its libraries is there.
     """
-    if _browser() is None and find_spec(SETTER) is None:
+    if _browser() is not None:
+        return
+    if find_spec(SETTER) is None:
         raise SessionError(
-            "--pdf: wanted Chromium, Chrome or the Python package weasyprint to print with, found "
-            "none; install one, or open the HTML report and print it from the browser"
+            "--pdf: wanted Chromium, Chrome or the Python package weasyprint (the extra pdf) to "
+            "print with, found none; install one, or open the HTML report and print it from the "
+            "browser"
         )
+    _setter()
 
 
 def print_pdf(page: Path, pdf: Path) -> None:
@@ -47,7 +53,7 @@ def print_pdf(page: Path, pdf: Path) -> None:
     with tempfile.TemporaryDirectory(prefix=".pdf-", dir=pdf.parent) as folder:
         made = Path(folder) / "page.pdf"
         if browser is None:
-            import_module(SETTER).HTML(filename=str(page)).write_pdf(str(made))
+            _setter().HTML(filename=str(page)).write_pdf(str(made))
         else:
             _by_browser(browser, page, made, Path(folder) / "profile")
         if not made.is_file():
@@ -56,6 +62,18 @@ def print_pdf(page: Path, pdf: Path) -> None:
                 "it from there"
             )
         made.replace(pdf)
+
+
+def _setter() -> ModuleType:
+    """WeasyPrint, silent about the CSS that it passes over; it loads libraries of the system."""
+    logging.getLogger(SETTER).setLevel(logging.ERROR)
+    try:
+        return import_module(SETTER)
+    except OSError as error:
+        raise SessionError(
+            f"--pdf: weasyprint does not find the library Pango ({error.args[0].splitlines()[0]}); "
+            "install Pango or Chromium, or open the HTML report and print it from the browser"
+        ) from error
 
 
 def _browser() -> str | None:

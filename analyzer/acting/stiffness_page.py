@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
+from armodal.analyzer.acting.self_motion import FreeAngle
 from armodal.analyzer.acting.stiffness import PlaneStiffness, ToolStiffness
 from armodal.analyzer.report.policy import under_policy
 from armodal.protocols.arm.records import Arm
 
-__all__ = ["path_figure", "plane_figure", "stiffness_csv", "stiffness_page"]
+__all__ = ["angle_figure", "path_figure", "plane_figure", "stiffness_csv", "stiffness_page"]
 
 _N_PER_UM = 1e-6
 
@@ -53,6 +54,39 @@ def path_figure(arm: Arm, found: ToolStiffness) -> Any:
     figure.update_xaxes(title="posture of the path")
     figure.update_yaxes(title="N/µm", rangemode="tozero")
     figure.update_layout(title=f"Stiffness at the tool of {arm.name}")
+    return figure
+
+
+def angle_figure(arm: Arm, found: FreeAngle) -> Any:
+    """Stiffness over the free angle: of one pose a curve, of a path colours, the best marked."""
+    figure = go.Figure()
+    angle = np.rad2deg(found.angle_rad).round(3)
+    along, best = _N_PER_UM * found.along_n_per_m, np.rad2deg(found.best_angle_rad)
+    if len(along) == 1:
+        figure.add_scatter(x=angle, y=along[0], name="along the force")
+        marks = (("given", [0.0], found.given), ("stiffest", best, found.best))
+        for name, at, own in marks:
+            figure.add_scatter(
+                x=at,
+                y=_N_PER_UM * own.along_n_per_m,
+                name=name,
+                mode="markers",
+                marker={"size": 12},
+            )
+        figure.update_xaxes(title="way of all joints together, deg")
+        figure.update_yaxes(title="N/µm", rangemode="tozero")
+    else:
+        at = np.arange(1, len(along) + 1)
+        figure.add_heatmap(
+            x=at, y=angle, z=along.T, colorscale="Viridis", colorbar={"title": "N/µm"}
+        )
+        line = {"color": "black", "width": 3}
+        figure.add_scatter(x=at, y=best, name="stiffest", mode="lines+markers", line=line)
+        figure.add_scatter(x=at, y=0.0 * at, name="given", line={"color": "red", "dash": "dot"})
+        figure.update_layout(legend={"orientation": "h", "x": 0.7, "y": 1.12})
+        figure.update_xaxes(title="posture of the path")
+        figure.update_yaxes(title="way of all joints together, deg")
+    figure.update_layout(title=f"Stiffness at the tool of {arm.name} over its free angle")
     return figure
 
 

@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 from armodal.analyzer.checks.records import Fault, Finding, Outcome
 from armodal.analyzer.modal.windows import laplace_lines
@@ -105,7 +105,7 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
 
 def _peaks(height: Array, limit: Array) -> npt.NDArray[np.intp]:
     """Local maxima above the limit that are not ripples on the side of another."""
-    found, properties = signal.find_peaks(height, height=limit, prominence=0.0)
+    found, properties = scipy.signal.find_peaks(height, height=limit, prominence=0.0)
     clear: npt.NDArray[np.intp] = found[properties["prominences"] > _PROMINENCE * height[found]]
     return clear
 

@@ -16,7 +16,7 @@ from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.protocols.arm.records import Arm, InertialLink
 from armodal.protocols.errors import ArmError
 
-__all__ = ["HeldArm", "held_arm"]
+__all__ = ["HeldArm", "held_arm", "with_bodies"]
 
 Array = npt.NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def held_arm(arm: Arm) -> HeldArm:
     if lines:
         notes.append(f"fitted anew from where the arm file has them: {', '.join(lines.values())}")
     return HeldArm(
-        arm=_with_bodies(arm, at),
+        arm=with_bodies(arm, at),
         axes=tuple(_axis(correction, at, at.names[size]) for size in lines),
         held=_held(correction, at, [at.names[size] for size in lines]),
         notes=(*notes, *correction.notes),
@@ -146,7 +146,8 @@ def _why_not(own: Correction) -> str:
     return next((why for why, is_so in reasons.items() if is_so), "")
 
 
-def _with_bodies(arm: Arm, at: Assembly) -> Arm:
+def with_bodies(arm: Arm, at: Assembly) -> Arm:
+    """Return an arm whose links hold the bodies that its effects put on them."""
     joints = tuple(
         replace(joint, link=_body(joint.link, inertia))
         for joint, inertia in zip(arm.joints, at.link_inertia, strict=True)

@@ -35,6 +35,7 @@ class Compared:
 
     joints_rad: Array  # (n, n_joints)
     largest: float  # relative difference
+    largest_hz: float  # of the mode that has it
     n_modes: int  # compared in every posture
 
 
@@ -100,7 +101,7 @@ def compare_frequencies(
     room = np.random.default_rng(_SEED).uniform(_INSIDE, 1.0 - _INSIDE, (n_postures, len(low)))
     postures = low + (high - low) * room
     offset = correction.ordinary.encoder(correction.values)
-    worst, fewest = 0.0, len(tree.elastic)
+    worst, worst_hz, fewest = 0.0, 0.0, len(tree.elastic)
     for q in postures:
         own = corrected_posture(correction, stand(correction, q))
         square = scipy.linalg.eigvalsh(own.stiffness, own.mass)
@@ -109,5 +110,7 @@ def compare_frequencies(
         found = simulator_frequencies(mujoco, model, tree.elastic, angles)
         heard = wanted < below_hz
         fewest = min(fewest, int(heard.sum()))
-        worst = max(worst, float(np.abs(found[: len(wanted)][heard] / wanted[heard] - 1.0).max()))
-    return Compared(joints_rad=postures, largest=worst, n_modes=fewest)
+        off = np.abs(found[: len(wanted)][heard] / wanted[heard] - 1.0)
+        if off.max() > worst:
+            worst, worst_hz = float(off.max()), float(wanted[heard][off.argmax()])
+    return Compared(joints_rad=postures, largest=worst, largest_hz=worst_hz, n_modes=fewest)

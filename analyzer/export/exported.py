@@ -64,9 +64,10 @@ def ready_for_export(arm: Arm, *, level: float = 0.0) -> Ready:
             f"and {', '.join(moved)}"
         )
     tree = tree_of(arm, chain)
-    if tree.raised_kg_m2 > 0.0:
+    if tree.moved_m > 0.0:
         notes.append(
-            "single pieces of a link that bends have moments that no body has: raised by at most "
-            f"{tree.raised_kg_m2:.2g} kg m²"
+            "pieces of a link that bends or twists lie nearer together than in the arm file's "
+            f"equations, by at most {1e3 * tree.moved_m:.2g} mm, so that each can be a body; the "
+            "link as a whole is the same"
         )
     return Ready(correction=correction, tree=tree, notes=tuple(notes))

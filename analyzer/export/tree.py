@@ -8,12 +8,15 @@ arm. What effects let give way is a joint likewise. All of these rest at zero in
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.corrected.chain import Chain, Element
+from armodal.analyzer.export.pieces import Piece, physical_pieces
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 
@@ -51,7 +54,7 @@ class TreeBody:
     mass_kg: float
     center_m: Array  # (3,)
     inertia_kg_m2: Array  # (3, 3) about the centre
-    raised_kg_m2: float = 0.0  # of its moments, where a piece of a link was none that a body has
+    moved_m: float = 0.0  # of its centre, where a piece of a link had moments that no body has
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,9 +85,9 @@ class Tree:
     between: tuple[Between, ...]
 
     @property
-    def raised_kg_m2(self) -> float:
-        """Return the most that a moment of a piece of a link was raised by, to be a body's."""
-        return max((body.raised_kg_m2 for body in self.bodies), default=0.0)
+    def moved_m(self) -> float:
+        """Return the most that the centre of a piece of a link was moved by, to be a body's."""
+        return max((body.moved_m for body in self.bodies), default=0.0)
 
     @property
     def elastic(self) -> tuple[str, ...]:
@@ -192,7 +195,26 @@ def _bodies(
         body = _body(arm, element, tuple(freedoms), last, found)
         found.append(body)
         last, freedoms = body.name, []
-    return tuple(found)
+    return tuple(_with_physical_pieces(found))
+
+
+def _with_physical_pieces(bodies: Sequence[TreeBody]) -> Iterator[TreeBody]:
+    """Bodies in the same order, the inertias of each link's pieces such as bodies have."""
+    for _, own in groupby(bodies, key=lambda body: body.link):
+        pieces = list(own)
+        physical = physical_pieces(
+            [
+                Piece(mass_kg=b.mass_kg, center_m=b.center_m, inertia_kg_m2=b.inertia_kg_m2)
+                for b in pieces
+            ]
+        )
+        for body, piece in zip(pieces, physical, strict=True):
+            yield replace(
+                body,
+                center_m=piece.center_m,
+                inertia_kg_m2=piece.inertia_kg_m2,
+                moved_m=float(np.linalg.norm(piece.center_m - body.center_m)),
+            )
 
 
 def _driven(arm: Arm, element: Element) -> Freedom:
@@ -226,7 +248,6 @@ def _body(
         center = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
         about = about - mass * (center @ center * np.eye(3) - np.outer(center, center))
     wanted = (about + about.T) / 2.0
-    physical = _physical(wanted)
     return TreeBody(
         name=link if not pieces else f"{link}_beyond{pieces}",
         link=element.link,
@@ -235,23 +256,8 @@ def _body(
         freedoms=freedoms,
         mass_kg=mass,
         center_m=center,
-        inertia_kg_m2=physical,
-        raised_kg_m2=float(np.abs(physical - wanted).max()),
+        inertia_kg_m2=wanted,
     )
-
-
-def _physical(inertia: Array) -> Array:
-    """Return the inertia, its smaller moments raised where no body has such three.
-
-    Pieces of a link share its mass evenly; single ones may break the triangle of moments, which
-    simulators refuse.
-    """
-    moments, axes = np.linalg.eigh(inertia)
-    lacking = moments[2] - moments[0] - moments[1]
-    if lacking <= 0.0:
-        return inertia
-    raised = moments + (1.0 + 1e-9) * lacking / 2.0 * np.array([1.0, 1.0, 0.0])
-    return np.asarray(axes @ np.diag(raised) @ axes.T)
 
 
 def _refuse_shared_mass(arm: Arm, mass: Array, names: list[str]) -> None:

@@ -6,6 +6,7 @@ A module may offer, each found by its name,
     look(stage, fit, instances)               candidates by a linear look of its own
     look_at_channels(stage, hypothesis, values)   likewise, of what was measured
     of_file(ordinary, description)            the instance an arm file describes
+    at_line(ordinary, link, direction, point) the instance along a line of a link; of a file, too
     together(ordinary, one, other)            the one instance that two are
     told_by_hits_between(judged, sharp, between, apart)   rivals that levels tell apart
     asks_for_levels(standing)                 whether hits at other levels would tell
@@ -22,9 +23,10 @@ from typing import Any
 
 from armodal.analyzer.gap import effects
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.lines_in_links import described_line
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
-__all__ = ["all_instances", "described", "hooks", "together"]
+__all__ = ["all_instances", "described", "hooks", "title_of", "together"]
 
 
 @lru_cache(maxsize=8)  # of an arm and its postures; asked for in every round
@@ -44,6 +46,10 @@ def described(ordinary: Ordinary, name: str, description: Mapping[str, object]) 
         if name in _names(module) and hasattr(module, "of_file"):
             found: Instance | None = module.of_file(ordinary, description)
             return found
+        if name in _names(module) and hasattr(module, "at_line"):
+            line = described_line(ordinary, description)
+            along: Instance | None = None if line is None else module.at_line(ordinary, *line)
+            return along
     return None
 
 
@@ -51,6 +57,17 @@ def together(ordinary: Ordinary, one: Instance, other: Instance) -> Instance | N
     """Return the one instance that two are; None where they are two."""
     every = (of(ordinary, one, other) for of in hooks("together"))
     return next((both for both in every if both is not None), None)
+
+
+def title_of(name: str) -> str:
+    """Return an effect's title; its name where the library has none of that name."""
+    titles = (
+        words.title
+        for module in _modules()
+        for words in vars(module).values()
+        if isinstance(words, EffectWords) and words.name == name
+    )
+    return next(titles, name)
 
 
 @lru_cache(maxsize=1)

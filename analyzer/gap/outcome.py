@@ -20,6 +20,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
+from armodal.analyzer.gap.library import title_of
 from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (
     Disagreement,
@@ -47,6 +48,9 @@ __all__ = ["GapOutcome", "conclude", "notes_on_its_end"]
 
 _WIDEST = 0.7  # of ln k
 _FEW_STEPS = 3
+# Probability that an unseen effect is there, beforehand: that of a false name one accepts. And the
+# most nats of a look that count.
+_BELIEVED, _SURE_NATS = 0.01, 50.0
 # Nats that a fit's own quadratic still promises: a deviation and a half of a single parameter.
 _UNFINISHED = 1.0
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
@@ -172,9 +176,10 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
             np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
         ),
         signature=words.signature,
-        confused_with=words.confused_with,
+        confused_with=tuple(title_of(name) for name in words.confused_with),
         told_by=words.told_by,
         remedy=words.remedy,
+        moves=instance.begins_at,
     )
 
 
@@ -195,6 +200,7 @@ def _rival(fit: Fit, present: Fit, best: Fit, standing: Sequence[Fit], phi: floa
         material=instance.is_material(fit.values),
         parameters=intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
+        moves=instance.begins_at,
     )
 
 
@@ -275,6 +281,7 @@ def _ranges(
                 else:
                     high = max(high, found[0].value + spread)
         std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * TWO_SIDED_95))
+        std = float(np.hypot(std, _left_open(hiding, best, name, phi)))
         rows.append(
             StiffnessRange(
                 joint=joint,
@@ -285,6 +292,22 @@ def _ranges(
             )
         )
     return tuple(rows)
+
+
+def _left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) -> float:
+    """Root mean square by which a parameter is off, if something unseen is there after all.
+
+    A hammer far beyond its tolerance is hardly seen: all masses follow it within theirs, and every
+    stiffness with them. That it is there has the probability p / (1 + p), p what the looks promise
+    over what they are believed beforehand; then the parameter is off by what goes with it.
+    """
+    off = 0.0
+    for c in hiding:
+        there = c.size - best.values[c.instance.size] if c.instance.relaxes else c.size
+        shift = float(np.clip(c.follow.get(name, 0.0) * there, -_WIDEST, _WIDEST))
+        odds = _BELIEVED * np.exp(min(c.gain / phi, _SURE_NATS))
+        off = max(off, float(abs(shift) * np.sqrt(odds / (1.0 + odds))))
+    return off
 
 
 def _reach(fit: Fit, name: str) -> float:

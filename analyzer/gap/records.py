@@ -56,9 +56,10 @@ class EffectFound:
     gain: float  # of evidence over the model without it, nats
     held_out_gain: float  # of log density on postures it was not fitted to, nats
     signature: str
-    confused_with: tuple[str, ...]
+    confused_with: tuple[str, ...]  # titles of effects
     told_by: str
     remedy: str
+    moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +75,7 @@ class RivalRow:
     material: bool  # large enough to be worth a name
     parameters: Mapping[str, Interval]
     told_by: str
+    moves: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -271,7 +271,7 @@ def _by_level(
     ordinary = present.ordinary
     if ordinary.level_span or not ordinary.levels_hit:
         return stages, present
-    tell("soft hits beside hard ones")
+    tell("soft hits compared with hard ones")
     about = middle_level(session)
     apart = stages_of(superset, session, frfs, models=models, level_about=about)
     apart = with_tests(apart, superset, more, about)

@@ -20,7 +20,8 @@ import numpy.typing as npt
 from armodal.analyzer.arm.reduced import selection
 from armodal.analyzer.arm.superset import PostureDynamics, Superset
 from armodal.analyzer.given_frfs import complete_points
-from armodal.analyzer.identification.parameters import FitState, axis_frame
+from armodal.analyzer.identification.parameters import FitState
+from armodal.analyzer.screws.cross import across, skew
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
@@ -163,7 +164,7 @@ def predict_with_derivatives(
     if data.one_direction:
         at = n_free + 3 + 2 * posture
         for side in range(2):
-            tilted = parts.hit_linear[0].T @ axis_frame(data.hit_direction[0])[:, side]
+            tilted = parts.hit_linear[0].T @ across(data.hit_direction[0])[:, side]
             dy[at + side, :, 0] = np.einsum("mlni,n->mil", Y, tilted)
     return y, dy
 
@@ -200,7 +201,7 @@ def _assemble(superset: Superset, data: PostureData, state: FitState, posture: i
     hit_linear = dynamics.point_jacobian[data.hit_point][:, :3] @ T
     force = data.hit_direction
     if data.one_direction:
-        force = force + axis_frame(force[0]) @ state.hit_tilt_rad[posture]
+        force = force + across(force[0]) @ state.hit_tilt_rad[posture]
     b = np.einsum("rin,ri->nr", hit_linear, force)
     return _Parts(
         T=T,
@@ -218,7 +219,7 @@ def _output(data: PostureData, J: Array) -> ComplexArray:
     R = data.dynamics.point_rotation[data.sensor_point]
     moved = np.einsum("mji,mjn->mni", R, J[:, :3])
     # a - g seen in axes turned by θ changes by θ x g.
-    tilt = np.cross(J[:, 3:], data.dynamics.gravity_m_s2[:, None], axisa=1, axisb=0, axisc=1)
+    tilt = skew(-data.dynamics.gravity_m_s2) @ J[:, 3:]
     weighed = np.einsum("mji,mjn->mni", R, tilt)
     s2 = (data.s_rad_s**2)[None, :, None, None]
     return np.asarray(s2 * moved[:, None] + weighed[:, None])
@@ -244,15 +245,15 @@ def _derivatives(
     dy = [spring(i) for i in range(n_joints)] + [damper(i) for i in range(n_joints)]
     gain = np.exp(state.log_gain)
     for i, axis in enumerate(structure.axes, start=n_joints):
-        frame = axis_frame(axis.direction)
+        frame = across(axis.direction)
         for side in range(2):
             u = frame[:, side]
             # A tilted axis keeps its nearest point: dp = -u_axis (p . du) keeps p ⟂ u.
             dp = -axis.direction * (axis.point_m @ u)
-            twist = np.concatenate([np.cross(axis.point_m, u) + np.cross(dp, axis.direction), u])
+            twist = np.concatenate([skew(axis.point_m) @ u + skew(dp) @ axis.direction, u])
             dy.append(_moved_axis(data, parts, X, Y, gain, i, axis.link, twist))
         for side in range(2):
-            twist = np.concatenate([np.cross(frame[:, side], axis.direction), np.zeros(3)])
+            twist = np.concatenate([skew(frame[:, side]) @ axis.direction, np.zeros(3)])
             dy.append(_moved_axis(data, parts, X, Y, gain, i, axis.link, twist))
         dy += [spring(i), damper(i)]
     return dy

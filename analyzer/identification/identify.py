@@ -13,6 +13,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import HeldArm, held_arm
 from armodal.analyzer.identification.axis_results import axis_results
 from armodal.analyzer.identification.axis_search import best_axis_fit, start_state
+from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
 from armodal.analyzer.identification.frf_model import PostureData, posture_data
 from armodal.analyzer.identification.mode_fit import (
@@ -34,11 +35,9 @@ from armodal.analyzer.identification.result_rows import (
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from armodal.analyzer.modal import (
     ModalModel,
-    band_of_hits,
     fit_modes,
     fit_modes_at,
     lines_within,
-    posture_frf,
     proposed_band,
     record_notes,
 )
@@ -52,35 +51,6 @@ Array = npt.NDArray[np.float64]
 
 BAND_ABOVE = 1.5  # the model is fitted up to this multiple of the highest fitted mode
 SEARCH_STRIDE = 4  # lines skipped while axes are searched
-
-
-def estimate_frfs(
-    session: Session, superset: Superset, *, band_hz: tuple[float, float] | None = None
-) -> tuple[FrequencyResponse, ...]:
-    """FRFs of every planned posture with accepted hits or given FRFs, in plan order.
-
-    A band asked for widens the one that hits excite; `record_notes` says what that means.
-    """
-    frfs = []
-    given = {frf.posture: frf for frf in session.frfs}
-    for posture in session.header.plan.postures:
-        if posture.name in given:
-            frfs.append(given[posture.name])
-            continue
-        if not session.accepted(posture.name):
-            continue
-        measured = [
-            reading.joints_rad
-            for hit in session.accepted(posture.name)
-            for reading in (hit.before, hit.after)
-            if reading.joints_rad is not None
-        ]
-        rotation = superset.posture(np.mean(measured, axis=0)).point_rotation
-        directions = {p: rotation[i] for p, i in superset.point_index.items()}
-        usable = None if band_hz is None else band_of_hits(session, posture.name)
-        widened = None if usable is None or band_hz is None else usable.widened(band_hz)
-        frfs.append(posture_frf(session, posture.name, directions, band_hz=widened))
-    return tuple(frfs)
 
 
 def identify(

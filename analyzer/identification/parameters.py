@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.structure import Axis, Structure
+from armodal.analyzer.screws.cross import across
 from armodal.protocols.arm.records import Arm, Tolerances
 
-__all__ = ["FitState", "ParameterNames", "axis_frame", "step_state"]
+__all__ = ["FitState", "ParameterNames", "step_state"]
 
 Array = npt.NDArray[np.float64]
 
@@ -63,14 +64,6 @@ def _gain_std(tolerances: Tolerances) -> float:
     return float(np.hypot(tolerances.sensor_gain, tolerances.hammer_gain))
 
 
-def axis_frame(direction: Array) -> Array:
-    """Return (3, 2) two unit vectors that complete a unit direction to an orthogonal frame."""
-    helper = np.eye(3)[np.argmin(np.abs(direction))]
-    first = np.cross(direction, helper)
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(direction, first)], axis=1)
-
-
 def step_state(state: FitState, step: Array) -> FitState:
     """Move a state by a step of the parameters, in the order of `ParameterNames`."""
     structure = state.structure
@@ -79,7 +72,7 @@ def step_state(state: FitState, step: Array) -> FitState:
     at = 2 * n
     for axis in structure.axes:
         tilt, shift = step[at : at + 2], step[at + 2 : at + 4]
-        frame = axis_frame(axis.direction)
+        frame = across(axis.direction)
         direction = axis.direction + frame @ tilt
         direction = direction / np.linalg.norm(direction)
         point = axis.point_m + frame @ shift

@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from armodal.analyzer.modal.about_modes import AboutModes, about_modes, linked_runs
 from armodal.analyzer.modal.own_poles import LINKED, own_fits, own_fits_again
@@ -121,7 +121,9 @@ def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> l
         # A resonance known to no better than its own width was not seen. Nor one that explains no
         # more than the best place for a pole does where there is nothing but noise, as at a node.
         explained = fit.gain.sum(axis=0) / max(noise, np.finfo(float).tiny) * line_share
-        by_noise = REACH * chi2.sf(explained, 2 * n_frf + 2)  # of so many bandwidths, one
+        by_noise = REACH * chdtrc(
+            2 * n_frf + 2, np.maximum(explained, 0.0)
+        )  # of so many bandwidths, one
         known = (variance[:, 1] < z[g] ** 2) & (by_noise[rank] < SURE)
         std[g][known] = np.sqrt(np.maximum(variance[known], 0.0))
     return [
@@ -153,7 +155,7 @@ def _chances(fit: Regression, group: _Int, n_freq: int, line_share: float) -> _R
         own_step = np.linalg.pinv(own, hermitian=True) @ score[..., None]
         step = own_step[..., 0] - mean
         q = float(np.einsum("gi,gij,gj->", step, own, step))
-        chance[m] = chi2.sf(q, 2 * (n_groups - 1))
+        chance[m] = chdtrc(2 * (n_groups - 1), max(q, 0.0))
     return chance
 
 

@@ -24,12 +24,12 @@ Trials 7 (1986) 177.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import f as fisher
 
 from armodal.analyzer.modal.merge_lines import MergeInput, common_lines
 from armodal.analyzer.modal.noise import independent_line_share, scatter_dof, smooth_lines
@@ -195,12 +195,12 @@ def _compare(values: _Complex, variance: _Real, hits_dof: _Real, chance: float) 
     gain = complex(np.sum(values[0].conj() * values[1] / expected) / first_power)
     common = float(share @ np.sqrt(expected / power)) ** 2
     dof = _satterthwaite(variance @ share, hits_dof)
-    by_factor = abs(gain - 1.0) ** 2 > common * float(fisher.isf(chance, 2.0, dof))
+    by_factor = abs(gain - 1.0) ** 2 > common * _exceeded_with(chance, dof)
     apart = np.abs(values[1] - gain * values[0]) ** 2
     size = variance[1] + abs(gain) ** 2 * variance[0]
     near, of_scatter = smooth_lines(np.stack([apart, size]), _HALF_WIDTH)
     tests = max(apart.size / (1.0 + 2.0 * _HALF_WIDTH), 1.0)
-    differ = near > of_scatter * float(fisher.isf(chance / tests, 2.0, dof))
+    differ = near > of_scatter * _exceeded_with(chance / tests, dof)
     differ |= by_factor
     whole = smooth_lines(np.abs(values[1] - values[0]) ** 2, _HALF_WIDTH)
     excess = whole - smooth_lines(expected, _HALF_WIDTH)
@@ -208,6 +208,14 @@ def _compare(values: _Complex, variance: _Real, hits_dof: _Real, chance: float) 
     relative = whole / smooth_lines(power, _HALF_WIDTH)
     largest = float(np.sqrt(np.max(np.where(differ, relative, 0.0))))
     return _Compared(differ, between, gain if by_factor else 1.0 + 0.0j, largest)
+
+
+def _exceeded_with(chance: float, dof: float) -> float:
+    """What F of 2 and `dof` degrees of freedom exceeds with a chance: (1 + 2 F / dof)^(-dof / 2).
+
+    Johnson, Kotz, Balakrishnan, Continuous Univariate Distributions 2 (1995), chapter 27.
+    """
+    return 0.5 * dof * math.expm1(-2.0 / dof * math.log(chance))
 
 
 def _satterthwaite(variance: _Real, dof: _Real) -> float:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 __all__ = ["Quantity", "random_effects"]
 
@@ -55,5 +55,5 @@ def random_effects(x: _Real, std: _Real) -> Quantity:
         value=x,
         value_std=std,
         drawn=mean + share * (x - mean),
-        chance=float(chi2.sf(q, max(n - 1, 1))),
+        chance=float(chdtrc(max(n - 1, 1), q)),
     )

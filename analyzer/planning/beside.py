@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.planning.equations import PlannedArm
 from armodal.analyzer.planning.selectivity import worst_coupling
-from armodal.analyzer.workspace.batch import ArmBatch
-from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlanError
 from armodal.protocols.plan import load_plan, shipped_plans
@@ -29,7 +28,7 @@ class Beside:
     least_coupling: Array  # (n,)
 
 
-def other_plan(arm: Arm, elastic: ElasticJoints, source: str | None) -> Beside | None:
+def other_plan(planned: PlannedArm, source: str | None) -> Beside | None:
     """The plan to set beside: the one named, else this arm's shipped one of most postures.
 
     Raises
@@ -37,12 +36,12 @@ def other_plan(arm: Arm, elastic: ElasticJoints, source: str | None) -> Beside |
     PlanError
         If the plan named cannot be read, or is for another arm.
     """
+    arm = planned.arm
     plan = load_plan(source, arm) if source is not None else _shipped(arm)
     if plan is None:
         return None
-    mass = ArmBatch(arm).mass(np.stack([posture.joints_rad for posture in plan.postures]))
-    chosen = np.array(elastic.joints)
-    worst = worst_coupling(mass[chosen[:, None], chosen])
+    postures = np.stack([posture.joints_rad for posture in plan.postures])
+    worst = worst_coupling(planned.joint_mass(postures))
     best = worst.argmin(axis=1)
     return Beside(
         name=plan.name,

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.planning.equations import PlannedArm
 from armodal.analyzer.planning.excitation import posture_modes
 from armodal.analyzer.planning.expected import Instruments
-from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.errors import PlanError
 from armodal.protocols.sensors_file import Accelerometer, Equipment, Hammer
 
@@ -64,9 +63,7 @@ class Chosen:
         )
 
 
-def chosen_equipment(
-    superset: Superset, elastic: ElasticJoints, postures_rad: Array, equipment: Equipment
-) -> Chosen:
+def chosen_equipment(planned: PlannedArm, postures_rad: Array, equipment: Equipment) -> Chosen:
     """Choose from a laboratory's equipment for postures (n, n_joints) as the plan may take them.
 
     Raises
@@ -75,16 +72,13 @@ def chosen_equipment(
         If no accelerometer is light enough, or none has the range.
     """
     masses, tops = [], []
-    columns = [superset.joint_column(joint) for joint in elastic.joints]
-    moving = [i for i, link in enumerate(superset.point_link) if link >= 0]
+    moving = [i for i, link in enumerate(planned.superset.point_link) if link >= 0]
     for q in postures_rad[:N_POSTURES]:
-        dynamics = superset.posture(q)
-        modes = posture_modes(superset, dynamics, elastic)
+        at = planned.at(q)
+        modes = posture_modes(at)
         tops.append(float(modes.f_hz.max()))
-        J = dynamics.point_jacobian[moving, :3][:, :, columns]
-        along = np.einsum("pi,pij->pj", dynamics.point_rotation[moving][:, :, 2], J)
-        give = np.einsum("pi,ij,pj->p", along, np.linalg.inv(modes.mass), along)
-        masses += list(1.0 / np.maximum(give, 1e-6))
+        along = np.einsum("pi,pij->pj", at.point_rotation[moving][:, :, 2], at.point_linear[moving])
+        masses += list(modes.effective_mass_kg(along @ modes.shape))
     # Points near the base move little; those that are hit are among the lighter half.
     met = float(np.quantile(masses, 0.25))
     top = min(float(np.median(tops)), HIGHEST_HZ)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import scipy.linalg
 
-from armodal.analyzer.arm.superset import PostureDynamics, Superset
-from armodal.analyzer.workspace.spectrum import ElasticJoints, spectrum_of_mass
+from armodal.analyzer.planning.equations import Equations, PlannedArm
+from armodal.analyzer.workspace.spectrum import ElasticJoints
 
 __all__ = [
     "HitChoice",
@@ -28,6 +29,8 @@ __all__ = [
 
 Array = npt.NDArray[np.float64]
 
+_ANSWERS_HZ = 1000.0  # the hits of soft tips are over before anything slower has moved far
+_WITHOUT_MASS = 1e-12  # 1/omega^2 over the lowest mode's: what moves no mass follows at once
 _NORMAL = 2  # sensor z is the surface's normal
 SEEN = 0.2  # of the largest motion: points that move less say little
 EXCITED = 0.05  # of a hit's driving-point peaks: a mode that shows
@@ -37,17 +40,23 @@ FAINT = 0.1  # of the mode's own peak: a neighbour that hides nothing
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PostureModes:
-    """Predicted modes of a posture; n elastic joints, as many modes."""
+    """Predicted modes of a posture, lowest first; k coordinates, n of them elastic joints."""
 
-    f_hz: Array  # (n,)
-    damping_ratio: Array  # (n,)
-    shape: Array  # (n, n) unit modal mass
-    joint_share: Array  # (n joints, n modes) of each mode's strain energy
+    f_hz: Array  # (m,)
+    damping_ratio: Array  # (m,)
+    shape: Array  # (k, m) unit modal mass
+    joint_share: Array  # (n, m) of each mode's strain energy
     mass: Array  # (n, n) of the elastic joints
 
     def mode_of(self, joint: int) -> int:
         """The mode in which a joint has its largest share."""
         return int(np.argmax(self.joint_share[joint]))
+
+    def effective_mass_kg(self, participation: Array) -> Array:
+        """Mass (...) that a hit meets, from how much it moves each mode, (..., m)."""
+        answers = self.f_hz < _ANSWERS_HZ
+        give = np.sum(participation[..., answers] ** 2, axis=-1)
+        return np.asarray(1.0 / np.maximum(give, 1e-12))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,35 +72,28 @@ class HitChoice:
     along_normal: bool  # the surface itself takes the hit; else it needs a block to hit sideways
 
 
-def posture_modes(
-    superset: Superset, dynamics: PostureDynamics, elastic: ElasticJoints
-) -> PostureModes:
-    """Modes of a posture, springs only."""
-    columns = [superset.joint_column(joint) for joint in elastic.joints]
-    mass = dynamics.mass[np.ix_(columns, columns)]
-    found = spectrum_of_mass(
-        mass[..., None],
-        ElasticJoints(
-            joints=tuple(range(len(columns))),
-            stiffness_n_m_per_rad=elastic.stiffness_n_m_per_rad,
-            damping_n_m_s_per_rad=elastic.damping_n_m_s_per_rad,
-        ),
-    )
-    shape = found.shape[0]
-    energy = elastic.stiffness_n_m_per_rad[:, None] * shape**2
+def posture_modes(own: Equations) -> PostureModes:
+    """Modes of a posture without damping; damping and loss are taken to first order."""
+    inverse_square, vectors = scipy.linalg.eigh(own.mass, own.spring)
+    moves = inverse_square > _WITHOUT_MASS * inverse_square[-1]
+    omega = 1.0 / np.sqrt(inverse_square[moves][::-1])  # lowest first
+    shape = vectors[:, moves][:, ::-1] * omega
+    energy = np.diag(own.spring)[:, None] * shape**2
+    n = len(own.joint_gravity)
+    lost = np.einsum("im,ij,jm->m", shape, own.damping, shape) / (2.0 * omega)
+    lost += np.einsum("im,ij,jm->m", shape, own.loss, shape) / (2.0 * omega**2)
     return PostureModes(
-        f_hz=found.f_hz[0],
-        damping_ratio=found.damping_ratio[0],
+        f_hz=omega / (2.0 * np.pi),
+        damping_ratio=lost,
         shape=shape,
-        joint_share=energy / energy.sum(axis=0),
-        mass=mass,
+        joint_share=(energy / energy.sum(axis=0))[:n],
+        mass=own.mass[:n, :n],
     )
 
 
 def best_hits(
-    superset: Superset,
-    dynamics: PostureDynamics,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
+    own: Equations,
     modes: PostureModes,
     mode: int,
     *,
@@ -102,21 +104,18 @@ def best_hits(
     A hit is ranked by purity times its peak over the largest peak any hit gives; one that meets
     less than `least_mass_kg` comes last, since it drives the accelerometer out of its range.
     """
-    J, points = _elastic_jacobian(superset, dynamics, elastic)
-    flexibility = np.linalg.inv(modes.mass)
     choices = []
-    for i in points:
-        axes = dynamics.point_rotation[i]
-        participation = axes.T @ J[i] @ modes.shape  # (3 axes, modes)
+    for i in _moving(planned):
+        axes = own.point_rotation[i]
+        participation = axes.T @ own.point_linear[i] @ modes.shape  # (3 axes, modes)
         peaks = participation**2 / (2 * modes.damping_ratio)
         purity = peaks[:, mode] / np.maximum(peaks.sum(axis=1), 1e-300)
-        along = axes.T @ J[i]
-        mass = 1.0 / np.maximum(np.einsum("an,nm,am->a", along, flexibility, along), 1e-12)
+        mass = modes.effective_mass_kg(participation)
         merit = np.where(mass >= least_mass_kg, purity * peaks[:, mode], -1.0)
         axis = int(np.argmax(merit))
         choices.append(
             HitChoice(
-                point=superset.arm.points[i].id,
+                point=planned.arm.points[i].id,
                 direction_base=axes[:, axis],
                 peak=float(peaks[axis, mode]),
                 purity=float(purity[axis]),
@@ -135,27 +134,19 @@ def best_hits(
 
 
 def seeing_points(
-    superset: Superset,
-    dynamics: PostureDynamics,
-    elastic: ElasticJoints,
-    modes: PostureModes,
-    mode: int,
+    planned: PlannedArm, own: Equations, modes: PostureModes, mode: int
 ) -> tuple[str, ...]:
     """Points that move at least a fifth as far in a mode as the one that moves most."""
-    J, points = _elastic_jacobian(superset, dynamics, elastic)
-    motion = np.linalg.norm(J[points] @ modes.shape[:, mode], axis=1)
+    points = _moving(planned)
+    motion = np.linalg.norm(own.point_linear[points] @ modes.shape[:, mode], axis=1)
     order = np.argsort(-motion)
     return tuple(
-        superset.arm.points[points[i]].id for i in order if motion[i] >= SEEN * motion.max()
+        planned.arm.points[points[i]].id for i in order if motion[i] >= SEEN * motion.max()
     )
 
 
-def _elastic_jacobian(
-    superset: Superset, dynamics: PostureDynamics, elastic: ElasticJoints
-) -> tuple[Array, list[int]]:
-    columns = [superset.joint_column(joint) for joint in elastic.joints]
-    moving = [i for i, link in enumerate(superset.point_link) if link >= 0]
-    return dynamics.point_jacobian[:, :3][:, :, columns], moving
+def _moving(planned: PlannedArm) -> list[int]:
+    return [i for i, link in enumerate(planned.superset.point_link) if link >= 0]
 
 
 def joints_shown(

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.superset import PostureDynamics, Superset
-from armodal.analyzer.workspace.spectrum import ElasticJoints
+from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.planning.equations import Equations, PlannedArm
 
 __all__ = ["Instruments", "expected_std", "information"]
 
@@ -43,28 +43,28 @@ class Instruments:
 
 
 def information(
-    superset: Superset,
-    dynamics: PostureDynamics,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
+    own: Equations,
     *,
     hit_point: str,
     hit_direction: Array,
     points: tuple[str, ...],
     instruments: Instruments,
 ) -> Array:
-    """Fisher information (2n, 2n) of (ln k, ln c) from one test; n elastic joints."""
-    columns = [superset.joint_column(joint) for joint in elastic.joints]
-    M = dynamics.mass[np.ix_(columns, columns)]
-    K = dynamics.gravity_stiffness[np.ix_(columns, columns)] + np.diag(
-        elastic.stiffness_n_m_per_rad
-    )
-    J = dynamics.point_jacobian[:, :3][:, :, columns]
-    b = J[superset.point_index[hit_point]].T @ hit_direction
-    o = J[[superset.point_index[point] for point in points]].reshape(-1, len(columns))
+    """Fisher information (2n, 2n) of (ln k, ln c) from one test; n coordinates, joints first.
+
+    What effects let give way is fitted beside the joints: its spring and damper are unknown too.
+    """
+    index = planned.superset.point_index
+    b = own.point_linear[index[hit_point]].T @ hit_direction
+    o = own.point_linear[[index[point] for point in points]].reshape(-1, len(b))
     f_hz = np.arange(instruments.low_hz, instruments.high_hz, instruments.line_hz)
     s = 2j * np.pi * f_hz
-    k, c = elastic.stiffness_n_m_per_rad, elastic.damping_n_m_s_per_rad
-    Z = (s**2)[:, None, None] * M + s[:, None, None] * np.diag(c) + K
+    elastic, n = planned.elastic, len(planned.elastic.joints)
+    k = np.append(elastic.stiffness_n_m_per_rad, np.diag(own.spring)[n:])
+    c = np.append(elastic.damping_n_m_s_per_rad, np.diag(own.damping)[n:])
+    K = own.spring + own.gravity + hysteresis(s)[:, None, None] * own.loss
+    Z = (s**2)[:, None, None] * own.mass + s[:, None, None] * own.damping + K
     X = np.linalg.solve(Z, np.broadcast_to(b[:, None], (len(s), len(b), 1)))[..., 0]
     Y = np.linalg.solve(Z, np.broadcast_to(o.T, (len(s), *o.T.shape)))  # (lines, n, rows)
     square = (s**2)[:, None]
@@ -98,16 +98,15 @@ def _real(values: npt.NDArray[np.complexfloating[Any, Any]], n_points: int) -> A
     return np.concatenate([by_point.real, by_point.imag], axis=1)
 
 
-def expected_std(informations: list[Array]) -> Array:
-    """Relative standard deviation of k, (n,), from the information of several tests.
+def expected_std(informations: list[Array], n_joints: int) -> Array:
+    """Relative standard deviation of joints' k, (n_joints,), from the information of several tests.
 
     A joint that no test tells about has an infinite one.
     """
     total = np.sum(informations, axis=0)
-    n = len(total) // 2
     scale = np.sqrt(np.diag(total))
     known = scale > 0
     std = np.full(len(total), np.inf)
     inner = total[np.ix_(known, known)] / np.outer(scale[known], scale[known])
     std[known] = np.sqrt(np.diag(np.linalg.pinv(inner, hermitian=True))) / scale[known]
-    return std[:n]
+    return std[:n_joints]

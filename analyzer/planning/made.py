@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.own_arm.bodies import ArmBody
 from armodal.analyzer.own_arm.room_of_arm import room_of_arm
 from armodal.analyzer.planning.clearance import Clearance
 from armodal.analyzer.planning.duration import minutes as minutes_of
 from armodal.analyzer.planning.duration import mounting_s
+from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.equipment import Chosen, chosen_equipment
 from armodal.analyzer.planning.fewer_points import fewer_points
 from armodal.analyzer.planning.measured_points import measured_points
@@ -23,13 +23,12 @@ from armodal.analyzer.planning.route import Leg, route, wound
 from armodal.analyzer.planning.selective import SelectivePlan, plan_tests, seen_only_by
 from armodal.analyzer.planning.tolerance import inertia_std
 from armodal.analyzer.workspace.postures import random_postures
-from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.errors import ArmError, EstimateError, PlanError
+from armodal.protocols.errors import EstimateError, PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.sensors_file import Equipment
 
-__all__ = ["MadePlan", "made_plan", "refuse_effects"]
+__all__ = ["MadePlan", "made_plan"]
 
 Array = npt.NDArray[np.float64]
 
@@ -53,7 +52,6 @@ class MadePlan:
 
 def made_plan(
     arm: Arm,
-    elastic: ElasticJoints,
     rng: np.random.Generator,
     *,
     name: str,
@@ -80,13 +78,14 @@ def made_plan(
     Raises
     ------
     ArmError
-        If the arm has effects.
+        If no joint is elastic, or an effect of the arm is not the library's or lacks a parameter.
     EstimateError
         If no posture is free, or no point takes a hit for every joint.
     PlanError
         If no accelerometer fits, or the fewest points take longer than `minutes`.
     """
-    refuse_effects(arm)
+    planned = planned_arm(arm)
+    arm = planned.arm
     floor = floor_m if floor_m is not None or arm.keep_outs else 0.0
     found = room_of_arm(arm, bodies, floor_m=floor)
     room: Room = found.room
@@ -98,13 +97,12 @@ def made_plan(
             f"no posture of arm '{arm.name}' is free: in one tried {', '.join(met)} meet; check "
             "the joints' ranges, the keep-outs and the floor"
         )
-    chosen = chosen_equipment(Superset(arm), elastic, postures, equipment)
+    chosen = chosen_equipment(planned, postures, equipment)
     clearance = None
     if not found.base_drawn:
         clearance = Clearance(floor_m=0.0 if floor is None else floor)
     plan = plan_tests(
-        arm,
-        elastic,
+        planned,
         rng,
         clearance=clearance,
         room=room,
@@ -144,17 +142,6 @@ def made_plan(
         ),
         by_capsules=not found.drawn,
     )
-
-
-def refuse_effects(arm: Arm) -> None:
-    """Refuse an arm with effects, by an ArmError that names them: plans know links and joints."""
-    if arm.effects:
-        named = ", ".join(f"{effect.name} ({effect.place})" for effect in arm.effects)
-        raise ArmError(
-            f"arm '{arm.name}': wanted links and joints alone, which is what is planned for, got "
-            f"the effects {named}; give the arm file without its [[effects]]. The next test of a "
-            "corrected arm is proposed by `armodal gap --arm`"
-        )
 
 
 def _wound(plan: SelectivePlan) -> SelectivePlan:

@@ -8,10 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.planning.clearance import Clearance, clear_postures
+from armodal.analyzer.planning.equations import PlannedArm
 from armodal.analyzer.planning.selectivity import worst_coupling
-from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
-from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.errors import EstimateError
 
 __all__ = ["Free", "isolating_postures"]
@@ -33,8 +32,7 @@ FIRST_STEP = 0.1  # of a joint's range, one standard deviation; shrinks by half 
 
 
 def isolating_postures(
-    batch: ArmBatch,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
     clearance: Clearance,
     rng: np.random.Generator,
     progress: Callable[[int, int], None] | None = None,
@@ -62,7 +60,7 @@ def isolating_postures(
     EstimateError
         If no posture within the joint ranges is clear of floor and base.
     """
-    chosen = np.array(elastic.joints)
+    batch = planned.batch
     low, high = np.array([joint.range_rad for joint in batch.arm.joints]).T
     start = random_postures(batch.arm, N_RANDOM, rng, still=(0,))
     start = start[clear_postures(batch, start, clearance)]
@@ -73,11 +71,11 @@ def isolating_postures(
         )
 
     def measure(q: Array) -> Array:
-        return worst_coupling(batch.mass(q)[chosen[:, None], chosen])
+        return worst_coupling(planned.joint_mass(q))
 
     first = measure(start)
     found = []
-    for i in range(len(chosen)):
+    for i in range(len(planned.elastic.joints)):
         ranked = start[np.argsort(first[i])]
         best = _first_free(ranked, free, N_KEPT)
         step = FIRST_STEP * (high - low)
@@ -91,7 +89,7 @@ def isolating_postures(
             step = step / 2
         found.append(np.concatenate([best[:N_LIKE], _various(ranked, free)]))
         if progress:
-            progress(i + 1, len(chosen))
+            progress(i + 1, len(planned.elastic.joints))
     return found
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.superset import PostureDynamics, Superset
 from armodal.analyzer.planning.clearance import Clearance, clear_postures
+from armodal.analyzer.planning.equations import Equations, PlannedArm
 from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
@@ -22,7 +22,6 @@ from armodal.analyzer.planning.expected import Instruments, expected_std, inform
 from armodal.analyzer.planning.room import Room
 from armodal.analyzer.planning.search import isolating_postures
 from armodal.analyzer.planning.selectivity import coupling_ratios, separable_set, worst_coupling
-from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
 from armodal.analyzer.workspace.spectrum import ElasticJoints
 from armodal.protocols.arm.records import Arm
@@ -85,8 +84,7 @@ class SelectivePlan:
         (n_fitted, n) relative standard deviation of each k after each test that is fitted.
     """
 
-    arm: Arm
-    elastic: ElasticJoints
+    planned: PlannedArm
     tests: tuple[PlannedTest, ...]
     n_needed: int
     expected_std: Array
@@ -96,6 +94,16 @@ class SelectivePlan:
     least_coupling: Array  # (n,) its largest |M_ij| / M_ii
 
     @property
+    def arm(self) -> Arm:
+        """The arm without effects; the bodies they put on links are in the links."""
+        return self.planned.arm
+
+    @property
+    def elastic(self) -> ElasticJoints:
+        """The joints whose stiffness is asked."""
+        return self.planned.elastic
+
+    @property
     def n_fitted(self) -> int:
         """How many tests are fitted; the last of four or more is for validation, if not needed."""
         spare = len(self.tests) > self.n_needed and len(self.tests) >= WITH_VALIDATION
@@ -103,8 +111,7 @@ class SelectivePlan:
 
 
 def plan_tests(
-    arm: Arm,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
     rng: np.random.Generator,
     *,
     clearance: Clearance | None = None,
@@ -130,13 +137,13 @@ def plan_tests(
     EstimateError
         If no posture is clear of floor and base, or no point takes a hit for every joint.
     """
-    superset, batch = Superset(arm), ArmBatch(arm)
+    elastic, n_joints = planned.elastic, len(planned.elastic.joints)
     tools = instruments or Instruments()
     if clearance is None:
         clearance = Clearance() if room is None else ANYWHERE
     free = None if room is None else room.free
-    found = isolating_postures(batch, elastic, clearance, rng, progress, free=free)
-    by_point = _candidates(superset, elastic, found, tools.least_mass_kg, room)
+    found = isolating_postures(planned, clearance, rng, progress, free=free)
+    by_point = _candidates(planned, found, tools.least_mass_kg, room)
     covers = {
         point: _fewest(tests, elastic.joints)
         for point, tests in by_point.items()
@@ -144,7 +151,7 @@ def plan_tests(
     }
     if not covers:
         raise EstimateError(
-            f"no test point of arm '{arm.name}' takes a hit for every joint: a hit of "
+            f"no test point of arm '{planned.arm.name}' takes a hit for every joint: a hit of "
             f"{tools.force_peak_n:g} N would drive the accelerometer past "
             f"{tools.acceleration_range:g} m/s²; add points on heavier links, or a softer hammer"
         )
@@ -153,38 +160,35 @@ def plan_tests(
     served = {joint for test in tests for joint in test.serves}
     needed = len(tests)
     wanted = max(n_tests, needed + 1) if n_tests >= WITH_VALIDATION else n_tests
-    known = [_told(superset, elastic, test, tools) for test in tests]
-    others = random_postures(arm, N_OTHERS, rng, still=(0,))
-    others = others[clear_postures(batch, others, clearance)]
+    known = [_told(planned, test, tools) for test in tests]
+    others = random_postures(planned.arm, N_OTHERS, rng, still=(0,))
+    others = others[clear_postures(planned.batch, others, clearance)]
     if room is not None:
         others = others[room.free(others)]
     rest = [
-        (test, _told(superset, elastic, test, tools))
+        (test, _told(planned, test, tools))
         for q in others
         for joint in elastic.joints
-        for test in _tests_in(superset, elastic, q, joint, tools.least_mass_kg, room)
+        for test in _tests_in(planned, q, joint, tools.least_mass_kg, room)
         if test.hit.point == hit_point
     ]
     while len(tests) < wanted:
         rest = [(test, extra) for test, extra in rest if _differs(test, tests)]
         if not rest:
             break
-        gains = [float(np.log(expected_std([*known, extra])).sum()) for _, extra in rest]
+        gains = [float(np.log(expected_std([*known, extra], n_joints)).sum()) for _, extra in rest]
         test, extra = rest.pop(int(np.argmin(gains)))
         tests.append(test)
         known.append(extra)
     plan = SelectivePlan(
-        arm=arm,
-        elastic=elastic,
+        planned=planned,
         tests=tuple(tests),
         n_needed=needed,
-        expected_std=np.array([expected_std(known[: i + 1]) for i in range(len(tests))]),
+        expected_std=np.array([expected_std(known[: i + 1], n_joints) for i in range(len(tests))]),
         hit_point=hit_point,
         not_isolated=tuple(joint for joint in elastic.joints if joint not in served),
         most_selective=np.array([postures[0] for postures in found]),
-        least_coupling=np.array(
-            [_coupling(batch, elastic, i, found[i][0]) for i in range(len(found))]
-        ),
+        least_coupling=np.array([_coupling(planned, i, found[i][0]) for i in range(len(found))]),
     )
     return replace(plan, expected_std=plan.expected_std[: plan.n_fitted])
 
@@ -197,15 +201,14 @@ def seen_only_by(
         replace(test, points=tuple(point for point in test.points if point in measured))
         for test, measured in zip(plan.tests, points, strict=True)
     )
-    superset = Superset(plan.arm)
-    known = [_told(superset, plan.elastic, t, instruments) for t in tests[: plan.n_fitted]]
-    expected = np.array([expected_std(known[: i + 1]) for i in range(len(known))])
+    known = [_told(plan.planned, test, instruments) for test in tests[: plan.n_fitted]]
+    n_joints = len(plan.elastic.joints)
+    expected = np.array([expected_std(known[: i + 1], n_joints) for i in range(len(known))])
     return replace(plan, tests=tests, expected_std=expected)
 
 
 def describe_tests(
-    superset: Superset,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
     joints_rad: Array,
     target: int,
     *,
@@ -220,12 +223,12 @@ def describe_tests(
     least_mass_kg
         Hits that meet less are left out: they overload the accelerometer.
     """
-    dynamics = superset.posture(joints_rad)
-    modes = posture_modes(superset, dynamics, elastic)
+    elastic, at = planned.elastic, planned.at(joints_rad)
+    modes = posture_modes(at)
     number = elastic.joints.index(target)
     mode = modes.mode_of(number)
-    points = seeing_points(superset, dynamics, elastic, modes, mode)
-    gravity = _gravity(superset, dynamics, elastic)
+    points = seeing_points(planned, at, modes, mode)
+    gravity = _gravity(planned, at, joints_rad)
     separable = tuple(elastic.joints[i] for i in separable_set(modes.mass, number))
     own = [
         joint
@@ -246,18 +249,15 @@ def describe_tests(
             points=points,
             gravity=gravity,
         )
-        for hit in best_hits(superset, dynamics, elastic, modes, mode, least_mass_kg=least_mass_kg)
+        for hit in best_hits(planned, at, modes, mode, least_mass_kg=least_mass_kg)
         if hit.effective_mass_kg >= least_mass_kg
     ]
 
 
-def _told(
-    superset: Superset, elastic: ElasticJoints, test: PlannedTest, instruments: Instruments
-) -> Array:
+def _told(planned: PlannedArm, test: PlannedTest, instruments: Instruments) -> Array:
     return information(
-        superset,
-        superset.posture(test.joints_rad),
-        elastic,
+        planned,
+        planned.at(test.joints_rad),
         hit_point=test.hit.point,
         hit_direction=test.hit.direction_base,
         points=test.points,
@@ -266,31 +266,29 @@ def _told(
 
 
 def _candidates(
-    superset: Superset,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
     found: list[Array],
     least_mass_kg: float,
     room: Room | None,
 ) -> dict[str, list[PlannedTest]]:
     """Tests by the point they hit: one plan hits one point."""
     by_point: dict[str, list[PlannedTest]] = {}
-    for joint, postures in zip(elastic.joints, found, strict=True):
+    for joint, postures in zip(planned.elastic.joints, found, strict=True):
         for q in postures:
-            for test in _tests_in(superset, elastic, q, joint, least_mass_kg, room):
+            for test in _tests_in(planned, q, joint, least_mass_kg, room):
                 by_point.setdefault(test.hit.point, []).append(test)
     return by_point
 
 
 def _tests_in(
-    superset: Superset,
-    elastic: ElasticJoints,
+    planned: PlannedArm,
     joints_rad: Array,
     target: int,
     least_mass_kg: float,
     room: Room | None,
 ) -> list[PlannedTest]:
     """Tests of a posture whose hit a hammer can reach, with the points a hand can."""
-    tests = describe_tests(superset, elastic, joints_rad, target, least_mass_kg=least_mass_kg)
+    tests = describe_tests(planned, joints_rad, target, least_mass_kg=least_mass_kg)
     if room is None:
         return tests
     near = room.reachable(joints_rad)
@@ -332,10 +330,8 @@ def _differs(test: PlannedTest, others: list[PlannedTest]) -> bool:
     return all(np.abs(test.joints_rad - other.joints_rad).max() > ANOTHER_RAD for other in others)
 
 
-def _coupling(batch: ArmBatch, elastic: ElasticJoints, number: int, joints_rad: Array) -> float:
-    chosen = np.array(elastic.joints)
-    mass = batch.mass(joints_rad[None])[chosen[:, None], chosen]
-    return float(worst_coupling(mass)[number, 0])
+def _coupling(planned: PlannedArm, number: int, joints_rad: Array) -> float:
+    return float(worst_coupling(planned.joint_mass(joints_rad[None]))[number, 0])
 
 
 def _merit(test: PlannedTest) -> float:
@@ -343,13 +339,10 @@ def _merit(test: PlannedTest) -> float:
     return test.hit.purity * (1.0 - min(1.0, float(test.coupling.max())))
 
 
-def _gravity(superset: Superset, dynamics: PostureDynamics, elastic: ElasticJoints) -> GravityCheck:
-    columns = [superset.joint_column(joint) for joint in elastic.joints]
-    batch = ArmBatch(superset.arm)
-    torque = batch.gravity_torque(dynamics.joints_rad[None])[list(elastic.joints), 0]
-    stiffness = np.diag(dynamics.gravity_stiffness)[columns]
+def _gravity(planned: PlannedArm, at: Equations, joints_rad: Array) -> GravityCheck:
+    torque = planned.batch.gravity_torque(joints_rad[None])[list(planned.elastic.joints), 0]
     return GravityCheck(
         torque_n_m=torque,
-        stiffness_n_m_per_rad=stiffness,
-        part_of_spring=stiffness / elastic.stiffness_n_m_per_rad,
+        stiffness_n_m_per_rad=at.joint_gravity,
+        part_of_spring=at.joint_gravity / planned.elastic.stiffness_n_m_per_rad,
     )

@@ -62,9 +62,11 @@ def _foretold(gap: GapResult) -> Finding | None:
         f"frequency{f'; without, within {share(before)}' if before is not None else ''}."
     )
     if not unseen:
-        return Finding(text=text, sure="No posture was kept unseen: this is a fit, not a forecast.")
+        return Finding(
+            text=text, sure="No posture was kept for validation: this is a fit, not a prediction."
+        )
     names = " and ".join(row.posture for row in unseen)
-    return Finding(text=text, sure=f"Never fitted to: {names}.")
+    return Finding(text=text, sure=f"Not used in the fit: {names}.")
 
 
 def _worst(rows: Sequence[PostureGap]) -> float | None:
@@ -108,8 +110,8 @@ def _axis(axis: AxisResult) -> Finding:
     return Finding(
         text=f"The {axis.link} gives way about an axis of its own: stiffness {k} ± {spread} "
         f"N m/rad (95 %: {low} to {high}), "
-        f"felt most at {axis.f_hz:.2f} Hz in {axis.posture}.",
-        sure="; ".join(axis.doubts) or "Nothing else that the points could mistake for it.",
+        f"strained most at {axis.f_hz:.2f} Hz in {axis.posture}.",
+        sure="; ".join(axis.doubts) or "No other explanation is in doubt with it.",
     )
 
 

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from armodal.analyzer.gap.records import EffectFound, Interval
 from armodal.analyzer.report.arm_svg import MarkedAxis
 from armodal.analyzer.report.words import plus_minus, rounded
 
-__all__ = ["axis_of_effect", "certainty", "effect_sentence", "interval_in_words", "size_in_words"]
+__all__ = [
+    "axis_of_effect",
+    "certainty",
+    "effect_sentence",
+    "interval_in_words",
+    "mechanics",
+    "mechanics_of",
+    "size_in_words",
+]
 
+_OF_AN_AXIS = ("link", "direction", "point_m")
+_K = "stiffness "
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
@@ -32,11 +44,114 @@ def interval_in_words(found: Interval) -> str:
     """Value ± standard deviation and 95 % interval; a compliance as the stiffness it is."""
     found, inverted = _as_stiffness(found)
     value, std = plus_minus(found.value, found.std)
-    what = "stiffness " if inverted else ""
+    what = _K if inverted else ""
     unit = f" {found.unit}" if found.unit else ""
     return (
         f"{what}{value} ± {std}{unit} (95 %: {rounded(found.low)} to {rounded(found.high)}{unit})"
     )
+
+
+def mechanics_of(effect: EffectFound) -> tuple[tuple[str, str], ...]:
+    """Return an effect in the words of mechanics: what, and its words."""
+    return mechanics(
+        size=effect.size,
+        parameters=effect.parameters,
+        description=effect.description,
+        moves=effect.moves,
+        place=effect.place,
+        confused_with=effect.confused_with,
+        told_by=effect.told_by,
+    )
+
+
+def mechanics(
+    *,
+    size: str,
+    parameters: Mapping[str, Interval],
+    description: Mapping[str, object],
+    moves: Sequence[str] = (),
+    place: str,
+    confused_with: Sequence[str],
+    told_by: str,
+) -> tuple[tuple[str, str], ...]:
+    """Return stiffness and damping, axis, place and rivals of an effect, each named.
+
+    `moves` name parameters that only say how far an axis moved from where its fit began: they are
+    the deviations of its direction and its place.
+    """
+    rows: list[tuple[str, str]] = []
+    axis = _axis_in_words(description)
+    if axis is not None:
+        axis += _deviations([parameters[name] for name in moves if name in parameters])
+    stiff = [n for n, found in parameters.items() if found.unit in _INVERSE and found.low > 0.0]
+    for name, found in parameters.items():
+        if axis is None or name == size:
+            told = name
+            if name in stiff:
+                told = "k" if len(stiff) == 1 or axis else name.replace("compliance ", "k ")
+            rows.append((told, interval_in_words(found).removeprefix(_K)))
+    damping = _damping(parameters.get(size), parameters) if axis is not None else ""
+    if damping:
+        rows.append(("c", damping))
+    if axis is not None:
+        rows.append(("axis", axis))
+    where = place or "the whole arm"
+    if axis is not None:
+        where += " (its frame; of the axis the point nearest its origin)"
+    rows.append(("place", where))
+    rows += [
+        (name, _told(value))
+        for name, value in description.items()
+        if axis is None or name not in _OF_AN_AXIS
+    ]
+    rivals = "; ".join(confused_with) or "no other effect of the library"
+    rows.append(("could be confused with", rivals))
+    if told_by:
+        rows.append(("told apart by", told_by))
+    return tuple(rows)
+
+
+def _axis_in_words(description: Mapping[str, object]) -> str | None:
+    """Direction and point of a line of a link's frame; None of anything else."""
+    link, direction, point = (description.get(key) for key in _OF_AN_AXIS)
+    ways, at = _three(direction), _three(point)
+    if not isinstance(link, str) or ways is None or at is None:
+        return None
+    way = " ".join(f"{x:+.2f}" for x in ways)
+    millimetres = " ".join(f"{1e3 * x + 0.0:.0f}" for x in at)
+    return f"direction {way}, through {millimetres} mm"
+
+
+def _deviations(moves: Sequence[Interval]) -> str:
+    """How far an axis may be turned and shifted, one deviation both ways across it together."""
+    if not moves:
+        return ""
+    turned = np.degrees(np.hypot.reduce([move.std for move in moves if not move.unit] or [0.0]))
+    off_mm = 1e3 * np.hypot.reduce([move.std for move in moves if move.unit == "m"] or [0.0])
+    return f", ± {rounded(float(turned))}° and ± {rounded(float(off_mm))} mm"
+
+
+def _three(value: object) -> tuple[float, ...] | None:
+    if not isinstance(value, (list, tuple)) or len(value) != 3:
+        return None
+    return tuple(value) if all(isinstance(x, (int, float)) for x in value) else None
+
+
+def _damping(size: Interval | None, parameters: Mapping[str, Interval]) -> str:
+    """C of a compliance with one loss time c/k beside it, to first order, N m s/rad."""
+    losses = [found for found in parameters.values() if found.unit == "s"]
+    if size is None or size.unit != "rad/(N m)" or size.value <= 0.0 or len(losses) != 1:
+        return ""
+    c = losses[0].value / size.value
+    value, std = plus_minus(c, float(np.hypot(losses[0].std, c * size.std)) / size.value)
+    return f"{value} ± {std} N m s/rad"
+
+
+def _told(value: object) -> str:
+    """An entry of a description."""
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_told(part) for part in value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def certainty(effect: EffectFound) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.report.effect_words import certainty, effect_sentence
+from armodal.analyzer.report.effect_words import certainty, mechanics_of
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
@@ -35,8 +35,7 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             r=result,
             verdict_words=_WORDS[result.verdict],
             advice=_ADVICE[result.verdict],
-            told=_told,
-            sentence=effect_sentence,
+            mechanics=mechanics_of,
             certainty=certainty,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
@@ -44,13 +43,6 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             checks=checks,
         )
     )
-
-
-def _told(value: object) -> str:
-    """An entry of an effect's description in words."""
-    if isinstance(value, (list, tuple)):
-        return ", ".join(_told(part) for part in value)
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def gap_page(result: GapResult, summary: str) -> str:

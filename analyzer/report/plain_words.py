@@ -63,7 +63,7 @@ def answer(frf: FrequencyResponse, model: ModalModel) -> list[str]:
     elif points > 1:
         said.append("No mode moved from point to point by more than scatter explains.")
     else:
-        said.append("With one point nobody can tell whether a mode moves from point to point.")
+        said.append("With one point it cannot be said whether a mode moves from point to point.")
     return said
 
 
@@ -80,7 +80,7 @@ def open_questions(frf: FrequencyResponse, model: ModalModel) -> list[str]:
     said += _misfits(frf, model)
     unknown = [m for m in model.modes if m.damping_ratio < TWO_SIDED_95 * m.damping_std]
     if unknown:
-        said.append(f"the damping of {_listed(unknown)} is not told apart from 0")
+        said.append(f"the damping of {_listed(unknown)} cannot be told from 0")
     if not model.modes:
         return said
     n_places = len(shape_of(model, model.modes[0]))

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
-from scipy.stats import norm
 
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.identification.predicted_posture import Prediction
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
@@ -64,7 +64,7 @@ def joints_figure(result: Identification) -> Any:
     """Joint stiffness with the 95 % interval of scatter and the arm's tolerances together."""
     joints = result.joints
     half = [
-        np.hypot(half_width_95(joint.k_std, joint.k_dof), norm.ppf(0.975) * joint.k_std_model)
+        np.hypot(half_width_95(joint.k_std, joint.k_dof), TWO_SIDED_95 * joint.k_std_model)
         for joint in joints
     ]
     figure = go.Figure()

@@ -104,6 +104,7 @@ def simulated_arm(arm: Arm, source: Path, mujoco: Any) -> SimulatedArm:
         arm=arm,
         mujoco=mujoco,
         text=text,
+        folder=source.absolute().parent,
         bodies=bodies,
         base=before,
         frames=body_frames(arm, mujoco, model, list(bodies), before),

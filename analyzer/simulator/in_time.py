@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ class SimulatedArm:
     arm: Arm
     mujoco: Any
     text: str
+    folder: Path  # of the user's file: meshes are found from there
     bodies: tuple[str, ...]  # of each joint of the arm
     base: str  # the body before
     frames: BodyFrames
@@ -136,6 +138,7 @@ def standing_model(
     mujoco: Any = own.mujoco
     points = {point.id: point for point in own.arm.points}
     spec = mujoco.MjSpec.from_string(own.text)
+    spec.modelfiledir = str(own.folder)
     for name in sensors:
         _add_sensor(mujoco, spec, own, points[name])
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy.interpolate
-import scipy.signal
 
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.export.exported import BELOW_HZ
@@ -45,6 +44,11 @@ class PointBeside:
     error_before: float  # rms of the difference over the rms of the measured, three axes
     error_after: float
     band_hz: tuple[float, float]
+    axis: int  # of the sensor, on which the plain arm is furthest off
+    time_s: Array  # (n,)
+    measured_m_s2: Array  # (n,) along that axis, in the band
+    before_m_s2: Array
+    after_m_s2: Array
 
 
 def beside_motion(
@@ -84,12 +88,20 @@ def beside_motion(
         if size == 0.0:
             raise EstimateError(f"the accelerometer at point {point} reads nothing in the log")
         before, after = (
-            float(np.linalg.norm(_filtered(found[w][point], log.rate_hz, band_hz)[inner] - own))
-            for w in ("plain", "corrected")
+            _filtered(found[w][point], log.rate_hz, band_hz)[inner] for w in ("plain", "corrected")
         )
+        axis = int(np.argmax(np.linalg.norm(before - own, axis=0)))
         rows.append(
             PointBeside(
-                point=point, error_before=before / size, error_after=after / size, band_hz=band_hz
+                point=point,
+                error_before=float(np.linalg.norm(before - own)) / size,
+                error_after=float(np.linalg.norm(after - own)) / size,
+                band_hz=band_hz,
+                axis=axis,
+                time_s=np.arange(n, n + len(own)) / log.rate_hz,
+                measured_m_s2=own[:, axis],
+                before_m_s2=before[:, axis],
+                after_m_s2=after[:, axis],
             )
         )
     return tuple(rows)
@@ -114,12 +126,12 @@ def _band(log: MotionLog, arm: Arm) -> tuple[float, float]:
     some = np.rad2deg(angles[:: max(1, len(angles) // 8)]).tolist()
     modes = [own.modes.f_hz for own in predict_arm(arm, some, below_hz=BELOW_HZ)]
     low, high = _BELOW * min(f[0] for f in modes), _ABOVE * max(f[-1] for f in modes)
-    if _OF_RATE * log.rate_hz < 1.0 / _BELOW * low:
+    if _OF_RATE * log.slowest_hz < 1.0 / _BELOW * low:
         raise EstimateError(
             f"wanted a log with at least {low / _BELOW / _OF_RATE:.0f} rows a second, above the "
-            f"arm's lowest mode, got {log.rate_hz:.0f}"
+            f"arm's lowest mode, got {log.slowest_hz:.0f}"
         )
-    return float(low), float(min(high, _OF_RATE * log.rate_hz))
+    return float(low), float(min(high, _OF_RATE * log.slowest_hz))
 
 
 def _filtered(values: Array, rate_hz: float, band_hz: tuple[float, float]) -> Array:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from armodal.analyzer.corrected.loaded import loaded_arm
 from armodal.analyzer.gap import workflow
 from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification import identify as identification
@@ -16,7 +15,6 @@ from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.planning.made import MadePlan, made_plan
 from armodal.analyzer.report import write_report
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.remarks import Remarks
@@ -115,8 +113,7 @@ def plan(
     Parameters
     ----------
     arm
-        Without effects but bodies on its links, whose mass counts; the room that they take is not
-        known, and not kept free.
+        Its effects count; the room that they take is not known, and not kept free.
     folder
         Where its file lies: only an arm whose URDF names meshes needs it.
     name
@@ -133,7 +130,7 @@ def plan(
     Raises
     ------
     ArmError
-        If the arm has other effects, a mesh is missing, or a point lies off its link.
+        If an effect lacks a parameter, a mesh is missing, or a point lies off its link.
     EstimateError
         If no posture is free, or no point takes a hit for every joint.
     PlanError
@@ -144,10 +141,8 @@ def plan(
             f"arm '{arm.name}': its URDF names meshes; wanted the folder of the arm file, "
             "plan(arm, folder=...), got none"
         )
-    arm = loaded_arm(arm).arm
     return made_plan(
         arm,
-        elastic_joints(arm),
         np.random.default_rng(seed),
         name=name,
         bodies=checked_bodies(arm, None if folder is None else Path(folder), Remarks()),

@@ -184,6 +184,8 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
     if "by_m" in p:
         sizes["wrong_point"] = lambda: p["by_m"][0]
     found = sizes.get(effect["name"])
+    if "size" in effect:  # its maker tells it
+        return float(effect["size"])
     try:
         return None if found is None else float(found())
     except KeyError:  # of another maker, which tells another quantity

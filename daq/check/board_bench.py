@@ -12,11 +12,13 @@ from armodal.daq.check.stream import Recording, record
 from armodal.daq.check.tick_rate import tick_rate
 from armodal.daq.clock import Clock
 from armodal.daq.serial_port import BytePort
-from armodal.protocols.board.limits import refusal
+from armodal.protocols.board.limits import (
+    refusal,
+)
 from armodal.protocols.board.messages import (
     decode_dictionary,
     decode_reply,
-    encode_configuration,
+    encode_payload,
     join_hello,
 )
 from armodal.protocols.board.records import (
@@ -177,7 +179,7 @@ class BoardBench:
 
     def configure(self, configuration: Configuration) -> tuple[ReplyCode, str]:
         """Try a configuration; return the board's code and reason."""
-        payload = encode_configuration(configuration)
+        payload = encode_payload(configuration)
         return decode_reply(self.probe.ask(FrameType.CONFIGURE, payload).payload)
 
     def find_rates(self) -> list[Fraction]:

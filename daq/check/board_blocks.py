@@ -19,8 +19,16 @@ from armodal.daq.check.captured import (
 from armodal.daq.check.probe import BoardProbe, BoardStepError
 from armodal.daq.check.trigger_truth import expected_blocks
 from armodal.daq.check.verdict import Finding, failed, passed, unchecked
-from armodal.protocols.board.messages import encode_release, encode_resend
-from armodal.protocols.board.records import FrameType, ReplyCode, Slope
+from armodal.protocols.board.messages import (
+    encode_payload,
+)
+from armodal.protocols.board.records import (
+    FrameType,
+    Release,
+    ReplyCode,
+    Resend,
+    Slope,
+)
 
 __all__ = ["TOO_QUIET", "check_pretrigger", "check_resend", "check_trigger", "hold_a_block"]
 
@@ -218,7 +226,9 @@ def resent(
     wait_s = probe.patience_s(RESEND_WAIT_S)
     for _ in range(RESEND_TRIES):
         probe.clear()
-        code, reason = probe.code(FrameType.RESEND, encode_resend(block_id, first, count))
+        code, reason = probe.code(
+            FrameType.RESEND, encode_payload(Resend(block_id=block_id, first=first, count=count))
+        )
         if code is not ReplyCode.OK:
             return None, f"refused: {code.name} {reason}".rstrip()
 
@@ -269,17 +279,27 @@ def check_resend(bench: BoardBench) -> Finding:
     problems += _queue_problems(bench, block_id)
     n = BLOCK_LENGTH
     for payload, wanted, what in (
-        (encode_resend(block_id, n - 1, 2), ReplyCode.BAD_VALUE, "a range that leaves the block"),
-        (encode_resend(0xFFFF_FFF0, 0, 1), ReplyCode.UNKNOWN_BLOCK, "a block that never was"),
+        (
+            encode_payload(Resend(block_id=block_id, first=n - 1, count=2)),
+            ReplyCode.BAD_VALUE,
+            "a range that leaves the block",
+        ),
+        (
+            encode_payload(Resend(block_id=0xFFFF_FFF0, first=0, count=1)),
+            ReplyCode.UNKNOWN_BLOCK,
+            "a block that never was",
+        ),
     ):
         code, _ = probe.code(FrameType.RESEND, payload)
         if code is not wanted:
             problems.append(f"RESEND of {what}: {wanted.name} wanted, got {code.name}")
     for time in ("first", "second"):
-        code, _ = probe.code(FrameType.RELEASE, encode_release(block_id))
+        code, _ = probe.code(FrameType.RELEASE, encode_payload(Release(block_id=block_id)))
         if code is not ReplyCode.OK:
             problems.append(f"the {time} RELEASE of a block: OK wanted, got {code.name}")
-    code, _ = probe.code(FrameType.RESEND, encode_resend(block_id, 0, 1))
+    code, _ = probe.code(
+        FrameType.RESEND, encode_payload(Resend(block_id=block_id, first=0, count=1))
+    )
     if code is not ReplyCode.UNKNOWN_BLOCK:
         problems.append(f"RESEND of a released block: UNKNOWN_BLOCK wanted, got {code.name}")
     if problems:
@@ -291,7 +311,7 @@ def _queue_problems(bench: BoardBench, block_id: int) -> list[str]:
     """Ask for the whole block eight times without waiting for the data: all are to come."""
     probe = bench.probe
     probe.clear()
-    whole = encode_resend(block_id, 0, BLOCK_LENGTH)
+    whole = encode_payload(Resend(block_id=block_id, first=0, count=BLOCK_LENGTH))
     codes = [probe.code(FrameType.RESEND, whole)[0] for _ in range(QUEUE)]
     if any(code is not ReplyCode.OK for code in codes):
         refused = next(code for code in codes if code is not ReplyCode.OK)
@@ -316,6 +336,8 @@ def released_all(bench: BoardBench, block_ids: list[int]) -> None:
         If one cannot be freed.
     """
     for block_id in block_ids:
-        code, reason = bench.probe.code(FrameType.RELEASE, encode_release(block_id))
+        code, reason = bench.probe.code(
+            FrameType.RELEASE, encode_payload(Release(block_id=block_id))
+        )
         if code is not ReplyCode.OK:
             raise BoardStepError(f"RELEASE of block {block_id}: {code.name} {reason}".rstrip())

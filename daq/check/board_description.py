@@ -10,8 +10,14 @@ from armodal.daq.check.board_bench import RATES_HZ, BoardBench
 from armodal.daq.check.probe import TRIES
 from armodal.daq.check.stream import record
 from armodal.daq.check.verdict import Finding, failed, passed, unchecked
-from armodal.protocols.board.limits import refusal
-from armodal.protocols.board.messages import decode_reply, dictionary_hash, encode_configuration
+from armodal.protocols.board.limits import (
+    refusal,
+)
+from armodal.protocols.board.messages import (
+    decode_reply,
+    dictionary_hash,
+    encode_payload,
+)
 from armodal.protocols.board.records import (
     BoardDictionary,
     BoardState,
@@ -20,7 +26,10 @@ from armodal.protocols.board.records import (
     FrameType,
     ReplyCode,
 )
-from armodal.protocols.board.samples import BYTES_PER_COUNT, COUNT_MAX
+from armodal.protocols.board.samples import (
+    BYTES_PER_COUNT,
+    COUNT_MAX,
+)
 from armodal.protocols.errors import FrameError
 
 __all__ = ["check_dictionary", "check_each_rate", "check_rates"]
@@ -116,7 +125,7 @@ def check_rates(bench: BoardBench) -> Finding:
         problem = _unlike_expected(configuration, dictionary, code, reason)
         if problem:
             problems.append(problem)
-    problems += _malformed_taken(bench, encode_configuration(base))
+    problems += _malformed_taken(bench, encode_payload(base))
     state = bench.probe.status().state
     if state is not BoardState.CONFIGURED:
         problems.append(f"after a refused CONFIGURE the state is {state.name}, not CONFIGURED")

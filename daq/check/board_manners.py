@@ -10,14 +10,20 @@ from armodal.daq.check.captured import SentBlock, noise_level
 from armodal.daq.check.raw_frame import encode_raw
 from armodal.daq.check.stream import stream_of
 from armodal.daq.check.verdict import Finding, failed, passed
-from armodal.protocols.board.codec import PROTOCOL_VERSION
+from armodal.protocols.board.codec import (
+    PROTOCOL_VERSION,
+)
 from armodal.protocols.board.messages import (
     decode_reply,
-    encode_configuration,
-    encode_release,
-    encode_resend,
+    encode_payload,
 )
-from armodal.protocols.board.records import BoardState, FrameType, ReplyCode
+from armodal.protocols.board.records import (
+    BoardState,
+    FrameType,
+    Release,
+    ReplyCode,
+    Resend,
+)
 from armodal.protocols.errors import DeviceTimeoutError
 
 __all__ = [
@@ -122,7 +128,7 @@ def check_hello_again(bench: BoardBench) -> Finding:
 def check_commands(bench: BoardBench) -> Finding:
     """Step `commands`: every command is answered as sections 4 and 8 say, in every state."""
     probe = bench.probe
-    configuration = encode_configuration(bench.configuration(bench.rate_hz))
+    configuration = encode_payload(bench.configuration(bench.rate_hz))
     problems = _answers(
         bench,
         "CONFIGURED",
@@ -131,8 +137,16 @@ def check_commands(bench: BoardBench) -> Finding:
             (FrameType.STOP, b"", ReplyCode.OK),
             (UNKNOWN_TYPE, b"", ReplyCode.UNKNOWN_COMMAND),
             (FrameType.RESEND, b"\x01", ReplyCode.BAD_VALUE),
-            (FrameType.RELEASE, encode_release(0xFFFF_FFF0), ReplyCode.UNKNOWN_BLOCK),
-            (FrameType.RESEND, encode_resend(0xFFFF_FFF0, 0, 1), ReplyCode.UNKNOWN_BLOCK),
+            (
+                FrameType.RELEASE,
+                encode_payload(Release(block_id=0xFFFF_FFF0)),
+                ReplyCode.UNKNOWN_BLOCK,
+            ),
+            (
+                FrameType.RESEND,
+                encode_payload(Resend(block_id=0xFFFF_FFF0, first=0, count=1)),
+                ReplyCode.UNKNOWN_BLOCK,
+            ),
         ],
     )
     probe.begin(bench.configuration(bench.rate_hz))

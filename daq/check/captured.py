@@ -12,11 +12,17 @@ from armodal.daq.check.probe import BoardProbe, BoardStepError
 from armodal.daq.check.raw_frame import RawFrame
 from armodal.daq.check.stream import Stream, record, stream_of
 from armodal.protocols.board.messages import (
-    decode_block_info,
+    decode_payload,
     decode_samples,
-    encode_release,
+    encode_payload,
 )
-from armodal.protocols.board.records import BlockInfo, Configuration, FrameType, Slope
+from armodal.protocols.board.records import (
+    BlockInfo,
+    Configuration,
+    FrameType,
+    Release,
+    Slope,
+)
 
 __all__ = ["Capture", "Level", "SentBlock", "blocks_of", "capture", "noise_level"]
 
@@ -104,7 +110,7 @@ def blocks_of(frames: list[RawFrame]) -> list[SentBlock]:
     found: list[tuple[BlockInfo, list[tuple[int, npt.NDArray[np.int32]]]]] = []
     for raw in frames:
         if raw.type == FrameType.BLOCK_READY:
-            found.append((decode_block_info(raw.payload), []))
+            found.append((decode_payload(BlockInfo, raw.payload), []))
         elif raw.type == FrameType.BLOCK_DATA:
             samples = decode_samples(raw.frame())
             for info, pieces in reversed(found):
@@ -152,7 +158,9 @@ def capture(bench: BoardBench, level: Level, slope: Slope) -> Capture:
         probe.collect(0.1, enough)
         for block in blocks_of(probe.frames):
             if block.samples >= block.info.length and block.info.block_id not in released:
-                probe.want_ok(FrameType.RELEASE, encode_release(block.info.block_id))
+                probe.want_ok(
+                    FrameType.RELEASE, encode_payload(Release(block_id=block.info.block_id))
+                )
                 released.add(block.info.block_id)
     probe.end()
     blocks = [b for b in blocks_of(probe.frames) if b.info.block_id in released]

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import select
-import time
 from collections.abc import Callable
 
 from armodal.daq.check.raw_frame import RawDecoder, RawFrame, encode_raw
 from armodal.daq.clock import Clock, waits
 from armodal.daq.clock_fit import RoundTrip
 from armodal.daq.serial_port import BytePort
-from armodal.protocols.board.codec import PROTOCOL_VERSION
-from armodal.protocols.board.messages import decode_reply, decode_status, encode_configuration
+from armodal.protocols.board.codec import (
+    PROTOCOL_VERSION,
+)
+from armodal.protocols.board.messages import (
+    decode_answer,
+    decode_reply,
+    encode_payload,
+)
 from armodal.protocols.board.records import (
     BoardState,
     BoardStatus,
@@ -97,11 +101,10 @@ class BoardProbe:
 
     def collect(self, lab_s: float, enough: Callable[[], bool] | None = None) -> bool:
         """Read for some lab seconds, or until it is `enough`; return whether it was."""
-        until = time.monotonic() + self.clock.wall_s(lab_s)
-        for left in waits(until, time.monotonic):
+        for left_s in waits(self.clock.now_s() + lab_s, self.clock.now_s):
             if enough is not None and enough():
                 return True
-            if select.select([self.port], [], [], left)[0]:
+            if self.clock.wait([self.port.fileno()], self.clock.wall_s(left_s)):
                 self.read()
         return enough is not None and enough()
 
@@ -186,12 +189,12 @@ class BoardProbe:
             reply = self.reply(FrameType.STATUS, tries=1)
             if reply is not None:
                 trip = RoundTrip(sent_s=sent_s, received_s=reply.received_s, ticks=reply.ticks)
-                return decode_status(reply.payload), trip
+                return decode_answer(BoardStatus, reply.payload), trip
         raise DeviceTimeoutError(f"no answer to STATUS in {TRIES} tries")
 
     def begin(self, configuration: Configuration) -> None:
         """Configure, start, and forget what came before."""
-        self.want_ok(FrameType.CONFIGURE, encode_configuration(configuration))
+        self.want_ok(FrameType.CONFIGURE, encode_payload(configuration))
         self.clear()
         code, reason = self.code(FrameType.START)
         lost_reply = code is ReplyCode.WRONG_STATE and self.status().state is BoardState.RUNNING

@@ -1,18 +1,20 @@
 """A module of NI with IEPE inputs, by NI-DAQmx and its package nidaqmx: hardware-timed.
 
-Not yet on a real module: it is tested against a fake of the package's interface.
+Not yet on a real module: it is tested against a fake of the package's interface, and with the
+package itself by a gRPC server of the public protocol.
 """
 
 from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from armodal.daq.front_end.ni_server import READ_EVERY_S, NiServer
 from armodal.daq.front_end.source import Chunk, to_counts
 from armodal.daq.front_end.timing import SampleTimes
 from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError
@@ -24,6 +26,7 @@ STANDARD_GRAVITY_M_S2 = 9.80665  # of the driver's mV/g (3rd CGPM, 1901)
 BUFFER_S = 10.0
 RATE_TOLERANCE = 1e-9  # relative: rates are told as doubles
 OVERWRITTEN = -200279
+MOST_READ = 2**18  # values at once: 2 MB, half of what gRPC takes in one message
 
 # What the driver's codes mean to an operator (NI-DAQmx, Error Codes).
 _MEANINGS = {
@@ -50,7 +53,7 @@ def ni_package() -> Any:
 
 
 class NiModule:
-    """The IEPE inputs of one module.
+    """The IEPE inputs of one module, of this computer or of a server.
 
     Raises
     ------
@@ -65,18 +68,21 @@ class NiModule:
         self.name = front_end.source
         self.driver = f"nidaqmx {self._ni.__version__}"
         self._times: SampleTimes | None = None
+        self._read_s = -np.inf
         # A count is a part of the range in volts: sensitivities, which the driver is given without
         # their sign, are divided out again.
         self._to_full_scale = np.array([1.0 / channel.full_scale for channel in front_end.channels])
-        with self._told():
-            self._task = self._ni.Task()
+        self._server = NiServer(self._ni, front_end.server, self.name) if front_end.server else None
+        self._task: Any = None
         try:
+            with self._told():
+                self._task = self._server.task() if self._server else self._ni.Task()
             with self._told():
                 for i in range(len(front_end.channels)):
                     self._add(front_end, i)
                 self._reader = readers.AnalogMultiChannelReader(self._task.in_stream)
         except BaseException:
-            self._task.close()
+            self.close()
             raise
 
     def rate_refusal(self, rate_hz: Fraction) -> str:
@@ -105,10 +111,12 @@ class NiModule:
     def read(self, now_s: float) -> list[Chunk]:
         """Return the samples that wait in the driver's buffer."""
         times = self._times
-        if times is None:
+        if times is None or (self._server and now_s - self._read_s < READ_EVERY_S):
             return []
+        self._read_s = now_s
         with self._told(lost=True):
             n = int(self._task.in_stream.avail_samp_per_chan)
+            n = min(n, MOST_READ // len(self._to_full_scale))
             values = np.empty((len(self._to_full_scale), n))
             if n:
                 self._reader.read_many_sample(values, n, timeout=0.0)
@@ -121,7 +129,11 @@ class NiModule:
     def close(self) -> None:
         """Let go of the module."""
         self._times = None
-        self._task.close()
+        if self._task is not None:
+            with suppress(self._ni.errors.Error):  # of a device or server that has gone
+                self._task.close()
+        if self._server:
+            self._server.close()
 
     def _add(self, front_end: FrontEnd, i: int) -> None:
         channel, sensitivity_mv = front_end.channels[i], abs(front_end.sensitivity_mv[i] or 0.0)
@@ -183,6 +195,12 @@ class NiModule:
         except errors.DaqNotFoundError as error:
             raise MissingPackageError(
                 "wanted the driver NI-DAQmx, it is not installed on this computer; get it from NI"
+            ) from error
+        except errors.RpcError as error:
+            raise (DeviceLostError if lost else FrontEndError)(
+                f"{self.name}: the NI gRPC Device Server does not do what is asked "
+                f"({getattr(error.rpc_code, 'name', error.rpc_code)}); check it and the network"
+                f"{'; then resume' if lost else ''}"
             ) from error
         except errors.DaqError as error:
             code = int(error.error_code)

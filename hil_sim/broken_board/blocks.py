@@ -7,14 +7,20 @@ from dataclasses import replace
 
 from armodal.hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
 from armodal.protocols.board.messages import (
-    decode_block_info,
+    decode_answer,
+    decode_payload,
     decode_samples,
-    decode_status,
-    encode_block_info,
+    encode_answer,
+    encode_payload,
     encode_samples,
-    encode_status,
 )
-from armodal.protocols.board.records import Frame, FrameType, Overflow
+from armodal.protocols.board.records import (
+    BlockInfo,
+    BoardStatus,
+    Frame,
+    FrameType,
+    Overflow,
+)
 
 __all__ = [
     "HalfCounted",
@@ -33,9 +39,9 @@ class LatePretrigger(BrokenBoard):
     def frame(self, frame: Frame) -> Iterator[Frame]:
         """Alter a frame of the board."""
         if frame.header.type is FrameType.BLOCK_READY:
-            info = decode_block_info(frame.payload)
+            info = decode_payload(BlockInfo, frame.payload)
             later = replace(info, first_sample=info.first_sample + 3)
-            yield altered(frame, encode_block_info(later))
+            yield altered(frame, encode_payload(later))
         elif frame.header.type is FrameType.BLOCK_DATA:
             yield altered(frame, first_sample=frame.header.first_sample + 3)
         else:
@@ -48,9 +54,9 @@ class LateTrigger(BrokenBoard):
     def frame(self, frame: Frame) -> Iterator[Frame]:
         """Alter a frame of the board."""
         if frame.header.type is FrameType.BLOCK_READY:
-            info = decode_block_info(frame.payload)
+            info = decode_payload(BlockInfo, frame.payload)
             later = replace(info, trigger_sample=info.trigger_sample + 2)
-            yield altered(frame, encode_block_info(later))
+            yield altered(frame, encode_payload(later))
         else:
             yield frame
 
@@ -101,9 +107,9 @@ class NoCounts(BrokenBoard):
     def frame(self, frame: Frame) -> Iterator[Frame]:
         """Alter a frame of the board."""
         if frame.header.type is FrameType.STATUS_REPLY and frame.payload[:1] == b"\x00":
-            status = decode_status(frame.payload)
+            status = decode_answer(BoardStatus, frame.payload)
             clean = replace(status, stream_samples_dropped=0, triggers_missed=0, adc_overruns=0)
-            yield altered(frame, encode_status(clean))
+            yield altered(frame, encode_answer(clean))
         else:
             yield frame
 
@@ -114,8 +120,8 @@ class HalfCounted(BrokenBoard):
     def frame(self, frame: Frame) -> Iterator[Frame]:
         """Alter a frame of the board."""
         if frame.header.type is FrameType.STATUS_REPLY and frame.payload[:1] == b"\x00":
-            status = decode_status(frame.payload)
+            status = decode_answer(BoardStatus, frame.payload)
             half = replace(status, stream_samples_dropped=status.stream_samples_dropped // 2)
-            yield altered(frame, encode_status(half))
+            yield altered(frame, encode_answer(half))
         else:
             yield frame

@@ -7,12 +7,15 @@ from dataclasses import replace
 
 from armodal.hil_sim.broken_board.altered import BrokenBoard, altered, decoded, stretch
 from armodal.protocols.board.messages import (
-    decode_block_info,
-    decode_configuration,
-    encode_block_info,
-    encode_configuration,
+    decode_payload,
+    encode_payload,
 )
-from armodal.protocols.board.records import Frame, FrameType
+from armodal.protocols.board.records import (
+    BlockInfo,
+    Configuration,
+    Frame,
+    FrameType,
+)
 from armodal.protocols.errors import FrameError
 
 __all__ = [
@@ -123,14 +126,14 @@ class SlowSamples(BrokenBoard):
         if frame is None or frame.header.type is not FrameType.CONFIGURE:
             return piece
         try:
-            wanted = decode_configuration(frame.payload)
+            wanted = decode_payload(Configuration, frame.payload)
         except FrameError:
             return piece
         divisor = 51_200 / wanted.rate_hz
         if divisor.denominator != 1:
             return piece
         slower = replace(wanted, rate_hz=51_200 / (divisor + 1))
-        return stretch(altered(frame, encode_configuration(slower)))
+        return stretch(altered(frame, encode_payload(slower)))
 
 
 class FastClock(BrokenBoard):
@@ -140,9 +143,9 @@ class FastClock(BrokenBoard):
         """Alter a frame of the board."""
         ticks = frame.header.ticks + frame.header.ticks // 200
         if frame.header.type is FrameType.BLOCK_READY:
-            info = decode_block_info(frame.payload)
+            info = decode_payload(BlockInfo, frame.payload)
             info = replace(info, trigger_ticks=info.trigger_ticks + info.trigger_ticks // 200)
-            yield altered(frame, encode_block_info(info), ticks=ticks)
+            yield altered(frame, encode_payload(info), ticks=ticks)
         else:
             yield altered(frame, ticks=ticks)
 

@@ -1,72 +1,40 @@
-"""What a plant file can hide in the arm or its measurement; `docs/simulated-plant.md` lists it."""
+"""What a plant file can hide in the arm or its measurement; `docs/simulated-plant.md` lists it.
 
-from typing import Annotated
+Every table's class in a module of this folder is found by itself.
+"""
+
+from functools import reduce
+from importlib import import_module
+from operator import or_
+from pkgutil import iter_modules
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from armodal.hil_sim.effects.backlash import Backlash
-from armodal.hil_sim.effects.base import Base
-from armodal.hil_sim.effects.bearing import Bearing
-from armodal.hil_sim.effects.bending import Bending
-from armodal.hil_sim.effects.coupling import Coupling
-from armodal.hil_sim.effects.dashpot import Dashpot
-from armodal.hil_sim.effects.delay import Delay
-from armodal.hil_sim.effects.dress_pack import DressPack
 from armodal.hil_sim.effects.effect import BaseEffect
-from armodal.hil_sim.effects.encoder_offset import EncoderOffset
-from armodal.hil_sim.effects.exponential_window import ExponentialWindow
-from armodal.hil_sim.effects.friction import Friction
-from armodal.hil_sim.effects.gains import ChannelGain, HammerGain
-from armodal.hil_sim.effects.gravity_compensator import GravityCompensator
-from armodal.hil_sim.effects.hit_direction import HitDirection
-from armodal.hil_sim.effects.hysteretic import Hysteretic
-from armodal.hil_sim.effects.link_axis import LinkAxis
-from armodal.hil_sim.effects.load_damping import LoadDamping
-from armodal.hil_sim.effects.one_sided import OneSidedCrack
-from armodal.hil_sim.effects.parallelogram import Parallelogram
-from armodal.hil_sim.effects.payload import Payload
-from armodal.hil_sim.effects.released_joint import ReleasedJoint
-from armodal.hil_sim.effects.rotor import Rotor
-from armodal.hil_sim.effects.sensor_axes import FlippedAxis, SwappedAxes
-from armodal.hil_sim.effects.sensor_mass import SensorMass
-from armodal.hil_sim.effects.softening import Softening
-from armodal.hil_sim.effects.torsion import Torsion
-from armodal.hil_sim.effects.wrist_coupling import WristCoupling
-from armodal.hil_sim.effects.wrong_point import ExchangedPoints, MovedPoint
 
-__all__ = ["BaseEffect", "Effect"]
+__all__ = ["BaseEffect", "Effect", "modules_with"]
 
-Effect = Annotated[
-    Backlash
-    | Base
-    | Bearing
-    | Bending
-    | ChannelGain
-    | Coupling
-    | Dashpot
-    | Delay
-    | DressPack
-    | EncoderOffset
-    | ExchangedPoints
-    | ExponentialWindow
-    | FlippedAxis
-    | Friction
-    | GravityCompensator
-    | HammerGain
-    | HitDirection
-    | Hysteretic
-    | LinkAxis
-    | LoadDamping
-    | MovedPoint
-    | OneSidedCrack
-    | Parallelogram
-    | Payload
-    | ReleasedJoint
-    | Rotor
-    | SensorMass
-    | Softening
-    | SwappedAxes
-    | Torsion
-    | WristCoupling,
-    Field(discriminator="kind"),
+_MODULES = {
+    found.name: import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)
+}
+_TABLES = [
+    table
+    for name, module in sorted(_MODULES.items())
+    for table in vars(module).values()
+    if isinstance(table, type)
+    and issubclass(table, BaseEffect)
+    and table.__module__ == module.__name__
+    and "kind" in table.model_fields
 ]
+
+if TYPE_CHECKING:
+    Effect = BaseEffect
+else:
+    Effect = Annotated[reduce(or_, _TABLES), Field(discriminator="kind")]
+
+
+def modules_with(name: str) -> dict[str, ModuleType]:
+    """Return the modules of this folder that offer something of that name, by their own name."""
+    return {own: module for own, module in sorted(_MODULES.items()) if hasattr(module, name)}

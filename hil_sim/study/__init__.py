@@ -12,7 +12,7 @@ from armodal.hil_sim.study.cases import (
     sealed,
     write_case,
 )
-from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, VERSION, library
 from armodal.hil_sim.study.draw import draw_study
 from armodal.hil_sim.study.hiding import CaseSpec
 
@@ -21,12 +21,14 @@ __all__ = [
     "MAGNITUDES",
     "OUTSIDE",
     "STUDY_ARMS",
+    "VERSION",
     "CaseFiles",
     "CaseSpec",
     "SealedCase",
     "StudyArm",
     "can_size",
     "draw_study",
+    "library",
     "make_case",
     "rehearsal_plan",
     "sealed",

@@ -1,4 +1,11 @@
-"""Every effect that a case can hide, by the name that a verdict should give it."""
+"""Every effect that a case can hide, by the name that a verdict should give it.
+
+A module of `hil_sim.effects` that makes cases of itself is found by its name. It offers
+
+    hide(places, rng, magnitude)    what is hidden, at its clear size times a magnitude
+    SINCE                           the version of the library it came with
+    SIZED                           whether its clear size is found case by case
+"""
 
 from __future__ import annotations
 
@@ -6,6 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from armodal.hil_sim.effects import modules_with
+from armodal.hil_sim.effects.hidden import Hidden
 from armodal.hil_sim.study import (
     hide_damping,
     hide_drive,
@@ -13,22 +22,26 @@ from armodal.hil_sim.study import (
     hide_outside,
     hide_structure,
 )
-from armodal.hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.places import ArmPlaces
+from armodal.protocols.errors import PlantError
 
 __all__ = [
-    "FIRST",
     "LIBRARY",
     "MAGNITUDES",
     "MORE",
     "OUTSIDE",
     "PLACED",
     "SIZED",
+    "VERSION",
     "Maker",
+    "library",
 ]
 
 Maker = Callable[[ArmPlaces, np.random.Generator, float], Hidden]
 
 MAGNITUDES = {"clear": 1.0, "medium": 0.5, "faint": 0.25}
+
+_FOUND = modules_with("hide")
 
 LIBRARY: dict[str, Maker] = {
     "released_joint": hide_structure.released_joint,
@@ -60,6 +73,7 @@ LIBRARY: dict[str, Maker] = {
     "wrong_point": hide_measurement.wrong_point,
     "hit_direction": hide_measurement.hit_direction,
     "exponential_window": hide_measurement.exponential_window,
+    **{name: module.hide for name, module in _FOUND.items()},
 }
 
 OUTSIDE: dict[str, Maker] = {
@@ -68,8 +82,26 @@ OUTSIDE: dict[str, Maker] = {
     "parallelogram_bar": hide_outside.parallelogram_bar,
 }
 
-FIRST = tuple(LIBRARY)[:15]
-"""The first library of the gap workflow."""
+_FIRST = 15  # effects of the first version; all others without a file of their own are the second's
+_SINCE = {name: 1 if at < _FIRST else 2 for at, name in enumerate(LIBRARY)}
+_SINCE |= {name: int(module.SINCE) for name, module in _FOUND.items()}
+
+VERSION = max(_SINCE.values())
+"""The newest version of the library."""
+
+
+def library(version: int) -> tuple[str, ...]:
+    """Return the effects of a version: a study of it is drawn alike whatever came later.
+
+    Raises
+    ------
+    PlantError
+        If there is no such version.
+    """
+    if not 1 <= version <= VERSION:
+        raise PlantError(f"library {version}: wanted a version from 1 to {VERSION}; give one")
+    return tuple(name for name in LIBRARY if _SINCE[name] <= version)
+
 
 SIZED = frozenset(
     {
@@ -87,6 +119,7 @@ SIZED = frozenset(
         "load_damping",
         "dress_pack",
         "parallelogram_bar",
+        *(name for name, module in _FOUND.items() if module.SIZED),
     }
 )
 """Effects whose clear size is found case by case; the others' is that of their maker.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
+from armodal.hil_sim.effects.hidden import Hidden, about, hidden, plain, unit
+from armodal.hil_sim.study.places import ArmPlaces
 
 __all__ = [
     "channel_gain",

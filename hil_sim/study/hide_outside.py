@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from armodal.hil_sim.study.hide_structure import loss_s
-from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
+from armodal.hil_sim.effects.hidden import Hidden, about, hidden, loss_s, plain, unit
+from armodal.hil_sim.study.places import ArmPlaces
 
 __all__ = ["dress_pack", "one_sided", "parallelogram_bar"]
 

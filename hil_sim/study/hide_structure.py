@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from armodal.hil_sim.study.places import ArmPlaces, Hidden, about, hidden, plain, unit
+from armodal.hil_sim.effects.hidden import Hidden, about, hidden, loss_s, plain, unit
+from armodal.hil_sim.study.places import ArmPlaces
 from armodal.protocols.errors import PlantError
 
 __all__ = [
@@ -13,7 +14,6 @@ __all__ = [
     "link_axis",
     "link_bending",
     "link_torsion",
-    "loss_s",
     "released_joint",
 ]
 
@@ -25,7 +25,6 @@ ROCKING = 0.08
 SHIFT_M2 = 2.5e-3  # m / N per rad / N m
 BENDING = 0.15  # of the whole link
 TORSION = 0.8
-LOSS_S = (5e-6, 1.5e-4)  # damping / stiffness
 
 Rng = np.random.Generator
 
@@ -138,11 +137,6 @@ def _all_along(kind: str, key: str, part: float, places: ArmPlaces, rng: Rng) ->
         "loss": loss_s(rng),
     }
     return hidden(f"link_{kind}", link, table, **{key: stiffness})
-
-
-def loss_s(rng: Rng) -> float:
-    """Damping over stiffness of something soft, drawn evenly by its logarithm."""
-    return float(np.exp(rng.uniform(*np.log(LOSS_S))))
 
 
 def _long_link(places: ArmPlaces, rng: Rng) -> str:

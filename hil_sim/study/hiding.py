@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from armodal.hil_sim.effects.hidden import Hidden
 from armodal.hil_sim.streams import stream
 from armodal.hil_sim.study.arms import StudyArm, study_arm
 from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
 from armodal.hil_sim.study.model_error import Tables, erring_plant_tables
-from armodal.hil_sim.study.places import ArmPlaces, Hidden
+from armodal.hil_sim.study.places import ArmPlaces
 from armodal.hil_sim.study.prominence import Bystander
 from armodal.hil_sim.study.sizing import AS_MADE, clear_place, clear_size
 from armodal.protocols.errors import PlantError

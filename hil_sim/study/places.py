@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.hil_sim.effects.hidden import unit
 from armodal.hil_sim.newton_euler import gravity_torque, mass_matrix
 from armodal.hil_sim.small_motion import force_torque, linearise
 from armodal.hil_sim.study.arms import StudyArm
@@ -15,31 +15,9 @@ from armodal.hil_sim.study.model_error import Tables, plant_of_tables
 from armodal.hil_sim.study.plant_of_arm import rotations
 from armodal.protocols.errors import PlantError
 
-__all__ = ["ArmPlaces", "Hidden", "about", "hidden", "plain", "unit"]
+__all__ = ["ArmPlaces"]
 
 Array = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Hidden:
-    """What is hidden: tables for the plant file, and the truth in the field's words.
-
-    `joints` are changes of joints' own springs that the truth must tell.
-    """
-
-    tables: list[Tables]
-    name: str
-    place: Any  # joint, link, point or a list of them
-    parameters: dict[str, Any]
-
-    def truth(self) -> Tables:
-        """Name, place and parameters."""
-        return {"name": self.name, "place": self.place, "parameters": self.parameters}
-
-
-def hidden(name: str, place: Any, table: Tables, **parameters: Any) -> Hidden:
-    """One effect of one table."""
-    return Hidden(tables=[table], name=name, place=place, parameters=parameters)
 
 
 @dataclass(slots=True)
@@ -156,20 +134,3 @@ class ArmPlaces:
             float(gravity_torque(plant.chain, plant.hinge_angles(posture.joints_rad))[hinge])
             for posture in self.study.plan.postures
         ]
-
-
-def about(rng: np.random.Generator) -> float:
-    """A size within a sixth of the nominal one."""
-    return float(np.exp(rng.uniform(-0.15, 0.15)))
-
-
-def unit(rng: np.random.Generator) -> Array:
-    """A direction, all alike."""
-    v = rng.standard_normal(3)
-    result: Array = v / np.linalg.norm(v)
-    return result
-
-
-def plain(vector: npt.ArrayLike) -> tuple[float, ...]:
-    """Numbers as a plant file has them."""
-    return tuple(float(value) for value in np.asarray(vector))

@@ -13,7 +13,8 @@ import zlib
 from collections.abc import Sequence
 
 from armodal.protocols.board.binary import Reader, pack, text_field
-from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
+from armodal.protocols.board.layout import decode_head, encode
+from armodal.protocols.board.records import BoardDictionary, Channel, FragmentHead, IepeState
 from armodal.protocols.errors import FrameError
 
 __all__ = [
@@ -33,7 +34,6 @@ FRAGMENT_SIZE = 512
 _HEAD = struct.Struct("<BBIIId")
 _CHANNEL = struct.Struct("<Bddd")
 _TEDS_LENGTH = struct.Struct("<H")
-_FRAGMENT = struct.Struct("<HH")
 
 
 def encode_dictionary(dictionary: BoardDictionary) -> bytes:
@@ -193,7 +193,8 @@ def hello_fragments(encoded: bytes) -> list[bytes]:
     if not 1 <= len(encoded) <= MAX_DICTIONARY:
         raise FrameError(f"a dictionary takes 1...{MAX_DICTIONARY} bytes, got {len(encoded)}")
     return [
-        _FRAGMENT.pack(len(encoded), offset) + encoded[offset : offset + FRAGMENT_SIZE]
+        encode(FragmentHead(total=len(encoded), offset=offset))
+        + encoded[offset : offset + FRAGMENT_SIZE]
         for offset in range(0, len(encoded), FRAGMENT_SIZE)
     ]
 
@@ -214,9 +215,8 @@ def join_hello(payloads: Sequence[bytes]) -> bytes | None:
     pieces: dict[int, bytes] = {}
     total: int | None = None
     for payload in payloads:
-        reader = Reader(payload, "HELLO_REPLY")
-        length, offset = reader.unpack(_FRAGMENT)
-        piece = reader.rest()
+        head, at = decode_head(FragmentHead, payload, "HELLO_REPLY")
+        length, offset, piece = head.total, head.offset, payload[at:]
         if not piece or offset + len(piece) > length:
             raise FrameError(
                 f"HELLO_REPLY: {len(piece)} bytes at {offset} do not lie in a "

@@ -8,7 +8,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from armodal.protocols.board.codec import MAX_PAYLOAD, wire_size
-from armodal.protocols.board.messages import BLOCK_PREFIX_SIZE, STREAM_PREFIX_SIZE
+from armodal.protocols.board.messages import BLOCK_HEAD_SIZE, STREAM_HEAD_SIZE
 from armodal.protocols.board.records import BoardDictionary, Configuration, ReplyCode
 from armodal.protocols.board.samples import BYTES_PER_COUNT, COUNT_MAX, COUNT_MIN
 
@@ -31,9 +31,7 @@ def samples_per_frame(n_channels: int) -> int:
     >>> samples_per_frame(4), samples_per_frame(32)
     (64, 21)
     """
-    return min(
-        _NOMINAL_SAMPLES, (MAX_PAYLOAD - BLOCK_PREFIX_SIZE) // (BYTES_PER_COUNT * n_channels)
-    )
+    return min(_NOMINAL_SAMPLES, (MAX_PAYLOAD - BLOCK_HEAD_SIZE) // (BYTES_PER_COUNT * n_channels))
 
 
 def block_bytes(configuration: Configuration) -> int:
@@ -45,8 +43,8 @@ def block_wire_bytes(configuration: Configuration) -> int:
     """Most bytes the BLOCK_DATA frames of one block take on the wire."""
     n_channels = _n_channels(configuration)
     full, left = divmod(configuration.block_length, samples_per_frame(n_channels))
-    size = full * _data_frame_bytes(BLOCK_PREFIX_SIZE, samples_per_frame(n_channels), n_channels)
-    return size + (_data_frame_bytes(BLOCK_PREFIX_SIZE, left, n_channels) if left else 0)
+    size = full * _data_frame_bytes(BLOCK_HEAD_SIZE, samples_per_frame(n_channels), n_channels)
+    return size + (_data_frame_bytes(BLOCK_HEAD_SIZE, left, n_channels) if left else 0)
 
 
 def stream_bytes_per_s(configuration: Configuration) -> Fraction:
@@ -54,7 +52,7 @@ def stream_bytes_per_s(configuration: Configuration) -> Fraction:
     n_channels = _n_channels(configuration)
     n_samples = samples_per_frame(n_channels)
     frames_hz = configuration.rate_hz / n_samples
-    return frames_hz * _data_frame_bytes(STREAM_PREFIX_SIZE, n_samples, n_channels)
+    return frames_hz * _data_frame_bytes(STREAM_HEAD_SIZE, n_samples, n_channels)
 
 
 def _n_channels(configuration: Configuration) -> int:

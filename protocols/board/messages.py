@@ -1,14 +1,15 @@
 """Payloads of the messages between host and board.
 
-The bytes are specified in `docs/board-protocol.md`, sections 4 to 8.
+The bytes are specified in `docs/board-protocol.md`, sections 4 to 9; the fixed fields of each
+payload are a record of `records.py`.
 """
 
 from __future__ import annotations
 
-import struct
-from fractions import Fraction
+from functools import lru_cache
+from typing import TypeVar
 
-from armodal.protocols.board.binary import Reader, pack
+from armodal.protocols.board.binary import Reader
 from armodal.protocols.board.dictionary import (
     decode_dictionary,
     dictionary_hash,
@@ -16,134 +17,75 @@ from armodal.protocols.board.dictionary import (
     hello_fragments,
     join_hello,
 )
+from armodal.protocols.board.layout import decode, encode, layout_of
 from armodal.protocols.board.records import (
-    BlockInfo,
-    BoardState,
-    BoardStatus,
-    Configuration,
+    BYTES_PER_COUNT,
+    MESSAGES,
+    BlockDataHead,
     Frame,
     FrameType,
     ReplyCode,
     Samples,
-    Slope,
+    StreamHead,
 )
-from armodal.protocols.board.samples import BYTES_PER_COUNT, pack_counts, unpack_counts
+from armodal.protocols.board.samples import pack_counts, unpack_counts
 from armodal.protocols.errors import FrameError
 
 __all__ = [
-    "BLOCK_PREFIX_SIZE",
-    "STREAM_PREFIX_SIZE",
-    "decode_block_info",
-    "decode_configuration",
+    "BLOCK_HEAD_SIZE",
+    "STREAM_HEAD_SIZE",
+    "decode_answer",
     "decode_dictionary",
-    "decode_release",
+    "decode_payload",
     "decode_reply",
-    "decode_resend",
     "decode_samples",
-    "decode_status",
     "dictionary_hash",
-    "encode_block_info",
-    "encode_configuration",
+    "encode_answer",
     "encode_dictionary",
-    "encode_release",
+    "encode_payload",
     "encode_reply",
-    "encode_resend",
     "encode_samples",
-    "encode_status",
     "hello_fragments",
     "join_hello",
 ]
 
-_CONFIGURATION = struct.Struct("<IIIBBBBiII")
-_BLOCK_INFO = struct.Struct("<IIQQQ")
-_STATUS = struct.Struct("<BIQIIQII")
-_STREAM = struct.Struct("<HBB")
-_BLOCK = struct.Struct("<HBBI")
-_RESEND = struct.Struct("<III")
-_RELEASE = struct.Struct("<I")
+Record = TypeVar("Record")
 
 _MAX_REASON = 255
+_NAMES = {message.record: kind.name for kind, message in MESSAGES.items() if message.record}
 
-STREAM_PREFIX_SIZE = _STREAM.size
-BLOCK_PREFIX_SIZE = _BLOCK.size
-
-
-def encode_configuration(configuration: Configuration) -> bytes:
-    """Payload of CONFIGURE."""
-    return pack(
-        _CONFIGURATION,
-        "CONFIGURE",
-        configuration.rate_hz.numerator,
-        configuration.rate_hz.denominator,
-        configuration.channel_mask,
-        configuration.trigger_channel,
-        configuration.slope,
-        configuration.stream,
-        0,
-        configuration.trigger_level_counts,
-        configuration.pretrigger,
-        configuration.block_length,
-    )
+STREAM_HEAD_SIZE = layout_of(StreamHead).size
+BLOCK_HEAD_SIZE = layout_of(BlockDataHead).size
 
 
-def decode_configuration(payload: bytes) -> Configuration:
-    """Read the payload of CONFIGURE; whether the board can do it is `limits.refusal`'s question."""
-    reader = Reader(payload, "CONFIGURE")
-    numerator, denominator, mask, channel, slope, stream, reserved, level, before, length = (
-        reader.unpack(_CONFIGURATION)
-    )
-    reader.finish()
-    if numerator == 0 or denominator == 0:
-        raise FrameError(f"CONFIGURE: rate must be positive, got {numerator}/{denominator} Hz")
-    if slope not in set(Slope) or stream > 1 or reserved != 0:
-        raise FrameError(
-            "CONFIGURE: slope 0...1, stream 0...1 and reserved 0 wanted, got "
-            f"{slope}, {stream} and {reserved}"
-        )
-    return Configuration(
-        rate_hz=Fraction(numerator, denominator),
-        channel_mask=mask,
-        trigger_channel=channel,
-        trigger_level_counts=level,
-        slope=Slope(slope),
-        pretrigger=before,
-        block_length=length,
-        stream=bool(stream),
-    )
+def _name(record: type) -> str:
+    return _NAMES.get(record, record.__name__)
 
 
-def encode_block_info(info: BlockInfo) -> bytes:
-    """Payload of BLOCK_READY."""
-    return pack(
-        _BLOCK_INFO,
-        "BLOCK_READY",
-        info.block_id,
-        info.length,
-        info.first_sample,
-        info.trigger_sample,
-        info.trigger_ticks,
-    )
+def encode_payload(record: object) -> bytes:
+    """Payload of the message whose record this is.
+
+    Its values need only fit their widths: what a board has to refuse can be sent.
+
+    Raises
+    ------
+    FrameError
+        If one does not.
+    """
+    return encode(record, _name(type(record)))
 
 
-def decode_block_info(payload: bytes) -> BlockInfo:
-    """Read the payload of BLOCK_READY."""
-    reader = Reader(payload, "BLOCK_READY")
-    block_id, length, first_sample, trigger_sample, trigger_ticks = reader.unpack(_BLOCK_INFO)
-    reader.finish()
-    if block_id == 0:
-        raise FrameError("BLOCK_READY: block ids begin at 1, got 0")
-    if not first_sample <= trigger_sample < first_sample + length:
-        raise FrameError(
-            f"BLOCK_READY: trigger sample {trigger_sample} is not among the {length} "
-            f"samples from {first_sample}"
-        )
-    return BlockInfo(
-        block_id=block_id,
-        first_sample=first_sample,
-        length=length,
-        trigger_sample=trigger_sample,
-        trigger_ticks=trigger_ticks,
-    )
+def decode_payload(record: type[Record], payload: bytes) -> Record:
+    """Read the payload of the message whose record `record` is.
+
+    Of a `Configuration`, whether the board can do it is `limits.refusal`'s question.
+
+    Raises
+    ------
+    FrameError
+        If the length is another or a value breaks a rule of its field.
+    """
+    return decode(record, payload, _name(record))
 
 
 def encode_reply(code: ReplyCode, reason: str = "") -> bytes:
@@ -165,42 +107,26 @@ def _read_reply(reader: Reader) -> tuple[ReplyCode, str]:
     return ReplyCode(number), reader.text()
 
 
-def encode_status(status: BoardStatus) -> bytes:
-    """Payload of STATUS_REPLY: code OK, no reason, and the status."""
-    return encode_reply(ReplyCode.OK) + pack(
-        _STATUS,
-        "STATUS_REPLY",
-        status.state,
-        status.next_sequence,
-        status.next_sample,
-        status.buffered_blocks,
-        status.oldest_block,
-        status.stream_samples_dropped,
-        status.triggers_missed,
-        status.adc_overruns,
-    )
+def encode_answer(record: object) -> bytes:
+    """Payload of a reply that carries a record: code OK, no reason, and the record."""
+    return encode_reply(ReplyCode.OK) + encode_payload(record)
 
 
-def decode_status(payload: bytes) -> BoardStatus:
-    """Read the payload of STATUS_REPLY; a refusal, which has no body, raises `FrameError`."""
-    reader = Reader(payload, "STATUS_REPLY")
+def decode_answer(record: type[Record], payload: bytes) -> Record:
+    """Read the record that a reply carries.
+
+    Raises
+    ------
+    FrameError
+        If the board refused, which leaves no record, or the record is malformed.
+    """
+    reader = Reader(payload, _name(record))
     code, reason = _read_reply(reader)
     if code != ReplyCode.OK:
-        raise FrameError(f"STATUS_REPLY: status wanted, the board refused: {code.name} {reason}")
-    state, sequence, sample, buffered, oldest, dropped, missed, overruns = reader.unpack(_STATUS)
-    reader.finish()
-    if state not in set(BoardState):
-        raise FrameError(f"STATUS_REPLY: state 0...{max(BoardState)} wanted, got {state}")
-    return BoardStatus(
-        state=BoardState(state),
-        next_sequence=sequence,
-        next_sample=sample,
-        buffered_blocks=buffered,
-        oldest_block=oldest,
-        stream_samples_dropped=dropped,
-        triggers_missed=missed,
-        adc_overruns=overruns,
-    )
+        raise FrameError(
+            f"{_name(record)}: an answer wanted, the board refused: {code.name} {reason}"
+        )
+    return decode_payload(record, reader.rest())
 
 
 def encode_samples(samples: Samples) -> bytes:
@@ -212,10 +138,10 @@ def encode_samples(samples: Samples) -> bytes:
     n_samples, n_channels = samples.counts.shape
     if not data:
         raise FrameError("a frame holds at least one sample of one channel, got none")
-    shape = (n_samples, n_channels, BYTES_PER_COUNT)
     if samples.block_id is None:
-        return pack(_STREAM, "STREAM", *shape) + data
-    return pack(_BLOCK, "BLOCK_DATA", *shape, samples.block_id) + data
+        return encode_payload(StreamHead(n_samples=n_samples, n_channels=n_channels)) + data
+    head = BlockDataHead(n_samples=n_samples, n_channels=n_channels, block_id=samples.block_id)
+    return encode_payload(head) + data
 
 
 def decode_samples(frame: Frame) -> Samples:
@@ -226,58 +152,28 @@ def decode_samples(frame: Frame) -> Samples:
     Samples
         Counts (n_samples, n_channels), read-only.
     """
-    payload = frame.payload
-    block_id = None
-    try:
-        if frame.header.type is FrameType.STREAM:
-            n_samples, n_channels, size = _STREAM.unpack_from(payload)
-            offset = _STREAM.size
-        elif frame.header.type is FrameType.BLOCK_DATA:
-            n_samples, n_channels, size, block_id = _BLOCK.unpack_from(payload)
-            offset = _BLOCK.size
-        else:
-            raise FrameError(f"STREAM or BLOCK_DATA wanted, got {frame.header.type.name}")
-    except struct.error as error:
-        raise FrameError(f"{frame.header.type.name}: the payload is too short: {error}") from error
-    if size != BYTES_PER_COUNT or not n_samples or not n_channels or block_id == 0:
+    payload, kind = frame.payload, frame.header.type
+    if kind not in (FrameType.STREAM, FrameType.BLOCK_DATA):
+        raise FrameError(f"STREAM or BLOCK_DATA wanted, got {kind.name}")
+    offset = STREAM_HEAD_SIZE if kind is FrameType.STREAM else BLOCK_HEAD_SIZE
+    n_channels, n_bytes, block_id = _sample_head(kind, payload[:offset])
+    if len(payload) - offset != n_bytes:
         raise FrameError(
-            f"{frame.header.type.name}: {n_samples} samples of {n_channels} channels of {size} "
-            f"bytes, block {block_id}: at least one of each and {BYTES_PER_COUNT} bytes wanted"
-        )
-    if len(payload) - offset != n_samples * n_channels * BYTES_PER_COUNT:
-        raise FrameError(
-            f"{frame.header.type.name}: {n_samples * n_channels * BYTES_PER_COUNT} bytes of "
-            f"samples wanted, got {len(payload) - offset}"
+            f"{kind.name}: {n_bytes} bytes of samples wanted, got {len(payload) - offset}"
         )
     counts = unpack_counts(payload, n_channels, offset)
     counts.setflags(write=False)
     return Samples(first_sample=frame.header.first_sample, counts=counts, block_id=block_id)
 
 
-def encode_resend(block_id: int, first: int, count: int) -> bytes:
-    """Payload of RESEND: samples `first` to `first + count - 1` of a held block.
-
-    With a `count` of 0 the board only sends BLOCK_READY again.
-    """
-    return pack(_RESEND, "RESEND", block_id, first, count)
-
-
-def decode_resend(payload: bytes) -> tuple[int, int, int]:
-    """Read the payload of RESEND: block id, first offset in the block, count of samples."""
-    reader = Reader(payload, "RESEND")
-    block_id, first, count = reader.unpack(_RESEND)
-    reader.finish()
-    return block_id, first, count
-
-
-def encode_release(block_id: int) -> bytes:
-    """Payload of RELEASE."""
-    return pack(_RELEASE, "RELEASE", block_id)
-
-
-def decode_release(payload: bytes) -> int:
-    """Read the payload of RELEASE: the block id."""
-    reader = Reader(payload, "RELEASE")
-    (block_id,) = reader.unpack(_RELEASE)
-    reader.finish()
-    return int(block_id)
+# Most frames of a run have the same head.
+@lru_cache(maxsize=16)
+def _sample_head(kind: FrameType, data: bytes) -> tuple[int, int, int | None]:
+    """Channels, bytes of counts and block id that the head of a data frame tells."""
+    head: StreamHead | BlockDataHead
+    if kind is FrameType.STREAM:
+        head, block_id = decode(StreamHead, data, kind.name), None
+    else:
+        head = decode(BlockDataHead, data, kind.name)
+        block_id = head.block_id
+    return head.n_channels, head.n_samples * head.n_channels * BYTES_PER_COUNT, block_id

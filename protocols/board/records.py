@@ -1,33 +1,63 @@
-"""Records of the acquisition-board protocol: what the two sides agree on.
+"""The one table of the board protocol: frame types, and the record that each of them carries.
 
-The bytes are specified in `docs/board-protocol.md`.
+A field's annotation says how it stands on the wire, in the order of the wire. The codec comes from
+it (`layout.py`); `python -m armodal.protocols.board.generate` writes the C header and sources, the
+tables of `docs/board-protocol.md` and the test vectors of every field's extremes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
+from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.board.fields import (
+    Rule,
+    choice,
+    constant,
+    flag,
+    flags,
+    i32,
+    rational,
+    u8,
+    u16,
+    u32,
+    u64,
+)
+
 __all__ = [
+    "BYTES_PER_COUNT",
+    "MESSAGES",
+    "PROTOCOL_VERSION",
+    "BlockDataHead",
     "BlockInfo",
     "BoardDictionary",
     "BoardState",
     "BoardStatus",
     "Channel",
     "Configuration",
+    "FragmentHead",
     "Frame",
     "FrameType",
     "Header",
     "IepeState",
+    "Message",
     "Overflow",
+    "Release",
     "ReplyCode",
+    "Resend",
     "Samples",
     "Slope",
+    "StreamHead",
 ]
+
+PROTOCOL_VERSION = 1
+BYTES_PER_COUNT = 3
 
 
 class FrameType(IntEnum):
@@ -107,14 +137,27 @@ class Header:
     first sample was taken.
     """
 
-    type: FrameType
-    session: int  # u32, random per boot; 0 in a HELLO from the host
-    sequence: int  # u32, per sender, +1 a frame, wraps
-    dictionary_hash: int = 0  # u16
-    overflow: Overflow = Overflow.NONE
-    tag: int = 0  # u16, chosen by the host in a command, echoed in its reply
-    first_sample: int = 0  # u64
-    ticks: int = 0  # u64
+    version: ClassVar[Annotated[int, constant("u8", PROTOCOL_VERSION, "of the protocol")]]
+    type: Annotated[FrameType, u8("section 4; bit 7 set: from board to host")]
+    dictionary_hash: Annotated[
+        int,
+        u16(
+            "board: hash of its dictionary (section 5). Host: 0 or that hash; the board ignores it"
+        ),
+    ] = 0
+    session: Annotated[
+        int,
+        u32("board: its session id. Host: the session id it talks to; 0 in a HELLO"),
+    ]
+    sequence: Annotated[int, u32("number of this frame among the sender's frames")]
+    overflow: Annotated[Overflow, flags("board: flags below. Host: 0")] = Overflow.NONE
+    tag: Annotated[
+        int, u16("command: chosen by the host. Reply: that of its command. Otherwise 0")
+    ] = 0
+    first_sample: Annotated[
+        int, u64("STREAM, BLOCK_DATA: index of the first sample carried. Otherwise 0")
+    ] = 0
+    ticks: Annotated[int, u64("board: its clock. Host: 0", unit="ticks")] = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,42 +198,110 @@ class BoardDictionary:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Configuration:
-    """What CONFIGURE asks for."""
+class FragmentHead:
+    """HELLO_REPLY: what stands before its bytes of the dictionary."""
 
-    rate_hz: Fraction
-    channel_mask: int  # bit i: channel i of the dictionary
-    trigger_channel: int  # index into the dictionary
-    trigger_level_counts: int
-    slope: Slope
-    pretrigger: int  # samples
-    block_length: int  # samples, pre-trigger included
-    stream: bool  # free-running preview wanted
+    total: Annotated[int, u16("length of the array", low=1, unit="bytes")]
+    offset: Annotated[int, u16("of this fragment", unit="bytes")]
+
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            words="offset must be below total",
+            holds=lambda m: m.offset < m.total,
+            c="m->offset < m->total",
+        ),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BlockInfo:
-    """BLOCK_READY: a triggered block the board holds until it is released."""
+class Configuration:
+    """CONFIGURE: what the host wants measured."""
 
-    block_id: int
-    first_sample: int
-    length: int
-    trigger_sample: int
-    trigger_ticks: int
+    rate_hz: Annotated[
+        Fraction, rational("the exact quotient: 51200/31 is 51200 and 31", unit="Hz")
+    ]
+    channel_mask: Annotated[int, u32("bit i: channel i; not 0; only channels of the dictionary")]
+    trigger_channel: Annotated[int, u8("index into the dictionary; must be in the mask")]
+    slope: Annotated[Slope, choice("sign of the crossing that triggers")]
+    stream: Annotated[bool, flag("preview wanted")]
+    reserved: ClassVar[Annotated[int, constant("u8", 0, "")]]
+    trigger_level_counts: Annotated[
+        int, i32("on the trigger channel; its magnitude at most 8388607", unit="counts")
+    ]
+    pretrigger: Annotated[int, u32("before the trigger sample; below block_length", unit="samples")]
+    block_length: Annotated[int, u32("pre-trigger included", unit="samples")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoardStatus:
     """STATUS_REPLY; the device clock at the reply is in the header."""
 
-    state: BoardState
-    next_sequence: int
-    next_sample: int
-    buffered_blocks: int
-    oldest_block: int  # id, 0 where none is held
-    stream_samples_dropped: int
-    triggers_missed: int
-    adc_overruns: int
+    state: Annotated[BoardState, choice("section 4.1")]
+    next_sequence: Annotated[int, u32("sequence number of the frame after this one")]
+    next_sample: Annotated[int, u64("index the next sample will get")]
+    buffered_blocks: Annotated[int, u32("complete blocks held")]
+    oldest_block: Annotated[int, u32("id of the oldest of them; 0 where none is held")]
+    stream_samples_dropped: Annotated[
+        int, u64("that were not put into the preview, since START", unit="samples")
+    ]
+    triggers_missed: Annotated[
+        int, u32("triggers without a free buffer and blocks given up for ADC, since START")
+    ]
+    adc_overruns: Annotated[int, u32("times the converter lost samples, since START")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockInfo:
+    """BLOCK_READY: a triggered block the board holds until it is released."""
+
+    block_id: Annotated[int, u32("of the block", low=1)]
+    length: Annotated[int, u32("of the block", unit="samples")]
+    first_sample: Annotated[int, u64("index of its first sample")]
+    trigger_sample: Annotated[int, u64("index of the trigger sample")]
+    trigger_ticks: Annotated[int, u64("clock when the trigger sample was ready", unit="ticks")]
+
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            words="trigger_sample must lie in the block",
+            holds=lambda m: 0 <= m.trigger_sample - m.first_sample < m.length,
+            c="m->trigger_sample - m->first_sample < m->length",  # unsigned: wraps below 0
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resend:
+    """RESEND: samples of a held block that are wanted once more."""
+
+    block_id: Annotated[int, u32("of the block")]
+    first: Annotated[int, u32("offset in the block of the first sample wanted", unit="samples")]
+    count: Annotated[int, u32("wanted; 0 asks for BLOCK_READY alone", unit="samples")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Release:
+    """RELEASE: a block that the host has on its disk."""
+
+    block_id: Annotated[int, u32("of the block")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamHead:
+    """STREAM: what stands before its counts."""
+
+    n_samples: Annotated[int, u16("samples", low=1)]
+    n_channels: Annotated[int, u8("channels", low=1)]
+    bytes_per_count: ClassVar[Annotated[int, constant("u8", BYTES_PER_COUNT, "")]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockDataHead:
+    """BLOCK_DATA: what stands before its counts."""
+
+    n_samples: Annotated[int, u16("samples", low=1)]
+    n_channels: Annotated[int, u8("channels", low=1)]
+    bytes_per_count: ClassVar[Annotated[int, constant("u8", BYTES_PER_COUNT, "")]]
+    block_id: Annotated[int, u32("of the block", low=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -200,3 +311,40 @@ class Samples:
     first_sample: int
     counts: npt.NDArray[np.int32]  # (n_samples, n_channels)
     block_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Message:
+    """What the payload of a frame type is.
+
+    section : of the document that explains it
+    record : its fixed fields; None where it has none
+    tail : what follows them, in words; empty where nothing does
+    is_answer : whether code and reason of a reply stand in front
+    """
+
+    section: int = 4
+    record: type | None = None
+    tail: str = ""
+    is_answer: bool = False
+
+
+MESSAGES: Mapping[FrameType, Message] = {
+    FrameType.HELLO: Message(section=5),
+    FrameType.CONFIGURE: Message(section=6, record=Configuration),
+    FrameType.START: Message(),
+    FrameType.STOP: Message(),
+    FrameType.STATUS: Message(section=7),
+    FrameType.RESEND: Message(section=8, record=Resend),
+    FrameType.RELEASE: Message(section=8, record=Release),
+    FrameType.HELLO_REPLY: Message(section=5, record=FragmentHead, tail="bytes of the dictionary"),
+    FrameType.CONFIGURE_REPLY: Message(is_answer=True),
+    FrameType.START_REPLY: Message(is_answer=True),
+    FrameType.STOP_REPLY: Message(is_answer=True),
+    FrameType.STATUS_REPLY: Message(section=7, record=BoardStatus, is_answer=True),
+    FrameType.RESEND_REPLY: Message(is_answer=True),
+    FrameType.RELEASE_REPLY: Message(is_answer=True),
+    FrameType.STREAM: Message(section=9, record=StreamHead, tail="counts"),
+    FrameType.BLOCK_READY: Message(section=8, record=BlockInfo),
+    FrameType.BLOCK_DATA: Message(section=9, record=BlockDataHead, tail="counts"),
+}

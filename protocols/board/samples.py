@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.board.records import BYTES_PER_COUNT
 from armodal.protocols.errors import FrameError
 
 __all__ = ["BYTES_PER_COUNT", "COUNT_MAX", "COUNT_MIN", "pack_counts", "unpack_counts"]
 
-BYTES_PER_COUNT = 3
 COUNT_MIN = -(1 << 23)
 COUNT_MAX = (1 << 23) - 1
 

@@ -23,7 +23,7 @@ from armodal import __version__
 from armodal.protocols.errors import ArmodalError
 
 __all__ = [
-    "HEADER",
+    "HEADERS",
     "INCLUDE",
     "LIBRARY",
     "SOURCES",
@@ -37,7 +37,7 @@ __all__ = [
 
 HERE = Path(__file__).resolve().parent
 INCLUDE = HERE / "include"
-HEADER = INCLUDE / "armodal_board.h"
+HEADERS = tuple(INCLUDE / f"armodal_{name}.h" for name in ("messages", "board", "host"))
 SOURCES = tuple(sorted((HERE / "src").glob("*.c")))
 NAME = "libarmodal_board.so"
 LIBRARY = (
@@ -83,7 +83,7 @@ def compile_with(compiler: Sequence[str], arguments: Sequence[str], output: Path
 
 def is_current() -> bool:
     """Whether the library is there and no source is newer."""
-    inputs = [*SOURCES, HEADER, HERE / "src" / "internal.h", Path(__file__)]
+    inputs = [*SOURCES, *HEADERS, HERE / "src" / "internal.h", Path(__file__)]
     newest = max(path.stat().st_mtime_ns for path in inputs)
     return LIBRARY.is_file() and LIBRARY.stat().st_mtime_ns >= newest
 

@@ -2,12 +2,14 @@
 
 Both are `ports/board.c`, the listing of docs/porting.md, with a converter that plays hits from a
 table. `pty` runs as a program of this machine, its link a pseudo-terminal; `an386` runs on an ARM
-Cortex-M4 and in QEMU as `mps2-an386`, its link the first UART.
+Cortex-M4 and in QEMU as `mps2-an386`, its link the first UART. `an386` is compiled by
+`arm-none-eabi-gcc`, or by the package `ziglang` where that is not there.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import shutil
 import sys
 from collections.abc import Sequence
@@ -24,10 +26,17 @@ BOARDS = ("pty", "an386")
 # A machine that is held up for long must not make the board drop its preview.
 _PREVIEW = "-DBSP_PREVIEW_FRAMES=64"
 _ARM = (
-    *("-Os", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
-    *("-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections", "-nostartfiles"),
-    *("-specs=nosys.specs", "-T", str(PORTS / "an386" / "an386.ld")),
+    *("-Os", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections"),
+    *("-T", str(PORTS / "an386" / "an386.ld")),
     "-DBSP_LINK_BYTES_PER_S=92160u",  # of a UART at 921600 baud: each byte costs the emulator
+)
+_GCC = (
+    *("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-nostartfiles"),
+    "-specs=nosys.specs",
+)
+_ZIG = (
+    *("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp"),
+    *("-Wl,--entry,reset", "-isystem", str(PORTS / "freestanding")),
 )
 
 
@@ -43,28 +52,36 @@ def build(board: str, folder: Path = FOLDER) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     files = [*SOURCES, PORTS / "board.c", PORTS / "table_adc.c"]
     files += sorted((PORTS / board).glob("*.c"))
-    options = ["-O2"] if board == "pty" else list(_ARM)
+    compiler, options = _host() if board == "pty" else _arm()
     arguments = [*STRICT, *options, _PREVIEW, f"-I{INCLUDE}", f"-I{PORTS}", *map(str, files)]
-    said = compile_with(_compiler(board), arguments, program)
+    said = compile_with(compiler, arguments, program)
     if said:
         raise CompilerError(f"firmware {board}: the compiler refuses it: {said[:2000]}")
     return program
 
 
-def _compiler(board: str) -> list[str]:
-    if board == "pty":
-        found = next(host_compilers(), None)
-        wanted = "a C compiler: install gcc or clang"
-    else:
-        path = shutil.which("arm-none-eabi-gcc")
-        found = None if path is None else [path]
-        wanted = (
-            "arm-none-eabi-gcc with newlib: install the packages gcc-arm-none-eabi and "
-            "libnewlib-arm-none-eabi"
-        )
+def _host() -> tuple[list[str], tuple[str, ...]]:
+    """A compiler of programs for this machine, and its options."""
+    found = next(host_compilers(), None)
     if found is None:
-        raise CompilerError(f"firmware {board}: wanted {wanted}; found none")
-    return found
+        raise CompilerError(
+            "firmware pty: wanted a C compiler, found none: install gcc or clang, or the package "
+            "ziglang with pip"
+        )
+    return found, ("-O2",)
+
+
+def _arm() -> tuple[list[str], tuple[str, ...]]:
+    """A compiler for the Cortex-M4, and its options."""
+    path = shutil.which("arm-none-eabi-gcc")
+    if path is not None:
+        return [path], (*_ARM, *_GCC)
+    if importlib.util.find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc"], (*_ARM, *_ZIG)
+    raise CompilerError(
+        "firmware an386: wanted arm-none-eabi-gcc with newlib, found none: install the packages "
+        "gcc-arm-none-eabi and libnewlib-arm-none-eabi, or the package ziglang with pip"
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

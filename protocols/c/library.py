@@ -9,7 +9,7 @@ from typing import Any
 
 from cffi import FFI
 
-from armodal.protocols.c.build import HEADER, HERE, ensure_library
+from armodal.protocols.c.build import HEADERS, ensure_library
 
 __all__ = ["declarations", "device_library"]
 
@@ -32,6 +32,6 @@ def device_library() -> tuple[Any, Any]:
     """
     path = ensure_library()
     ffi = FFI()
-    ffi.cdef(declarations(HEADER))
-    ffi.cdef(declarations(HERE / "include" / "armodal_host.h"))
+    for header in HEADERS:
+        ffi.cdef(declarations(header))
     return ffi, ffi.dlopen(str(path))

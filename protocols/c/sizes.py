@@ -23,7 +23,7 @@ CODE_LIMIT_BYTES = 8 * 1024
 RAM_LIMIT_BYTES = 2 * 1024
 
 # Needed by hosts only, and by boards that do not lay out their dictionary beforehand.
-OPTIONAL = ("host", "dictionary_encode")
+OPTIONAL = ("host", "host_messages", "dictionary_encode")
 
 # Options, and what they compile for. 32-bit x86 needs no C library: nothing is linked.
 _LEAN = ("-Os", "-ffreestanding", "-fno-pie", "-fno-asynchronous-unwind-tables", "-c")

@@ -57,9 +57,8 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
         if isinstance(error, ForeignFileError):
             raise
         raise ForeignFileError(
-            f"{origin}: wanted an HDF5 file, it cannot be read "
-            f"({(str(error).splitlines() or [type(error).__name__])[0][:160]}): truncated or "
-            "damaged? Save it again"
+            f"{origin}: wanted an HDF5 file, it cannot be read as one: truncated or damaged? Save "
+            "it again"
         ) from error
 
 

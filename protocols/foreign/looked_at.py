@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from armodal.protocols.foreign.content import format_of, read_content
+from armodal.protocols.foreign.file_format import HEAD_BYTES
 from armodal.protocols.foreign.manifest import FILL_IN
 from armodal.protocols.foreign.measured import Content, Hints, NotToldError, parse_dof
 from armodal.protocols.foreign.variables import Listed
@@ -16,7 +17,6 @@ from armodal.protocols.frf_records import FrfForm
 __all__ = ["Doubt", "LookedAt", "look_at"]
 
 _MOST_QUESTIONS = 8
-_HEAD = 2048
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +74,7 @@ def look_at(path: Path, *, kind: str | None = None) -> LookedAt:
             found = content.found
             break
     with path.open("rb") as file:
-        name = format_of(file.read(_HEAD), path.suffix)
+        name = format_of(file.read(HEAD_BYTES), path.suffix).name
     return LookedAt(
         path=path,
         format=name,

@@ -22,6 +22,7 @@ import scipy.io
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.units import SI
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.os_words import os_words
 from armodal.protocols.whole_file import whole_file
 
 __all__ = ["write_mat", "write_npz"]
@@ -60,7 +61,7 @@ def _write(path: Path, write: Callable[[Any], None]) -> None:
             write(file)
     except OSError as error:
         raise ForeignFileError(
-            f"{path}: cannot be written ({error}); choose another place"
+            f"{path}: cannot be written ({os_words(error)}); choose another place"
         ) from error
 
 

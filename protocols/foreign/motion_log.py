@@ -1,32 +1,22 @@
-"""A log of motion, CSV: joint angles and what accelerometers at test points read.
-
-    time_s, JOINT_command_deg, JOINT_encoder_deg, ..., acc_POINT_x_m_s2, _y_, _z_, ...
-
-Every joint has an encoder or a command column, or both; the unit is in the name.
-"""
+"""A log of motion: joint angles, and what accelerometers at test points read, evenly apart."""
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.toml_reader import read_text
 
-__all__ = ["MotionLog", "read_motion_log"]
+__all__ = ["FEWEST_ROWS", "MotionLog", "check_motion"]
 
 Array = npt.NDArray[np.float64]
 
-_EVEN = 0.1  # of a period that a time may be off: the angles are differentiated twice
-_FEWEST_ROWS = 200
+FEWEST_ROWS = 200  # the narrowest filter takes some ten of them
 _BEYOND_RAD = 0.05  # that an arm may overrun its range
-_LIMIT = 500_000_000  # bytes
-_NAMED = 5  # faults of one kind that are told by row
+_ONE_G = (0.9, 1.1)  # mean length of a reading at rest that is counted in g; 9.81 in m/s^2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,10 +24,12 @@ class MotionLog:
     """n rows, evenly apart."""
 
     rate_hz: float
+    slowest_hz: float  # rate of what was logged least often: the rest between is a curve
     encoder_rad: Array | None  # (n, n_joints); None unless every joint has one
     command_rad: Array | None  # likewise
     acceleration_m_s2: dict[str, Array]  # by test point, (n, 3) in the sensor's axes
-    unused: tuple[str, ...]  # columns
+    unused: tuple[str, ...]  # columns or topics
+    notes: tuple[str, ...] = ()
 
     @property
     def angles_rad(self) -> Array:
@@ -48,136 +40,44 @@ class MotionLog:
         return found
 
 
-def read_motion_log(path: Path, arm: Arm) -> MotionLog:
-    """Read a log of an arm's motion.
+def check_motion(log: MotionLog, origin: str, arm: Arm) -> MotionLog:
+    """Return a log whose values can be what they are said to be.
 
     Raises
     ------
     ForeignFileError
-        If it cannot be read, a column is missing, a value is no number, its time is not
-        even, or a joint is where it cannot be; all faults of the columns, or of the rows, at once.
+        If joints stand where they cannot, or accelerometers count in g; all are named.
     """
-    text = read_text(path, what="log of motion", limit_bytes=_LIMIT, error=ForeignFileError)
-    rows = [row for row in csv.reader(text.splitlines()) if row]
-    names = [name.strip() for name in rows[0]] if rows else []
-    _check_columns(path, names, arm)
-    values = _values(path, names, rows[1:])
-    column = dict(zip(names, values.T, strict=True))
-    time = column["time_s"]
-    step = float(np.median(np.diff(time)))
-    used = {"time_s"}
-
-    def of_joints(kind: str) -> Array | None:
-        wanted = [f"{joint.name}_{kind}_deg" for joint in arm.joints]
-        if not set(wanted) <= set(names):
-            return None
-        used.update(wanted)
-        return np.asarray(np.deg2rad(np.stack([column[name] for name in wanted], axis=1)))
-
-    encoder, command = of_joints("encoder"), of_joints("command")
-    for angles in (encoder, command):
-        if angles is not None:
-            _check_ranges(path, angles, arm)
-    acceleration = {}
-    for point in arm.points:
-        own = _of_point(point.id)
-        if set(own) <= set(names):
-            used.update(own)
-            acceleration[point.id] = np.stack([column[name] for name in own], axis=1)
-    return MotionLog(
-        rate_hz=1.0 / step,
-        encoder_rad=encoder,
-        command_rad=command,
-        acceleration_m_s2=acceleration,
-        unused=tuple(name for name in names if name not in used),
-    )
-
-
-def _of_point(point: str) -> list[str]:
-    return [f"acc_{point}_{axis}_m_s2" for axis in "xyz"]
-
-
-def _check_columns(path: Path, names: list[str], arm: Arm) -> None:
-    faults = []
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        faults.append(f"each column once, got {', '.join(twice)} again")
-    if "time_s" not in names:
-        faults.append("a column time_s")
-    lacking = {
-        kind: [own for j in arm.joints if (own := f"{j.name}_{kind}_deg") not in names]
-        for kind in ("encoder", "command")
-    }
-    if all(lacking.values()):
-        least = min(lacking.values(), key=len)
-        faults.append(f"angles of all joints, without {', '.join(least)}")
-    if not any(set(_of_point(point.id)) <= set(names) for point in arm.points):
-        faults.append(
-            "an accelerometer at a test point of the arm, as acc_POINT_x_m_s2, acc_POINT_y_m_s2, "
-            "acc_POINT_z_m_s2"
-        )
+    faults = [
+        fault
+        for angles in (log.encoder_rad, log.command_rad)
+        if angles is not None
+        for fault in _beyond(angles, arm)
+    ]
+    for point, values in log.acceleration_m_s2.items():
+        size = float(np.linalg.norm(values.mean(axis=0)))
+        if _ONE_G[0] < size < _ONE_G[1]:
+            faults.append(
+                f"m/s² at point {point}, got readings whose mean is {size:.2f} long, which is "
+                "gravity in g"
+            )
     if faults:
         raise ForeignFileError(
-            f"{path.name}: wanted {'; '.join(faults)}; got the columns "
-            f"{', '.join(names) or 'none'}; name them so, with these units"
+            f"{origin}: wanted {'; '.join(faults)}; give angles of the joints as the arm file "
+            "counts them, in the units that docs/simulators.md names"
         )
+    return log
 
 
-def _check_ranges(path: Path, angles: Array, arm: Arm) -> None:
+def _beyond(angles: Array, arm: Arm) -> list[str]:
     """Angles in another unit are mostly where the joints cannot be."""
-    beyond = []
+    found = []
     for joint, own in zip(arm.joints, angles.T, strict=True):
         low, high = joint.range_rad
         if own.min() < low - _BEYOND_RAD or own.max() > high + _BEYOND_RAD:
             seen, limits = np.rad2deg([own.min(), own.max()]), np.rad2deg([low, high])
-            beyond.append(
+            found.append(
                 f"{joint.name} within {limits[0]:.4g} to {limits[1]:.4g} deg, got {seen[0]:.4g} to "
                 f"{seen[1]:.4g}"
             )
-    if beyond:
-        raise ForeignFileError(
-            f"{path.name}: wanted {'; '.join(beyond)}; give degrees of the joints as the arm file "
-            "counts them"
-        )
-
-
-def _values(path: Path, names: list[str], rows: list[list[str]]) -> Array:
-    values = np.full((len(rows), len(names)), np.nan)
-    bad = []
-    for number, row in enumerate(rows):
-        try:
-            values[number] = [float(value) for value in row]
-        except ValueError:  # another number of values, or one that is none
-            bad.append(number + 2)
-            continue
-        if not np.isfinite(values[number]).all():
-            bad.append(number + 2)
-    faults = []
-    if len(rows) < _FEWEST_ROWS:
-        faults.append(f"at least {_FEWEST_ROWS} rows, got {len(rows)}")
-    if bad:
-        faults.append(f"{len(names)} finite numbers in every row, got others in {_lines(bad)}")
-    elif len(rows) > 1:
-        steps = np.diff(values[:, names.index("time_s")])
-        step = float(np.median(steps))
-        jumps = np.flatnonzero(np.abs(steps - step) > _EVEN * abs(step)) + 3
-        if step <= 0.0:
-            faults.append("a time_s that grows")
-        elif jumps.size:
-            faults.append(
-                f"times {1e3 * step:.4g} ms apart as most are, got others in "
-                f"{_lines(jumps.tolist())}: a jump of the clock, or rows that were lost"
-            )
-    if faults:
-        raise ForeignFileError(
-            f"{path.name}: wanted {'; '.join(faults)}; log anew, or cut the file to a part without"
-        )
-    return values
-
-
-def _lines(numbers: list[int]) -> str:
-    told = ", ".join(str(number) for number in numbers[:_NAMED])
-    more = len(numbers) - _NAMED
-    return f"line{'s' if len(numbers) > 1 else ''} {told}" + (
-        f" and {more} more" if more > 0 else ""
-    )
+    return found

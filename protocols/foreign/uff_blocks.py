@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.os_words import os_words
 
 __all__ = ["Block", "read_foreign_bytes", "split_blocks"]
 
@@ -55,7 +56,9 @@ def read_foreign_bytes(path: Path, *, limit: int = LARGEST_FILE) -> bytes:
             size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
             data = file.read(min(size, limit) + 1)
     except (OSError, ValueError) as error:
-        raise ForeignFileError(f"{path}: cannot be read ({error}); check the path") from error
+        raise ForeignFileError(
+            f"{path}: cannot be read ({os_words(error)}); check the path"
+        ) from error
     if len(data) > limit:
         raise ForeignFileError(
             f"{path.name}: wanted at most {limit} bytes, got more; split the file"

@@ -28,6 +28,7 @@ from armodal.protocols.foreign.uff_records import (
     UffTraceLine,
     UffUnits,
 )
+from armodal.protocols.os_words import os_words
 from armodal.protocols.whole_file import whole_file
 
 __all__ = ["SI_UNITS", "write_uff"]
@@ -63,7 +64,7 @@ def write_uff(file: UffFile, path: str | Path, *, binary: bool = False) -> None:
                 out.write(_by_pyuff(content, scratch))
     except OSError as error:
         raise ForeignFileError(
-            f"{path}: cannot be written ({error}); choose another place"
+            f"{path}: cannot be written ({os_words(error)}); choose another place"
         ) from error
 
 

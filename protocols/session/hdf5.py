@@ -19,6 +19,7 @@ import numpy as np
 from armodal.protocols.errors import ArmodalError, JournalError, SessionError
 from armodal.protocols.file_layer import DISK, FileLayer, write_all
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.compare import first_difference
 from armodal.protocols.session.hdf5_frf import (
     check_frf,
@@ -112,8 +113,8 @@ def write_session(
         raise SessionError(f"{target} is not written: {error}") from error
     except (OSError, RuntimeError, ValueError) as error:
         raise SessionError(
-            f"the session file {target} cannot be written ({error}): free or choose another "
-            "place and write it again; a journal, where there is one, is untouched: "
+            f"the session file {target} cannot be written ({os_words(error)}): free or choose "
+            "another place and write it again; a journal, where there is one, is untouched: "
             "`armodal recover` writes from it"
         ) from error
     finally:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from armodal.protocols.errors import JournalError
+from armodal.protocols.os_words import os_words
 
 __all__ = ["MAX_JOURNAL", "PIECE", "InMemory", "JournalBytes", "is_zeros", "journal_file", "pieces"]
 
@@ -129,6 +130,6 @@ def is_zeros(data: JournalBytes, begin: int, end: int) -> bool:
 
 def _cannot_read(path: Path, error: OSError) -> JournalError:
     return JournalError(
-        f"cannot read the journal {path}: {error.strerror}; give the path of the .journal "
+        f"cannot read the journal {path}: {os_words(error)}; give the path of the .journal "
         "file that acquisition wrote"
     )

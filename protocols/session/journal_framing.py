@@ -144,8 +144,8 @@ def check_magic(data: bytes | memoryview) -> None:
             "remove it, and begin the session anew"
         )
     raise JournalError(
-        f"not an armodal journal: it begins with {start.hex(' ')}, wanted {MAGIC.hex(' ')}; "
-        "give the path of the .journal file that acquisition wrote"
+        "not an armodal journal: its first bytes are not those of one; give the path of the "
+        ".journal file that acquisition wrote"
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from armodal.protocols.errors import SessionError
 from armodal.protocols.file_layer import DISK, FileLayer, write_all
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.journal import read_journal
 from armodal.protocols.session.journal_bytes import journal_file
 from armodal.protocols.session.recovery import FrfEstimator, Recovery, rebuild
@@ -101,6 +102,6 @@ def _name(journal: Path, number: int) -> Path:
 
 def _cannot_write(path: Path, error: OSError) -> SessionError:
     return SessionError(
-        f"cannot write {path}: {error.strerror}; check rights and free space, or copy the damaged "
+        f"cannot write {path}: {os_words(error)}; check rights and free space, or copy the damaged "
         "journal where there is room and salvage the copy"
     )

@@ -1,10 +1,10 @@
 """A healthy board passes; each broken one is caught by the step that looks for its fault."""
 
 import re
-from dataclasses import replace
 from fractions import Fraction
 
 import pytest
+from support.virtual_board import VirtualAdapter, VirtualBoard
 
 from armodal.daq.check import (
     BOARD_STEPS,
@@ -13,19 +13,11 @@ from armodal.daq.check import (
     Verdict,
     check_board,
 )
-from armodal.daq.clock import SystemClock
 from armodal.daq.serial_port import SerialPort
 from armodal.hil_sim.broken_board import BROKEN_BOARDS, broken_board
-from armodal.hil_sim.lab import start_laboratory
-from armodal.hil_sim.relay import relayed
 from armodal.protocols.errors import DeviceTimeoutError, FrameError, PlantError, PortError
 
-# Fast enough to be short, slow enough for a busy machine to keep up: at 6400 Hz and this scale the
-# preview takes 0.65 MB/s, which the line and the board hold back for a tenth of a second.
-TIME_SCALE = 8.0
 OPTIONS = BoardCheckOptions(duration_s=3.0, rate_hz=Fraction(51_200, 8))
-# The simulated board answers within 10 ms; a machine that holds it up for long is noticed.
-IMPATIENT = replace(OPTIONS, patience_wall_s=0.4)
 
 CAUGHT = {
     "any-session": ("session", "WRONG_SESSION wanted, got OK"),
@@ -59,35 +51,20 @@ CAUGHT = {
 }
 
 
-@pytest.fixture(scope="module")
-def laboratory(real_time):
-    with start_laboratory(time_scale=TIME_SCALE) as laboratory:
-        yield laboratory
+def check(device, *only):
+    return check_board(device.open, OPTIONS, clock=device.clock, only=only)
 
 
-def check(line, *only, options=IMPATIENT):
-    return check_board(
-        lambda: SerialPort(line), options, clock=SystemClock(scale=TIME_SCALE), only=only
-    )
-
-
-def test_every_step_passes_on_a_healthy_board(laboratory):
-    report = check(laboratory.board, options=OPTIONS)
+def test_every_step_passes_on_a_healthy_board(plant):
+    report = check(VirtualBoard(plant))
     assert {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS} == {}
     assert len(report.steps) == len(BOARD_STEPS)
     assert report.passed
 
 
-def test_a_board_that_answers_what_is_too_long_passes_too(real_time):
+def test_a_board_that_answers_what_is_too_long_passes_too(plant):
     # A byte more than the longest command: read and refused with BAD_VALUE, not passed over.
-    with start_laboratory(time_scale=TIME_SCALE, receive_bytes=256) as laboratory:
-        report = check(laboratory.board, "rates", options=OPTIONS)
-    assert {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS} == {}
-
-
-def test_a_relay_alone_breaks_nothing(laboratory):
-    with relayed(laboratory.board, broken_board("none")) as line:
-        report = check(line, "framing", "samples", "resend")
+    report = check(VirtualBoard(plant, receive_bytes=256), "rates")
     assert {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS} == {}
 
 
@@ -100,17 +77,15 @@ def test_every_step_has_a_broken_board_that_it_catches():
     assert {step for step, _ in CAUGHT.values()} == {s.name for s in BOARD_STEPS} - {"each-rate"}
 
 
-def test_a_wrong_rate_is_seen_in_the_ticks_too(laboratory):
-    with relayed(laboratory.board, broken_board("slow-samples")) as line:
-        (result,) = check(line, "each-rate").steps
+def test_a_wrong_rate_is_seen_in_the_ticks_too(plant):
+    (result,) = check(VirtualBoard(plant, broken_board("slow-samples")), "each-rate").steps
     assert "51200 Hz asked for, 25600 Hz by its own ticks (-50.00 %)" in result.came
 
 
 @pytest.mark.parametrize("name", CAUGHT)
-def test_a_broken_board_is_caught_by_its_step(laboratory, name):
+def test_a_broken_board_is_caught_by_its_step(plant, name):
     step, reason = CAUGHT[name]
-    with relayed(laboratory.board, broken_board(name)) as line:
-        report = check(line, step)
+    report = check(VirtualBoard(plant, broken_board(name)), step)
     (result,) = report.steps
     assert result.verdict is Verdict.FAIL
     assert re.search(reason, result.came), result.came
@@ -118,33 +93,32 @@ def test_a_broken_board_is_caught_by_its_step(laboratory, name):
     assert not report.passed
 
 
-def test_a_board_that_has_died_leaves_the_rest_unchecked(laboratory):
-    with relayed(laboratory.board, broken_board("dies-on-garbage")) as line:
-        report = check(line, "garbage", "session")
+def test_a_board_that_has_died_leaves_the_rest_unchecked(plant):
+    report = check(VirtualBoard(plant, broken_board("dies-on-garbage")), "garbage", "session")
     assert [step.verdict for step in report.steps] == [Verdict.FAIL, Verdict.NOT_CHECKED]
     assert "no longer answers" in report.step("session").came
 
 
 def test_a_port_that_is_not_there_is_no_check():
     with pytest.raises(PortError, match="no such device"):
-        check("/dev/armodal-none")
+        check_board(lambda: SerialPort("/dev/armodal-none"), OPTIONS)
 
 
-def test_a_device_that_is_no_board_is_told(laboratory):
+def test_a_device_that_is_no_board_is_told(plant):
     # The CAN adapter answers with BEL where there is no CR, and with nothing else.
     with pytest.raises((DeviceTimeoutError, FrameError), match="HELLO"):
-        check(laboratory.can)
+        check(VirtualAdapter())
 
 
-def test_an_unknown_step_and_an_unknown_board_are_refused(laboratory):
+def test_an_unknown_step_and_an_unknown_board_are_refused(plant):
     with pytest.raises(CheckError, match="wanted steps of this check"):
-        check(laboratory.board, "colour")
+        check(VirtualBoard(plant), "colour")
     with pytest.raises(PlantError, match="wanted a broken board there is"):
         broken_board("colour")
 
 
-def test_a_report_as_json_holds_every_step(laboratory):
-    said = check(laboratory.board, "dictionary", "session").as_json()
+def test_a_report_as_json_holds_every_step(plant):
+    said = check(VirtualBoard(plant), "dictionary", "session").as_json()
     assert said["passed"] is True
     assert [step["name"] for step in said["steps"]] == ["dictionary", "session"]
     assert {step["verdict"] for step in said["steps"]} == {"pass"}

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import closing, contextmanager
 from fractions import Fraction
+from importlib.util import find_spec
 
 import pytest
 
@@ -24,6 +25,10 @@ needs_qemu = pytest.mark.skipif(
     shutil.which("qemu-system-arm") is None or shutil.which("arm-none-eabi-gcc") is None,
     reason="no qemu-system-arm or no arm-none-eabi-gcc on this machine",
 )
+needs_zig = pytest.mark.skipif(
+    shutil.which("qemu-system-arm") is None or find_spec("ziglang") is None,
+    reason="no qemu-system-arm or no package ziglang on this machine",
+)
 BOARDS = [pytest.param("pty", marks=needs_cc), pytest.param("an386", marks=needs_qemu)]
 QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-display", "none", "-monitor", "none"]
 OPTIONS = BoardCheckOptions(duration_s=1.0, rate_hz=Fraction(51_200, 16))
@@ -36,8 +41,14 @@ def programs(tmp_path_factory):
 
 @contextmanager
 def running(board, folder):
+    """Yield the port of a board that is compiled here and has booted."""
+    with booted(board, str(build(board, folder))) as port:
+        yield port
+
+
+@contextmanager
+def booted(board, program):
     """Yield the port of a board that has booted."""
-    program = str(build(board, folder))
     command = [program] if board == "pty" else [*QEMU, "-serial", "pty", "-kernel", program]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
@@ -57,6 +68,19 @@ def test_the_board_of_the_guide_answers_as_it_should(programs, board, real_time)
         report = check_board(lambda: SerialPort(port), OPTIONS, only=steps)
     assert not_passed(report) == {}
     assert len(report.steps) == 5
+
+
+@needs_zig
+def test_the_board_answers_as_well_when_ziglang_has_compiled_it(tmp_path, monkeypatch, real_time):
+    with monkeypatch.context() as patch:
+        patch.setattr("armodal.protocols.c.firmware.shutil.which", lambda name: None)
+        program = build("an386", tmp_path)
+    assert b"LLD" in program.read_bytes()  # the linker that ziglang brings
+    with booted("an386", str(program)) as port:
+        steps = ("dictionary", "rates", "commands")
+        report = check_board(lambda: SerialPort(port), OPTIONS, only=steps)
+    assert not_passed(report) == {}
+    assert len(report.steps) == 3
 
 
 @needs_qemu

@@ -15,27 +15,31 @@ from support.synthetic_laboratory import PEAK_COUNTS, ramp
 
 from armodal.hil_sim.board import LOST_SAMPLES
 from armodal.protocols.board.messages import (
-    decode_block_info,
+    decode_answer,
     decode_dictionary,
+    decode_payload,
     decode_reply,
     decode_samples,
-    decode_status,
     dictionary_hash,
-    encode_configuration,
-    encode_release,
-    encode_resend,
+    encode_payload,
     join_hello,
 )
 from armodal.protocols.board.records import (
+    BlockInfo,
     BoardState,
+    BoardStatus,
     Configuration,
     FrameType,
     IepeState,
     Overflow,
+    Release,
     ReplyCode,
+    Resend,
     Slope,
 )
-from armodal.protocols.board.sequence import SequenceTracker
+from armodal.protocols.board.sequence import (
+    SequenceTracker,
+)
 
 WANTED = Configuration(
     rate_hz=Fraction(51_200, 31),
@@ -66,7 +70,7 @@ def code(frame):
 
 
 def configure(bench, **changes):
-    return bench.host.ask(FrameType.CONFIGURE, encode_configuration(replace(WANTED, **changes)))
+    return bench.host.ask(FrameType.CONFIGURE, encode_payload(replace(WANTED, **changes)))
 
 
 def run(bench, **changes):
@@ -84,7 +88,7 @@ def go_on(bench, seconds, step_s=0.01):
 
 
 def status(bench):
-    return decode_status(bench.host.ask(FrameType.STATUS).payload)
+    return decode_answer(BoardStatus, bench.host.ask(FrameType.STATUS).payload)
 
 
 def block_samples(bench):
@@ -128,7 +132,7 @@ def test_a_trigger_makes_a_block_with_its_pretrigger(bench):
     at = bench.cell.strike(PULSE_DELAY + 0.25, float(PEAK_COUNTS))
     go_on(bench, 1.0)
     (ready,) = bench.host.of(FrameType.BLOCK_READY)
-    info = decode_block_info(ready.payload)
+    info = decode_payload(BlockInfo, ready.payload)
     # The half sine of 20 samples reaches a tenth of its peak at asin(0.1) / pi of its width.
     assert info.trigger_sample == int(np.ceil(at + 20 * np.arcsin(0.1) / np.pi))
     assert info.first_sample == info.trigger_sample - 100
@@ -143,22 +147,34 @@ def test_a_held_block_is_resent_in_ranges_until_it_is_released(bench):
     run(bench)
     bench.cell.strike(PULSE_DELAY, float(PEAK_COUNTS))
     go_on(bench, 1.0)
-    first = decode_block_info(bench.host.of(FrameType.BLOCK_READY)[0].payload).first_sample
+    first = decode_payload(BlockInfo, bench.host.of(FrameType.BLOCK_READY)[0].payload).first_sample
     assert (status(bench).buffered_blocks, status(bench).oldest_block) == (1, 1)
     bench.host.frames.clear()
-    assert code(bench.host.ask(FrameType.RESEND, encode_resend(1, 70, 130))) is ReplyCode.OK
+    assert (
+        code(
+            bench.host.ask(
+                FrameType.RESEND, encode_payload(Resend(block_id=1, first=70, count=130))
+            )
+        )
+        is ReplyCode.OK
+    )
     go_on(bench, 0.02)
     assert len(bench.host.of(FrameType.BLOCK_READY)) == 1
     joined = np.concatenate([s.counts for s in block_samples(bench)])
     np.testing.assert_array_equal(joined[:, 1:], ramp(first + 70, 130))
-    too_far = bench.host.ask(FrameType.RESEND, encode_resend(1, 900, 101))
+    too_far = bench.host.ask(
+        FrameType.RESEND, encode_payload(Resend(block_id=1, first=900, count=101))
+    )
     assert code(too_far) is ReplyCode.BAD_VALUE
     for _ in range(2):
-        assert code(bench.host.ask(FrameType.RELEASE, encode_release(1))) is ReplyCode.OK
+        assert (
+            code(bench.host.ask(FrameType.RELEASE, encode_payload(Release(block_id=1))))
+            is ReplyCode.OK
+        )
     assert status(bench).buffered_blocks == 0
-    gone = bench.host.ask(FrameType.RESEND, encode_resend(1, 0, 10))
+    gone = bench.host.ask(FrameType.RESEND, encode_payload(Resend(block_id=1, first=0, count=10)))
     assert code(gone) is ReplyCode.UNKNOWN_BLOCK
-    never = bench.host.ask(FrameType.RELEASE, encode_release(2))
+    never = bench.host.ask(FrameType.RELEASE, encode_payload(Release(block_id=2)))
     assert code(never) is ReplyCode.UNKNOWN_BLOCK
 
 
@@ -298,7 +314,7 @@ def test_a_host_that_does_not_read_costs_preview_and_nothing_else(bench):
     assert found.stream_samples_dropped > 0
     assert bench.host.frames[-1].header.overflow is Overflow.STREAM
     joined = np.concatenate([s.counts for s in block_samples(bench)])
-    first = decode_block_info(bench.host.of(FrameType.BLOCK_READY)[0].payload).first_sample
+    first = decode_payload(BlockInfo, bench.host.of(FrameType.BLOCK_READY)[0].payload).first_sample
     np.testing.assert_array_equal(joined[:, 1:], ramp(first, 1000))
     tracker = SequenceTracker()
     assert sum(tracker.check(f.header) for f in bench.host.frames) == 0

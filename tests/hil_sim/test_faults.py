@@ -8,9 +8,19 @@ from support.synthetic_laboratory import ramp
 from armodal.hil_sim.faults import Fault, FaultSet
 from armodal.hil_sim.link_faults import ChannelFaults, LinkFaults
 from armodal.hil_sim.streams import stream
-from armodal.protocols.board.codec import FrameDecoder, encode_frame
-from armodal.protocols.board.messages import encode_configuration
-from armodal.protocols.board.records import Configuration, FrameType, Header, Slope
+from armodal.protocols.board.codec import (
+    FrameDecoder,
+    encode_frame,
+)
+from armodal.protocols.board.messages import (
+    encode_payload,
+)
+from armodal.protocols.board.records import (
+    Configuration,
+    FrameType,
+    Header,
+    Slope,
+)
 from armodal.protocols.errors import PlantError
 
 
@@ -108,7 +118,7 @@ def begun(bench):
         rate_hz=Fraction(1600), channel_mask=15, trigger_channel=0, trigger_level_counts=100_000,
         slope=Slope.RISING, pretrigger=10, block_length=100, stream=True,
     )  # fmt: skip
-    bench.host.ask(FrameType.CONFIGURE, encode_configuration(configuration))
+    bench.host.ask(FrameType.CONFIGURE, encode_payload(configuration))
     bench.host.ask(FrameType.START)
 
 

@@ -16,14 +16,21 @@ from support.synthetic_laboratory import PEAK_COUNTS, ramp
 from armodal.hil_sim.lab import launch, start_laboratory
 from armodal.hil_sim.ledger import read_ledger
 from armodal.protocols.board.messages import (
-    decode_block_info,
+    decode_answer,
+    decode_payload,
     decode_reply,
     decode_samples,
-    decode_status,
-    encode_configuration,
-    encode_release,
+    encode_payload,
 )
-from armodal.protocols.board.records import Configuration, FrameType, ReplyCode, Slope
+from armodal.protocols.board.records import (
+    BlockInfo,
+    BoardStatus,
+    Configuration,
+    FrameType,
+    Release,
+    ReplyCode,
+    Slope,
+)
 from armodal.protocols.errors import DeviceLostError, PlantError
 from armodal.protocols.slcan import CanFrame, SlcanParser, listen_only_commands
 
@@ -44,7 +51,7 @@ def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(start_known_
     board, operator = running.board(), running.operator()
     board.ask(FrameType.HELLO)
     for kind, payload in (
-        (FrameType.CONFIGURE, encode_configuration(CONFIGURATION)),
+        (FrameType.CONFIGURE, encode_payload(CONFIGURATION)),
         (FrameType.START, b""),
     ):
         assert decode_reply(board.ask(kind, payload).payload)[0] is ReplyCode.OK
@@ -52,12 +59,15 @@ def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(start_known_
     assert operator.ask(do="mount", point="3")["done"]
     assert operator.ask(do="hit", point="1", direction=[0, 0, -1])["done"]
     board.until(lambda: board.of(FrameType.BLOCK_READY))
-    info = decode_block_info(board.of(FrameType.BLOCK_READY)[0].payload)
+    info = decode_payload(BlockInfo, board.of(FrameType.BLOCK_READY)[0].payload)
     # 2048 samples are 32 frames.
     board.until(lambda: len(board.of(FrameType.BLOCK_DATA)) == 32)
     counts = np.concatenate([decode_samples(f).counts for f in board.of(FrameType.BLOCK_DATA)])
     np.testing.assert_array_equal(counts[:, 1:], ramp(info.first_sample, 2048))
-    assert decode_reply(board.ask(FrameType.RELEASE, encode_release(1)).payload)[0] is ReplyCode.OK
+    assert (
+        decode_reply(board.ask(FrameType.RELEASE, encode_payload(Release(block_id=1))).payload)[0]
+        is ReplyCode.OK
+    )
     running.laboratory.close()
     record = read_ledger(running.laboratory.ledger)
     (hit,) = record.of("hit")
@@ -77,7 +87,7 @@ def test_device_clock_and_lab_clock_differ_by_the_ppm(start_known_laboratory):
         before = time.monotonic()
         reply = board.ask(FrameType.STATUS)
         after = time.monotonic()
-        decode_status(reply.payload)
+        decode_answer(BoardStatus, reply.payload)
         pairs.append((before, reply.header.ticks, after))
     # Ticks lie within each round trip, at 1 MHz lab time from a common offset; 37 ppm and 1 tick
     # allowed for.

@@ -12,14 +12,15 @@ from armodal.hil_sim.study import (
     LIBRARY,
     OUTSIDE,
     STUDY_ARMS,
+    VERSION,
     draw_study,
+    library,
     make_case,
     sealed,
     study_arm,
     write_case,
 )
 from armodal.hil_sim.study.cases import braked
-from armodal.hil_sim.study.catalogue import FIRST
 from armodal.hil_sim.study.hiding import hide
 from armodal.hil_sim.study.measure import measured
 from armodal.hil_sim.study.model_error import erring_plant_tables, plant_of_tables
@@ -188,10 +189,10 @@ def test_a_study_mixes_and_repeats():
 
 
 def test_every_kind_is_drawn_in_every_size_on_every_arm():
-    for library in (FIRST, tuple(LIBRARY)):
-        specs = draw_study(8, nulls=0, effects=6 * len(library), outside=6, library=library)
+    for names in (library(1), library(VERSION)):
+        specs = draw_study(8, nulls=0, effects=6 * len(names), outside=6, library=names)
         single = {(s.kinds, s.magnitude, s.arm) for s in specs if len(s.kinds) == 1}
-        assert len(single) == 6 * len(library) + 2 * len(OUTSIDE)
+        assert len(single) == 6 * len(names) + 2 * len(OUTSIDE)
 
 
 def test_files_of_a_case_hold_session_arm_and_hashed_truth(tmp_path):

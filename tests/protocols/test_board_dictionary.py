@@ -187,7 +187,8 @@ def test_no_fragments_are_waited_for():
         ([b"\x04\0\0\0ab", b"\x04\0\0\0ac"], "disagree"),
         ([b"\x04\0\0\0ab", b"\x04\0\1\0ab"], "overlap"),
         ([b"\x04\0\0\0abcde"], "do not lie"),
-        ([b"\0\0\0\0"], "do not lie"),
+        ([b"\0\0\0\0"], "total 1 or more"),
+        ([b"\x04\0\0\0"], "do not lie"),
         ([b"\x04\0\0"], "bytes wanted"),
     ],
 )

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from armodal.protocols.board import (
+    MESSAGES,
     Configuration,
     Frame,
     FrameDecoder,
@@ -19,15 +20,12 @@ from armodal.protocols.board import (
     Header,
     Overflow,
     Slope,
-    decode_block_info,
-    decode_configuration,
+    decode_answer,
     decode_dictionary,
     decode_frame,
-    decode_release,
+    decode_payload,
     decode_reply,
-    decode_resend,
     decode_samples,
-    decode_status,
     dictionary_hash,
     encode_dictionary,
     encode_frame,
@@ -89,18 +87,16 @@ def header_of(vector) -> Header:
     return Header(type=FrameType[vector["type"]], **values)
 
 
-def decode_payload(frame: Frame) -> object:
-    readers = {
-        FrameType.CONFIGURE: decode_configuration,
-        FrameType.STATUS_REPLY: decode_status,
-        FrameType.RESEND: decode_resend,
-        FrameType.RELEASE: decode_release,
-        FrameType.BLOCK_READY: decode_block_info,
-        FrameType.HELLO_REPLY: lambda payload: join_hello([payload]),
-    }
-    if frame.header.type in (FrameType.STREAM, FrameType.BLOCK_DATA):
+def read_payload(frame: Frame) -> object:
+    kind, payload = frame.header.type, frame.payload
+    message = MESSAGES[kind]
+    if kind is FrameType.HELLO_REPLY:
+        return join_hello([payload])
+    if kind in (FrameType.STREAM, FrameType.BLOCK_DATA):
         return decode_samples(frame)
-    return readers.get(frame.header.type, decode_reply)(frame.payload)
+    if message.record is None:
+        return decode_reply(payload)
+    return (decode_answer if message.is_answer else decode_payload)(message.record, payload)
 
 
 def test_vectors_and_worked_example_are_what_the_code_makes():
@@ -138,7 +134,7 @@ def test_a_frame_vector_round_trips_through_the_codec(vector):
     assert frame == Frame(header=header_of(vector), payload=bytes.fromhex(vector["payload"]))
     assert encode_frame(frame.header, frame.payload) == wire
     if frame.payload:
-        decode_payload(frame)
+        read_payload(frame)
 
 
 @entries("invalid_frames")
@@ -151,7 +147,7 @@ def test_an_invalid_frame_is_refused_for_its_reason(vector):
 def test_an_invalid_payload_is_refused(vector):
     header = Header(type=FrameType[vector["type"]], session=1, sequence=0)
     with pytest.raises(FrameError):
-        decode_payload(Frame(header=header, payload=bytes.fromhex(vector["payload"])))
+        read_payload(Frame(header=header, payload=bytes.fromhex(vector["payload"])))
 
 
 @entries("streams")

@@ -12,6 +12,7 @@ from support.small_case import small_case
 import armodal.study.closed_loop
 from armodal.analyzer.gap.records import NextTest, Verdict
 from armodal.protocols.errors import SessionError
+from armodal.protocols.plan_rewrite import text_with_posture
 from armodal.protocols.session.hdf5 import read_session
 from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
@@ -23,13 +24,14 @@ def case():
 
 
 @pytest.fixture(scope="module")
-def loop(case, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("loop")
+def judged(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("judged")
     return folder, run_loop(SimulatedLaboratory(case=case), folder, budget=1, gates=False)
 
 
-def test_the_test_it_asked_for_is_run_and_told_with_its_reason(loop):
-    folder, found = loop
+@pytest.mark.long
+def test_the_test_that_the_workflow_asks_for_is_run_and_judged(judged):
+    folder, found = judged
     (test,) = found.tests
     assert test["number"] == 2
     assert test["gain"] > 0
@@ -40,8 +42,9 @@ def test_the_test_it_asked_for_is_run_and_told_with_its_reason(loop):
     assert any(name.startswith("next test (test 2)") for name in names)
 
 
-def test_no_stiffness_range_grows_by_far_and_all_hold_the_truth(loop, case):
-    _, found = loop
+@pytest.mark.long
+def test_no_stiffness_range_grows_by_far_and_all_hold_the_truth(judged, case):
+    _, found = judged
     truth = json.loads(case.open_truth())["joints"]
     for row in found.outcome.result.joint_stiffness_ranges:
         assert row.low < truth[row.joint]["stiffness_n_m_per_rad"] < row.high
@@ -52,6 +55,34 @@ def canned(advice):
     return SimpleNamespace(
         result=SimpleNamespace(verdict=Verdict.AMBIGUOUS, next_test=advice), name="outcome"
     )
+
+
+@pytest.fixture(scope="module")
+def loop(case, tmp_path_factory):
+    """Two tests; the second asked for by a canned judgement."""
+    folder = tmp_path_factory.mktemp("loop")
+    posture = replace(case.plan.postures[0], name="next test")
+    text = text_with_posture(case.plan, case.arm, posture, comment="Proposed: tells")
+    advice = NextTest(words="measure", why="tells", gain=9.0, plan_toml=text)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(armodal.study.closed_loop, "find_gap", lambda *_, **__: canned(advice))
+        return folder, run_loop(SimulatedLaboratory(case=case), folder, budget=1)
+
+
+def test_the_test_asked_for_is_run_by_its_plan_and_told_with_its_reason(loop, case):
+    folder, found = loop
+    (test,) = found.tests
+    assert test == {
+        "number": 2,
+        "words": "measure",
+        "why": "tells",
+        "gain": 9.0,
+        "verdict_before": "ambiguous",
+        "verdict_after": "ambiguous",
+    }
+    first, second = (read_session(folder / f"test-{number}.h5") for number in (1, 2))
+    assert first.header.plan.sha256 == case.plan.sha256
+    assert {hit.posture for hit in second.hits} == {"next test"}
 
 
 class Counting:

@@ -3,21 +3,25 @@
 import json
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import pytest
+from support.made_line import MADE_LINE
 from support.small_case import SmallCase
 
 import armodal.study.cases
 import armodal.study.curves
 from armodal.analyzer.gap.next_test.advice import NARROWS
-from armodal.hil_sim.study import CaseSpec, make_case, sealed
+from armodal.hil_sim.study import CaseSpec, make_case
 from armodal.study.curves import VARIED, curve_rows, levels_of, reduced, run_curves
 from armodal.study.further_tests import nearer_first
 from armodal.study.page import study_page
 from armodal.study.run import run_case, run_study
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
+
+small = cache(SmallCase)  # a case is made once
 
 
 @pytest.fixture(scope="module")
@@ -60,11 +64,12 @@ def test_fewer_hits_of_a_ladder_are_its_middle_then_its_ends():
 
 def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear", ladder=False)
+    monkeypatch.setattr(armodal.study.cases, "sealed", small)
     # Too few points are refused before anything is fitted: quick, and a line of the curve.
     monkeypatch.setattr(armodal.study.curves, "VARIED", {"points": (3,)})
     told: list[str] = []
     with ThreadPoolExecutor(1) as executor:
-        hashes = {3: sealed(spec).truth_sha256}
+        hashes = {3: small(spec).truth_sha256}
         lines = run_curves([spec], hashes, tmp_path / "curves.jsonl", executor, told.append)
         again = run_curves([spec], hashes, tmp_path / "curves.jsonl", executor, told.append)
     assert told == ["case 3, 3 points: refused"]
@@ -75,6 +80,7 @@ def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
 
 
 def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(armodal.study.cases, "sealed", small)
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
     other = replace(spec, kinds=("payload",))  # as `--whole` draws it: the same number and seed
     monkeypatch.setattr(armodal.study.curves, "VARIED", {"points": (3,)})
@@ -82,7 +88,7 @@ def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypat
     told: list[str] = []
     with ThreadPoolExecutor(1) as executor:
         for case in (spec, other, spec):
-            hashes = {3: sealed(case).truth_sha256}
+            hashes = {3: small(case).truth_sha256}
             (row,) = run_curves([case], hashes, path, executor, told.append)
             assert row["truth_sha256"] == hashes[3]
         assert len(told) == 2  # the third is kept from the first
@@ -93,6 +99,8 @@ def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypat
 
 
 def test_a_size_that_rests_at_zero_has_no_relative_scatter(tmp_path, monkeypatch):
+    monkeypatch.setattr(armodal.study.cases, "sealed", small)
+
     def effect(value, std):
         return SimpleNamespace(
             size="s", gain=1.0, parameters={"s": SimpleNamespace(value=value, std=std)}
@@ -109,23 +117,20 @@ def test_a_size_that_rests_at_zero_has_no_relative_scatter(tmp_path, monkeypatch
             return run_curves([spec], hashes, path, executor)[0]["size_std"]
 
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
-    hashes = {3: sealed(spec).truth_sha256}
+    hashes = {3: small(spec).truth_sha256}
     monkeypatch.setattr(armodal.study.curves, "VARIED", {"hits": (1,)})
     monkeypatch.setattr(armodal.study.curves, "mark", lambda *_: SimpleNamespace(outcome="right"))
     assert found(effect(0.0, 0.1), effect(-2.0, 0.5)) == 0.25
     assert found(effect(0.0, 0.1)) is None
 
 
-@pytest.fixture(scope="module")
-def line():
-    """A payload far too small to be seen, and one further test."""
+@pytest.mark.long
+def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_ones(monkeypatch):
+    """Of a payload far too small to be seen."""
     spec = CaseSpec(number=1, arm="ur5", seed=21, kinds=("payload",), magnitude=0.05, ladder=False)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(armodal.study.cases, "sealed", SmallCase)
-        return run_case(spec, tests=1)
-
-
-def test_while_nothing_is_named_the_workflow_s_test_is_measured_beside_random_ones(line):
+    monkeypatch.setattr(armodal.study.cases, "sealed", small)
+    line = run_case(spec, tests=1)
+    assert line.keys() == MADE_LINE.keys()
     assert line["outcome"] == "missed"
     assert line["tests"] == 1
     (after,) = line["after"]
@@ -150,16 +155,20 @@ def test_evidence_counts_for_the_compared_model_that_is_nearer_to_the_truth():
     assert nearer_first([plain, wrong], [None]) is None
 
 
-def test_what_a_test_gained_is_counted_in_what_it_was_asked_for(line):
+def test_what_a_test_gained_is_counted_in_what_it_was_asked_for():
     widths = {"before": 0.4, "asked": 0.1, "random": 0.3}
-    (row,) = line["after"]
-    narrows = line | {
+    (row,) = MADE_LINE["after"]
+    narrows = MADE_LINE | {
         "number": 2,
         "after": [row | {"why": f"shows whether a servo hides, {NARROWS} j1"}],
         "brought": {},
         "widths": widths,
     }
-    tells = line | {"number": 3, "after": [row | {"why": "tells apart: a, or b"}], "widths": widths}
+    tells = MADE_LINE | {
+        "number": 3,
+        "after": [row | {"why": "tells apart: a, or b"}],
+        "widths": widths,
+    }
     told = [
         tells | {"number": 3 + i, "brought": {"asked": asked, "random": [1.0, 3.0]}}
         for i, asked in enumerate((12.0, 3.0, -1.0))
@@ -196,8 +205,8 @@ def test_every_hidden_effect_and_each_fifth_null_may_ask_for_tests(tmp_path):
     assert {n for n, tests in asked.tests.items() if tests == 0} == {1, 2, 3, 4, 6, 7, 8, 9}
 
 
-def test_the_page_has_every_table(line):
-    summary = study_summary([line | {"magnitude": "faint"}])
+def test_the_page_has_every_table():
+    summary = study_summary([MADE_LINE | {"magnitude": "faint"}])
     assert summary["tests"]["n"] == 1
     rows = [
         {"varied": "hits", "n": 1, "cases": 2, "right": 1, "wrong": 0}

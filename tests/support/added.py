@@ -19,6 +19,8 @@ EVIDENCE = EffectEvidence(
 
 AXIS_DIRECTION, AXIS_POINT = (0.6, 0.0, 0.8), (0.04, 0.02, -0.03)
 
+KNOWN = {}  # by an arm's identity: the arm itself, and all that is ordinary about it
+
 
 def added(name, place, description=None, /, *, std=0.1, **values):
     """An effect with these values by their keys in the file."""
@@ -47,11 +49,18 @@ def with_effects(arm, *effects):
     return replace(load_arm(arm) if isinstance(arm, str) else arm, effects=effects)
 
 
+def _ordinary(arm):
+    if id(arm) not in KNOWN:
+        KNOWN[id(arm)] = arm, Ordinary(superset=Superset(arm), postures=(), level_span=1.0)
+    return KNOWN[id(arm)][1]
+
+
 def any_of(arm, name, place=None, factor=1.0):
     """An effect of the library as large as its prior's deviations, at its first place."""
-    ordinary = Ordinary(superset=Superset(arm), postures=(), level_span=1.0)
     instance = next(
-        i for i in all_instances(ordinary) if i.effect.name == name and place in (None, i.place)
+        i
+        for i in all_instances(_ordinary(arm))  # which keeps those of an arm
+        if i.effect.name == name and place in (None, i.place)
     )
     every = (*instance.parameters, *instance.relaxes.values())
     values = {file_key(p.name, instance.place): p.mean + 0.5 * factor * p.std for p in every}

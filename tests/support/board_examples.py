@@ -18,18 +18,17 @@ from armodal.protocols.board import (
     Header,
     IepeState,
     Overflow,
+    Release,
     ReplyCode,
+    Resend,
     Samples,
     Slope,
     dictionary_hash,
-    encode_block_info,
-    encode_configuration,
+    encode_answer,
     encode_dictionary,
-    encode_release,
+    encode_payload,
     encode_reply,
-    encode_resend,
     encode_samples,
-    encode_status,
     hello_fragments,
 )
 
@@ -140,11 +139,11 @@ MESSAGES: tuple[tuple[str, FrameType, bytes, int, Overflow], ...] = (
         0,
         Overflow.NONE,
     ),
-    ("configure", FrameType.CONFIGURE, encode_configuration(CONFIGURATION), 0, Overflow.NONE),
+    ("configure", FrameType.CONFIGURE, encode_payload(CONFIGURATION), 0, Overflow.NONE),
     (
         "configure, negative level, falling",
         FrameType.CONFIGURE,
-        encode_configuration(
+        encode_payload(
             replace(
                 CONFIGURATION,
                 slope=Slope.FALLING,
@@ -178,12 +177,24 @@ MESSAGES: tuple[tuple[str, FrameType, bytes, int, Overflow], ...] = (
     (
         "status reply",
         FrameType.STATUS_REPLY,
-        encode_status(STATUS),
+        encode_answer(STATUS),
         0,
         Overflow.STREAM | Overflow.BLOCK,
     ),
-    ("resend", FrameType.RESEND, encode_resend(7, 64, 128), 0, Overflow.NONE),
-    ("resend block ready alone", FrameType.RESEND, encode_resend(7, 0, Overflow.NONE), 0, 0),
+    (
+        "resend",
+        FrameType.RESEND,
+        encode_payload(Resend(block_id=7, first=64, count=128)),
+        0,
+        Overflow.NONE,
+    ),
+    (
+        "resend block ready alone",
+        FrameType.RESEND,
+        encode_payload(Resend(block_id=7, first=0, count=Overflow.NONE)),
+        0,
+        0,
+    ),
     (
         "resend refused",
         FrameType.RESEND_REPLY,
@@ -191,9 +202,9 @@ MESSAGES: tuple[tuple[str, FrameType, bytes, int, Overflow], ...] = (
         0,
         Overflow.NONE,
     ),
-    ("release", FrameType.RELEASE, encode_release(7), 0, Overflow.NONE),
+    ("release", FrameType.RELEASE, encode_payload(Release(block_id=7)), 0, Overflow.NONE),
     ("release reply", FrameType.RELEASE_REPLY, encode_reply(ReplyCode.OK), 0, Overflow.NONE),
-    ("block ready", FrameType.BLOCK_READY, encode_block_info(BLOCK_INFO), 0, Overflow.NONE),
+    ("block ready", FrameType.BLOCK_READY, encode_payload(BLOCK_INFO), 0, Overflow.NONE),
     (
         "stream",
         FrameType.STREAM,

@@ -14,15 +14,14 @@ from armodal.protocols.board import (
     FrameDecoder,
     FrameType,
     Overflow,
+    Release,
     ReplyCode,
     Samples,
-    encode_block_info,
-    encode_configuration,
+    encode_answer,
     encode_frame,
-    encode_release,
+    encode_payload,
     encode_reply,
     encode_samples,
-    encode_status,
 )
 
 
@@ -58,10 +57,10 @@ def invalid_frames() -> list[dict[str, str]]:
 
 def invalid_payloads() -> list[dict[str, str]]:
     """Payloads that do not say what their type needs."""
-    configuration = encode_configuration(examples.CONFIGURATION)
-    status = encode_status(examples.STATUS)
+    configuration = encode_payload(examples.CONFIGURATION)
+    status = encode_answer(examples.STATUS)
     stream = encode_samples(Samples(first_sample=0, counts=examples.SMALL_COUNTS))
-    ready = encode_block_info(examples.BLOCK_INFO)
+    ready = encode_payload(examples.BLOCK_INFO)
     cases = [
         (FrameType.CONFIGURE, configuration[:-1], "one byte short"),
         (FrameType.CONFIGURE, configuration + b"\x00", "one byte too long"),
@@ -76,7 +75,7 @@ def invalid_payloads() -> list[dict[str, str]]:
         (FrameType.STATUS_REPLY, status[:2] + b"\x03" + status[3:], "state 3"),
         (FrameType.STATUS_REPLY, encode_reply(ReplyCode.WRONG_SESSION), "refused, no status"),
         (FrameType.RESEND, bytes(11), "one byte short"),
-        (FrameType.RELEASE, encode_release(1) + b"\x00", "one byte too long"),
+        (FrameType.RELEASE, encode_payload(Release(block_id=1)) + b"\x00", "one byte too long"),
         (FrameType.BLOCK_READY, bytes(4) + ready[4:], "block id 0"),
         (FrameType.BLOCK_READY, ready[:4] + bytes(4) + ready[8:], "trigger outside the block"),
         (FrameType.STREAM, stream[:3], "prefix cut short"),

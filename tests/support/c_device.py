@@ -11,15 +11,15 @@ from cobs import cobs
 
 from armodal.protocols.board import (
     BoardDictionary,
+    BoardStatus,
     Channel,
     FrameDecoder,
     FrameType,
     IepeState,
-    Slope,
+    decode_answer,
     decode_reply,
-    decode_status,
-    encode_configuration,
     encode_dictionary,
+    encode_payload,
 )
 from armodal.protocols.c.library import device_library
 
@@ -74,12 +74,12 @@ def configuration_fields(configuration):
     return FFI.new(
         "ab_configuration *",
         {
-            "rate_numerator": configuration.rate_hz.numerator,
-            "rate_denominator": configuration.rate_hz.denominator,
+            "rate_hz_numerator": configuration.rate_hz.numerator,
+            "rate_hz_denominator": configuration.rate_hz.denominator,
             "channel_mask": configuration.channel_mask,
             "trigger_channel": configuration.trigger_channel,
-            "trigger_level": configuration.trigger_level_counts,
-            "falling": configuration.slope is Slope.FALLING,
+            "trigger_level_counts": configuration.trigger_level_counts,
+            "slope": configuration.slope,
             "stream": configuration.stream,
             "pretrigger": configuration.pretrigger,
             "block_length": configuration.block_length,
@@ -169,11 +169,11 @@ class Device:
         return reply
 
     def run(self, configuration):
-        assert self.code(FrameType.CONFIGURE, encode_configuration(configuration)) == 0
+        assert self.code(FrameType.CONFIGURE, encode_payload(configuration)) == 0
         assert self.code(FrameType.START) == 0
 
     def status(self):
-        return decode_status(self.reply(FrameType.STATUS).payload)
+        return decode_answer(BoardStatus, self.reply(FrameType.STATUS).payload)
 
     def feed(self, counts, ticks=0):
         counts = np.ascontiguousarray(counts, dtype=np.int32)

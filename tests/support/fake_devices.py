@@ -16,17 +16,18 @@ import numpy as np
 from support.channels import channel
 
 from armodal.protocols.arm.records import Arm
-from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.codec import (
+    FrameDecoder,
+    encode_frame,
+)
 from armodal.protocols.board.messages import (
-    decode_configuration,
-    decode_release,
-    decode_resend,
+    decode_payload,
     dictionary_hash,
-    encode_block_info,
+    encode_answer,
     encode_dictionary,
+    encode_payload,
     encode_reply,
     encode_samples,
-    encode_status,
     hello_fragments,
 )
 from armodal.protocols.board.records import (
@@ -38,7 +39,9 @@ from armodal.protocols.board.records import (
     Frame,
     FrameType,
     Header,
+    Release,
     ReplyCode,
+    Resend,
     Samples,
 )
 from armodal.protocols.can_database import CanEncoder
@@ -177,7 +180,7 @@ class FakeBoard(Line):
 
     def send_block(self, block_id: int, start: int, count: int) -> None:
         held = self.blocks[block_id]
-        self.send(FrameType.BLOCK_READY, encode_block_info(held.info))
+        self.send(FrameType.BLOCK_READY, encode_payload(held.info))
         for at in range(start, start + count, 64):
             first = held.info.first_sample + at
             part = held.counts[at : min(at + 64, start + count)]
@@ -198,7 +201,7 @@ class FakeBoard(Line):
                 self.send(FrameType.HELLO_REPLY, fragment, tag=tag)
             return
         if kind is FrameType.CONFIGURE:
-            self.configuration = decode_configuration(frame.payload)
+            self.configuration = decode_payload(Configuration, frame.payload)
             self.state = BoardState.CONFIGURED
         elif kind is FrameType.START:
             self.state = BoardState.RUNNING
@@ -206,14 +209,15 @@ class FakeBoard(Line):
         elif kind is FrameType.STOP and self.state is BoardState.RUNNING:
             self.state = BoardState.CONFIGURED
         elif kind is FrameType.STATUS:
-            reply = encode_status(self.status())
+            reply = encode_answer(self.status())
         elif kind is FrameType.RELEASE:
-            block_id = decode_release(frame.payload)
+            block_id = decode_payload(Release, frame.payload).block_id
             self.released.append(block_id)
             self.blocks.pop(block_id, None)
         self.send(FrameType(kind | 0x80), reply, tag=tag)
         if kind is FrameType.RESEND:
-            wanted = decode_resend(frame.payload)
+            asked = decode_payload(Resend, frame.payload)
+            wanted = (asked.block_id, asked.first, asked.count)
             self.resends.append(wanted)
             if wanted[0] in self.blocks:
                 self.send_block(*wanted)

@@ -17,6 +17,10 @@ class DaqNotFoundError(Error):
     pass
 
 
+class RpcError(Error):
+    pass
+
+
 class DaqError(Error):
     def __init__(self, message, error_code, task_name=""):
         super().__init__(message)
@@ -44,7 +48,9 @@ class FakeNi:
             ForceIEPESensorSensitivityUnits=_enum("Force", "MILLIVOLTS_PER_NEWTON"),
             AccelSensitivityUnits=_enum("Accel", "MILLIVOLTS_PER_G"),
         )
-        errors = SimpleNamespace(DaqError=DaqError, DaqNotFoundError=DaqNotFoundError)
+        errors = SimpleNamespace(
+            Error=Error, DaqError=DaqError, DaqNotFoundError=DaqNotFoundError, RpcError=RpcError
+        )
         device = SimpleNamespace(name="cDAQ1Mod1", product_type="NI 9234")
         system = SimpleNamespace(System=SimpleNamespace(local=lambda: self._system(device)))
         self.modules = {

@@ -4,30 +4,28 @@ import struct
 import zlib
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 from cobs import cobs
 from support.mutate import mutated
 
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.board.codec import FrameDecoder, encode_frame
+from armodal.protocols.board.codec import (
+    FrameDecoder,
+    encode_frame,
+)
 from armodal.protocols.board.messages import (
-    decode_block_info,
-    decode_configuration,
+    decode_answer,
     decode_dictionary,
-    decode_release,
+    decode_payload,
     decode_reply,
-    decode_resend,
     decode_samples,
-    decode_status,
-    encode_block_info,
-    encode_configuration,
+    encode_answer,
     encode_dictionary,
-    encode_release,
+    encode_payload,
     encode_reply,
-    encode_resend,
     encode_samples,
-    encode_status,
     hello_fragments,
     join_hello,
 )
@@ -41,7 +39,9 @@ from armodal.protocols.board.records import (
     FrameType,
     Header,
     IepeState,
+    Release,
     ReplyCode,
+    Resend,
     Samples,
     Slope,
 )
@@ -97,14 +97,14 @@ def board_payloads():
         block_id=3, first_sample=1000, length=256, trigger_sample=1064, trigger_ticks=1 << 33
     )
     return [
-        (FrameType.CONFIGURE, encode_configuration(configuration)),
-        (FrameType.RESEND, encode_resend(3, 0, 64)),
-        (FrameType.RELEASE, encode_release(3)),
+        (FrameType.CONFIGURE, encode_payload(configuration)),
+        (FrameType.RESEND, encode_payload(Resend(block_id=3, first=0, count=64))),
+        (FrameType.RELEASE, encode_payload(Release(block_id=3))),
         *((FrameType.HELLO_REPLY, fragment) for fragment in hello),
-        (FrameType.STATUS_REPLY, encode_status(status)),
+        (FrameType.STATUS_REPLY, encode_answer(status)),
         (FrameType.CONFIGURE_REPLY, encode_reply(ReplyCode.BAD_VALUE, "rate cannot be made")),
         (FrameType.STREAM, encode_samples(Samples(first_sample=64, counts=counts))),
-        (FrameType.BLOCK_READY, encode_block_info(info)),
+        (FrameType.BLOCK_READY, encode_payload(info)),
         (FrameType.BLOCK_DATA, encode_samples(block)),
     ]  # fmt: skip
 
@@ -133,11 +133,11 @@ def mutate_frames(data, rng, others):
 
 
 PAYLOADS = {
-    FrameType.CONFIGURE: decode_configuration,
-    FrameType.RESEND: decode_resend,
-    FrameType.RELEASE: decode_release,
-    FrameType.STATUS_REPLY: decode_status,
-    FrameType.BLOCK_READY: decode_block_info,
+    FrameType.CONFIGURE: partial(decode_payload, Configuration),
+    FrameType.RESEND: partial(decode_payload, Resend),
+    FrameType.RELEASE: partial(decode_payload, Release),
+    FrameType.STATUS_REPLY: partial(decode_answer, BoardStatus),
+    FrameType.BLOCK_READY: partial(decode_payload, BlockInfo),
 }
 
 

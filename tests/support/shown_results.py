@@ -18,9 +18,46 @@ GAP = {
                 }
             },
             "confidence": 0.97,
-            "confused_with": ["bearing"],
+            "confused_with": ["Bearing soft across its axis"],
+            "told_by": "a sensor on the base plate",
             "remedy": "Tighten the bolts.",
-        }
+        },
+        {
+            "name": "link_axis",
+            "title": "Link gives way about an axis of its own",
+            "place": "shoulder",
+            "size": "axis compliance shoulder",
+            "parameters": {
+                "axis compliance shoulder": {
+                    "unit": "rad/(N m)",
+                    "value": 1.12e-5,
+                    "std": 2.0e-7,
+                    "low": 1.08e-5,
+                    "high": 1.16e-5,
+                },
+                "axis loss shoulder": {
+                    "unit": "s",
+                    "value": 2.0e-4,
+                    "std": 1.0e-5,
+                    "low": 1.8e-4,
+                    "high": 2.2e-4,
+                },
+                "axis tilt a shoulder": {
+                    "unit": "",
+                    "value": 0.01,
+                    "std": 0.001,
+                    "low": 0.008,
+                    "high": 0.012,
+                },
+            },
+            "description": {
+                "link": "shoulder",
+                "direction": [0.96, 0.0, 0.28],
+                "point_m": [-0.052, 0.018, 0.18],
+            },
+            "confidence": 0.9999,
+            "confused_with": ["Bearing soft across its axis"],
+        },
     ],
     "rivals": [{"name": "bearing", "place": "joint_1", "behind": 12.0, "standing": False}],
     "gap_before": [{"posture": "test 1", "held_out": True, "frf_error": 0.4, "floor": 0.03}],

@@ -14,9 +14,9 @@ from textual.pilot import Pilot
 from armodal.daq.commands import Command
 from armodal.tui.screens.run import app
 from armodal.tui.screens.run.collector import CalmCollector
-from armodal.tui.screens.run.conductor import RunOptions
 from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import Happening, Tick
+from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import SessionPlace
 from armodal.tui.screens.run.steps.step import Pane
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
 from dataclasses import asdict, fields
 from fractions import Fraction
 from pathlib import Path
@@ -22,16 +21,15 @@ from support.board_troubles import invalid_frames, invalid_payloads, streams
 from support.board_worked_example import worked_example
 
 from armodal.protocols.board import (
+    MESSAGES,
+    Frame,
     FrameType,
     ReplyCode,
-    decode_block_info,
-    decode_configuration,
+    decode_answer,
     decode_frame,
-    decode_release,
+    decode_payload,
     decode_reply,
-    decode_resend,
     decode_samples,
-    decode_status,
     dictionary_hash,
     encode_dictionary,
     encode_frame,
@@ -40,7 +38,6 @@ from armodal.protocols.board import (
     refusal,
     sequence_gap,
 )
-from armodal.protocols.board.records import Frame
 
 HERE = Path(__file__).resolve().parent
 VECTORS = HERE / "board-v1.json"
@@ -84,31 +81,23 @@ def sample_fields(frame: Frame) -> dict[str, Any]:
 
 
 def reply_fields(frame: Frame) -> dict[str, Any]:
-    """Fields of a reply, and of the status after it."""
+    """Fields of a reply, and of the record after it."""
     code, reason = decode_reply(frame.payload)
-    is_status = frame.header.type is FrameType.STATUS_REPLY
-    status = record(decode_status(frame.payload)) if is_status else {}
-    return {"code": int(code), "reason": reason, **status}
-
-
-FIELDS: dict[FrameType, Callable[[Frame], dict[str, Any]]] = {
-    FrameType.HELLO_REPLY: fragment_fields,
-    FrameType.CONFIGURE: lambda frame: record(decode_configuration(frame.payload)),
-    FrameType.BLOCK_READY: lambda frame: record(decode_block_info(frame.payload)),
-    FrameType.RESEND: lambda frame: dict(
-        zip(("block_id", "first", "count"), decode_resend(frame.payload), strict=True)
-    ),
-    FrameType.RELEASE: lambda frame: {"block_id": decode_release(frame.payload)},
-    FrameType.STREAM: sample_fields,
-    FrameType.BLOCK_DATA: sample_fields,
-}
+    carried = MESSAGES[frame.header.type].record
+    body = record(decode_answer(carried, frame.payload)) if carried else {}
+    return {"code": int(code), "reason": reason, **body}
 
 
 def payload_fields(frame: Frame) -> dict[str, Any]:
     """The fields a payload decodes to, by the names of the document."""
-    if not frame.payload:
-        return {}
-    return FIELDS.get(frame.header.type, reply_fields)(frame)
+    message = MESSAGES[frame.header.type]
+    if frame.header.type is FrameType.HELLO_REPLY:
+        return fragment_fields(frame)
+    if frame.header.type in (FrameType.STREAM, FrameType.BLOCK_DATA):
+        return sample_fields(frame)
+    if message.is_answer:
+        return reply_fields(frame)
+    return record(decode_payload(message.record, frame.payload)) if message.record else {}
 
 
 def frame_vectors() -> list[dict[str, Any]]:

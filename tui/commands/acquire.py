@@ -17,15 +17,16 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
-from armodal.tui.commands.options import (
+from armodal.tui.command_parts.options import (
     ByHand,
     Mirror,
     UrAddress,
     one_board,
     say_if_on_one_disk,
+    sensor_memory,
     told_tolerance_rad,
 )
-from armodal.tui.commands.rehearsed import spoken_arm
+from armodal.tui.command_parts.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say_next
 from armodal.tui.operators import Operator, PersonAtTerminal, ScriptedOperator, acquire, describe
 
@@ -50,14 +51,17 @@ def acquire_command(
     by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
-    resume: Annotated[bool, typer.Option(help="Go on with an interrupted journal.")] = False,
+    resume: Annotated[bool, typer.Option(help="Continue an interrupted journal.")] = False,
     mirror: Mirror = None,
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     accept_teds: Annotated[
         bool,
-        typer.Option(help="Measure although sensors say otherwise than the board; it is kept."),
+        typer.Option(
+            help="Measure although sensors contradict the board, or had another sensitivity "
+            "before; this is recorded."
+        ),
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -91,6 +95,7 @@ def acquire_command(
         mirror=mirror,
         resume=resume,
         teds_confirmed=accept_teds,
+        sensor_memory=None if operator is not None else sensor_memory(),
         time_scale=time_scale,
         software=SOFTWARE,
     )

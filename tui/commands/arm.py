@@ -23,18 +23,17 @@ from armodal.analyzer.own_arm.picture import points_page
 from armodal.analyzer.own_arm.plausible import doubted
 from armodal.analyzer.own_arm.readme import readme_text
 from armodal.analyzer.planning.made import MadePlan, made_plan
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
 from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, Equipment, load_equipment
-from armodal.tui.commands.arm_links import link_rows, link_table
-from armodal.tui.commands.arm_move import move_command
-from armodal.tui.commands.arm_show import show_command
-from armodal.tui.commands.new_folder import check_new_folder, write_new_folder
-from armodal.tui.commands.options import Minutes, Seed, comma_numbers
-from armodal.tui.commands.plan_json import made_json
-from armodal.tui.commands.plan_tables import made_lines
+from armodal.tui.command_parts.arm_links import link_rows, link_table
+from armodal.tui.command_parts.arm_move import move_command
+from armodal.tui.command_parts.arm_show import show_command
+from armodal.tui.command_parts.new_folder import check_new_folder, write_new_folder
+from armodal.tui.command_parts.options import Minutes, Seed, comma_numbers
+from armodal.tui.command_parts.plan_json import made_json
+from armodal.tui.command_parts.plan_tables import made_lines
 from armodal.tui.console import Json, err, out, print_json, progress, say
 
 __all__ = ["app"]
@@ -143,7 +142,7 @@ def check_command(
     no_meshes: NoMeshes = False,
     as_json: Json = False,
 ) -> None:
-    """Say everything that is wrong with an arm, or should not be believed, in one run.
+    """Check an arm: everything that is wrong or doubtful, in one run.
 
     Example: armodal arm check my-arm/my-arm.toml --mass 28
     """
@@ -194,7 +193,6 @@ def _planned(
     try:
         return made_plan(
             draft.arm,
-            elastic_joints(draft.arm),
             np.random.default_rng(seed),
             name=f"{draft.arm.name[:58]}-tests",
             bodies=draft.bodies,

@@ -17,7 +17,7 @@ from armodal.protocols.arm.rewrite import text_with_inertials
 from armodal.protocols.errors import ArmError
 from armodal.protocols.inertia_targets import load_inertia_targets
 from armodal.protocols.text_file import write_new_text
-from armodal.tui.commands.options import ArmName
+from armodal.tui.command_parts.options import ArmName
 from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app"]
@@ -118,7 +118,7 @@ def calibrate_command(
     name: Annotated[str | None, typer.Option(help="Name of the new arm; the file's stem.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Link inertias that meet given figures, nearest to what is believed of the links.
+    """Find link inertias that meet given targets, nearest to the believed ones.
 
     Example: armodal calibrate-inertia my-arm.toml targets.toml --out my-arm-calibrated.toml
     """

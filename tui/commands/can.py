@@ -35,7 +35,7 @@ FAILED = 1
 app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
-    help="What a controller says on its CAN bus.\n\nExample: armodal can learn /dev/ttyACM1",
+    help="The CAN bus of a robot controller.\n\nExample: armodal can learn /dev/ttyACM1",
 )
 
 
@@ -48,19 +48,22 @@ def _can() -> None:
 def learn_command(
     channel: Annotated[str, typer.Argument(help="slcan port, or interface:channel.")],
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
-    bitrate: Annotated[int, typer.Option(min=10_000, help="Of the bus, in bit/s.")] = 500_000,
+    bitrate: Annotated[int, typer.Option(min=10_000, help="Bit rate of the bus, bit/s.")] = 500_000,
     folder: Annotated[
-        Path, typer.Option("--out", help="Where the DBC and the [can] section go; never replaced.")
+        Path,
+        typer.Option(
+            "--out", help="Folder for the DBC file and the [can] section; never overwritten."
+        ),
     ] = Path(),
-    seconds: Annotated[float, typer.Option(min=0.1, help="How long to listen at each stop.")] = 1.0,
+    seconds: Annotated[float, typer.Option(min=0.1, help="Listening time at each stop, s.")] = 1.0,
     time_scale: TimeScale = 1.0,
     as_json: Json = False,
 ) -> None:
     """Learn which frames carry which joint's angle, and check it against the pendant.
 
-    You move one joint at a time with the pendant and type the angle it shows; the bus is listened
-    to and nothing is ever sent. At the end you move all joints, and what was learned is compared
-    with the pendant. Exit code 1 if a joint is missing or the angles disagree.
+    You move one joint at a time with the pendant and type the angle it shows; the program
+    only listens to the bus and never sends. At the end you move all joints, and the result is
+    compared with the pendant. Exit code 1 if a joint is missing or the angles disagree.
 
     Example: armodal can learn /dev/ttyACM1 --arm ur5 --out my-arm
     """

@@ -19,7 +19,7 @@ from armodal.analyzer.report.policy import under_policy
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.options import ArmName, comma_numbers
+from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.commands.shaper import PathOption, PostureOption, asked_postures
 from armodal.tui.console import Json, out, print_json
 from armodal.tui.output_file import check_output

@@ -15,7 +15,7 @@ from armodal.daq.clock import SystemClock
 from armodal.daq.serial_port import SerialPort
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.check_session import session_checks
+from armodal.tui.command_parts.check_session import session_checks
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
 from armodal.tui.this_system import check_runs_devices
 
@@ -52,7 +52,7 @@ def check_board_command(
     step: Only = None,
     as_json: Json = False,
 ) -> None:
-    """Check that a board keeps to the board protocol; exit code 1 if a step fails.
+    """Check a board against the board protocol; exit code 1 if a step fails.
 
     Example: armodal check board /dev/ttyACM0 --duration 60
     """
@@ -77,7 +77,7 @@ def check_can_command(
     step: Only = None,
     as_json: Json = False,
 ) -> None:
-    """Check what a controller says on its CAN bus, by listening; exit code 1 if a step fails.
+    """Check a controller's CAN frames by listening only; exit code 1 if a step fails.
 
     Example: armodal check can /dev/ttyACM1 --arm rv4frl
     """
@@ -160,12 +160,8 @@ def _table(report: Report) -> Table:
         style = STYLES[step.verdict]
         table.add_row(
             step.title,
-            _plain(step.wanted),
-            _plain(step.came),
+            step.wanted,
+            step.came,
             Text(step.verdict.value, style=style),
         )
     return table
-
-
-def _plain(text: str) -> str:
-    return text.replace("[", "\\[")

@@ -9,11 +9,11 @@ import typer
 from rich.table import Table
 
 from armodal import SOFTWARE
+from armodal.tui.command_parts.demo_run import DEMO_TIME_SCALE, run_demo
+from armodal.tui.command_parts.demo_simulator import simulator_lines, simulator_table
+from armodal.tui.command_parts.gap_results import gap_tables
+from armodal.tui.command_parts.identification_results import identification_tables
 from armodal.tui.commands.acquire import show_event
-from armodal.tui.commands.demo_run import DEMO_TIME_SCALE, run_demo
-from armodal.tui.commands.demo_simulator import simulator_lines, simulator_table
-from armodal.tui.commands.gap_results import gap_tables
-from armodal.tui.commands.identification_results import identification_tables
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
 from armodal.tui.hit_count import HitCount
 
@@ -24,10 +24,12 @@ app = typer.Typer(add_completion=False)
 
 @app.command()
 def demo(
-    seed: Annotated[int, typer.Option(min=0, help="For everything random in the laboratory.")] = 1,
-    directory: Annotated[Path, typer.Option("--out", help="Where the results go.")] = Path("demo"),
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")] = 1,
+    directory: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
+        "demo"
+    ),
     time_scale: TimeScale = DEMO_TIME_SCALE,
-    verbose: Annotated[bool, typer.Option("--verbose", help="One line for every hit.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Print one line per hit.")] = False,
     as_json: Json = False,
 ) -> None:
     """A whole test in the simulated laboratory: capture, modes, stiffness, gap, report, truth.
@@ -71,7 +73,7 @@ def demo(
 
 
 def _truth_table(found: dict[str, Any]) -> Table:
-    table = Table(title="Beside the truth the laboratory kept to itself (N m/rad)")
+    table = Table(title="Found values against the true ones (N m/rad)")
     for column in ("what", "found", "± 1 std", "truth", "error %", "error / std"):
         table.add_column(column, justify="right")
     rows = [(row["joint"], row) for row in found["joints"]]

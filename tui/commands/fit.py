@@ -9,9 +9,9 @@ from rich.table import Table
 
 from armodal.protocols.frf_records import FrfEstimator
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.fit_settings import FitSettings
-from armodal.tui.commands.fit_values import fit_values
-from armodal.tui.commands.options import Band, SessionPath
+from armodal.tui.command_parts.fit_settings import FitSettings
+from armodal.tui.command_parts.fit_values import fit_values
+from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]
@@ -24,19 +24,20 @@ def fit(
     session: SessionPath,
     band: Band = None,
     estimator: Annotated[
-        FrfEstimator | None, typer.Option(help="Where noise is taken to be; else as planned.")
+        FrfEstimator | None,
+        typer.Option(help="FRF estimator, by where the noise is; else the plan's."),
     ] = None,
     exponential_end: Annotated[
         float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")
     ] = None,
     force_window: Annotated[
-        float | None, typer.Option(help="Seconds of the force kept from the trigger on.")
+        float | None, typer.Option(help="Length of the force record kept after the trigger, s.")
     ] = None,
     keep_hits: Annotated[
-        int | None, typer.Option(min=1, help="Hits averaged at most at a point.")
+        int | None, typer.Option(min=1, help="Most hits averaged at a point.")
     ] = None,
     max_order: Annotated[
-        int, typer.Option(min=4, max=300, help="Highest order of the stabilisation.")
+        int, typer.Option(min=4, max=300, help="Highest model order of the stabilisation diagram.")
     ] = 60,
     as_json: Json = False,
 ) -> None:

@@ -14,12 +14,12 @@ from armodal.analyzer.gap.add import is_of_one_posture
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
 from armodal.analyzer.report import gap_page
 from armodal.hil_sim.study import (
-    LIBRARY,
     MAGNITUDES,
     STUDY_ARMS,
     CaseSpec,
     SealedCase,
     can_size,
+    library,
     make_case,
     sealed,
     study_of,
@@ -31,14 +31,22 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
 from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
-from armodal.tui.commands.gap_results import check_arm_out, gap_json, gap_tables, keep_gap, with_arm
-from armodal.tui.commands.gap_simulator import show_simulator
-from armodal.tui.commands.options import refuse_idle
-from armodal.tui.commands.rehearsed import plan_to_rehearse
+from armodal.tui.command_parts.gap_results import (
+    check_arm_out,
+    gap_json,
+    gap_tables,
+    keep_gap,
+    with_arm,
+)
+from armodal.tui.command_parts.gap_simulator import show_simulator
+from armodal.tui.command_parts.options import refuse_idle
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
+
+_DRAWN_FROM = 2  # version of the library of which the laboratory draws: a seed stays what it was
 
 app = typer.Typer(add_completion=False)
 
@@ -61,25 +69,27 @@ def gap_command(
     ] = None,
     arm_out: Annotated[
         Path | None,
-        typer.Option("--arm-out", help="New arm file with what was named, never replaced."),
+        typer.Option("--arm-out", help="New arm file with the named effects; never overwritten."),
     ] = None,
     html: Annotated[Path | None, typer.Option("--html", help="Page to write.")] = None,
     lab: Annotated[
         bool, typer.Option("--lab", help="Drive the simulated laboratory, next tests included.")
     ] = False,
     lab_arm: Annotated[
-        str, typer.Option(help="Its arm: an arm file or a shipped arm.")
+        str, typer.Option(help="Arm of the laboratory: an arm file or a shipped arm.")
     ] = "bench57",
     lab_plan: Annotated[
         str | None,
-        typer.Option(help="Plan it is measured by: fixed hammer, a posture for validation."),
+        typer.Option(help="Plan of its test: fixed hammer, one validation posture."),
     ] = None,
-    hide: Annotated[str | None, typer.Option(help="What it hides; drawn if not given.")] = None,
+    hide: Annotated[
+        str | None, typer.Option(help="Effects it hides; drawn at random if not given.")
+    ] = None,
     magnitude: Annotated[
         str, typer.Option(help="clear, medium, faint, or a part of clear: 0.3.")
     ] = "medium",
-    seed: Annotated[int, typer.Option(min=0, help="Of everything in it.")] = 1,
-    budget: Annotated[int, typer.Option(min=0, help="Further tests at most.")] = 2,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the laboratory.")] = 1,
+    budget: Annotated[int, typer.Option(min=0, help="Most further tests.")] = 2,
     simulator: Annotated[
         str | None,
         typer.Option(help="mujoco: the session's hits in your own simulator, before and after."),
@@ -89,30 +99,35 @@ def gap_command(
     ] = None,
     motion: Annotated[
         Path | None,
-        typer.Option(help="With --simulator: a log of motion (CSV), in place of the hits."),
+        typer.Option(help="With --simulator: a log of motion (CSV, MCAP, rosbag) for the hits."),
+    ] = None,
+    topic: Annotated[
+        list[str] | None,
+        typer.Option(help="With --motion: ROLE=TOPIC, of encoder, command, a point; repeatable."),
     ] = None,
     folder: Annotated[
-        Path, typer.Option("--out", help="Where the laboratory's sessions go; resumed there.")
+        Path, typer.Option("--out", help="Folder for the laboratory's sessions; continued there.")
     ] = Path("gap-lab"),
     as_json: Json = False,
 ) -> None:
     """Find where model and measurement disagree, and name what is missing.
 
-    The result is kept beside the session, where `armodal report` finds it; the proposed next test
-    comes as a plan. With the new arm file as --arm, and another as --arm-out, it begins where it
-    ended: nothing more should be missing. With --lab it measures, judges and runs the
-    tests it proposes.
+    The result is saved beside the session, where `armodal report` finds it; the proposed next test
+    is written as a plan. With the new arm file as --arm and another as --arm-out it continues from
+    there: nothing more should be missing. With --lab it drives the simulated laboratory and runs
+    the tests it proposes.
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
-    if simulator is not None or model is not None or motion is not None:
+    if simulator is not None or model is not None or motion is not None or topic:
         refuse_idle(
             context,
             (*_OF_LAB, "more", "arm_out", "lab"),
             here="--simulator",
             there="the search",
         )
-        show_simulator(session, arm, simulator, model, motion, html, as_json=as_json)
+        wanted = (session, arm, simulator, model, motion, topic or (), html)
+        show_simulator(*wanted, as_json=as_json)
         return
     if lab == (session is not None):
         raise SessionError(
@@ -175,7 +190,7 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
 
 def _case(arm: str, plan: str | None, hide: str | None, magnitude: str, seed: int) -> SealedCase:
     """Close a case of one of the study's arms, or of any other."""
-    kind = hide or str(np.random.default_rng(seed).choice(list(LIBRARY)))
+    kind = hide or str(np.random.default_rng(seed).choice(library(_DRAWN_FROM)))
     size = _magnitude(magnitude)
     if arm in STUDY_ARMS and plan is None:
         return make_case(seed, arm, kind, size, ladder=True)

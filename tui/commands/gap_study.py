@@ -11,8 +11,7 @@ from rich.table import Table
 
 import armodal.study
 from armodal.hil_sim.makers import draw_cases
-from armodal.hil_sim.study import LIBRARY, OUTSIDE, CaseSpec, draw_study
-from armodal.hil_sim.study.catalogue import FIRST
+from armodal.hil_sim.study import LIBRARY, OUTSIDE, VERSION, CaseSpec, draw_study, library
 from armodal.protocols.errors import PlantError
 from armodal.protocols.text_file import replace_text
 from armodal.study.cases import HOME, AnySpec, every_maker
@@ -22,7 +21,7 @@ from armodal.study.page import study_page
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, say
 
 __all__ = ["app"]
@@ -32,8 +31,8 @@ app = typer.Typer(add_completion=False)
 
 @app.command("gap-study")
 def gap_study_command(
-    directory: Annotated[Path, typer.Option("--out", help="Where the study's file goes.")],
-    seed: Annotated[int, typer.Option(min=0, help="Of the cases.")] = 1,
+    directory: Annotated[Path, typer.Option("--out", help="Folder for the study.")],
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the cases.")] = 1,
     official: Annotated[
         bool, typer.Option("--official", help="Take the seed from the hash of the commit.")
     ] = False,
@@ -51,16 +50,27 @@ def gap_study_command(
     whole: Annotated[
         bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
     ] = False,
-    curves: Annotated[int, typer.Option(min=0, help="Clear cases measured again with less.")] = 0,
+    version: Annotated[
+        int | None,
+        typer.Option(
+            "--library",
+            min=1,
+            max=VERSION,
+            help="Version of the library; the newest with --whole, else the first.",
+        ),
+    ] = None,
+    curves: Annotated[
+        int, typer.Option(min=0, help="Clear cases measured again with fewer hits or points.")
+    ] = 0,
     page: Annotated[
         Path | None, typer.Option("--page", help="Markdown page of the tables to write.")
     ] = None,
-    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    workers: Annotated[int, typer.Option(min=1, help="Number of processes.")] = 2,
     as_json: Json = False,
 ) -> None:
-    """Judge sealed cases and print how often the workflow was right.
+    """Run the gap workflow on sealed cases and print how often it was right.
 
-    A study that was stopped goes on where it was.
+    A study that was stopped continues where it stopped.
 
     Example: armodal gap-study --out study --seed 1
     """
@@ -69,6 +79,7 @@ def gap_study_command(
         seed, commit = official_seed(Path(armodal.study.__file__).parent)
         say(f"official: seed {seed} of commit {commit}")
     specs: tuple[AnySpec, ...]
+    version = version or (VERSION if whole else 1)
     if maker == HOME:
         specs = draw_study(
             seed,
@@ -76,7 +87,7 @@ def gap_study_command(
             effects=effects,
             pairs=pairs,
             outside=outside,
-            library=tuple(LIBRARY) if whole else FIRST,
+            library=library(version),
             ladder=whole,
         )
     elif maker not in every_maker():
@@ -103,6 +114,7 @@ def gap_study_command(
     rows = curve_rows(learned) if learned else []
     tables = study_tables(summary, rows)
     command = _command(specs, maker, "--official" if official else f"--seed {seed}", tests, curves)
+    command += f" --library {version}" if maker == HOME else ""
     command += f"{' --whole' if whole else ''} --page PAGE"
     if page is not None:
         replace_text(page, study_page(tables, command, commit))

@@ -11,9 +11,17 @@ from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.penalty_of_session import penalty_of_session
 from armodal.protocols.errors import SessionError
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.identification_results import identification_json, identification_tables
-from armodal.tui.commands.options import Band, SessionPath
-from armodal.tui.commands.penalty_results import Method, chosen_for, penalty_json, penalty_tables
+from armodal.tui.command_parts.identification_results import (
+    identification_json,
+    identification_tables,
+)
+from armodal.tui.command_parts.options import Band, SessionPath
+from armodal.tui.command_parts.penalty_results import (
+    Method,
+    chosen_for,
+    penalty_json,
+    penalty_tables,
+)
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.screens.review.picked_file import read_picked
 

@@ -15,7 +15,7 @@ from armodal.analyzer.corrected.check import CheckedPosture, check_posture_rows,
 from armodal.analyzer.corrected.diff import Change, arm_changes
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.commands.options import ArmName
+from armodal.tui.command_parts.options import ArmName
 from armodal.tui.console import Json, out, print_json
 
 __all__ = ["app"]
@@ -23,7 +23,7 @@ __all__ = ["app"]
 app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
-    help="What changed between arm files, and what one stands on.\n\n"
+    help="Compare arm files, and see which sessions one is based on.\n\n"
     "Example: armodal model diff rv4frl demo/demo.arm.toml",
 )
 
@@ -31,10 +31,10 @@ app = typer.Typer(
 @app.command("diff")
 def diff_command(
     before: ArmName,
-    after: Annotated[str, typer.Argument(help="The other one.")],
+    after: Annotated[str, typer.Argument(help="Arm file to compare with it.")],
     as_json: Json = False,
 ) -> None:
-    """What changed from one arm file to another, in words and numbers.
+    """Compare two arm files, in words and numbers.
 
     Example: armodal model diff rv4frl demo/demo.arm.toml
     """
@@ -66,11 +66,11 @@ def _cells(change: Change) -> tuple[str, str, str]:
 def check_command(
     arm: ArmName,
     sessions: Annotated[
-        list[Path] | None, typer.Argument(help="Sessions (.h5) of the arm to set beside.")
+        list[Path] | None, typer.Argument(help="Sessions (.h5) of the arm to compare with.")
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Which sessions an arm file stands on, how old they are, and how well it foretells others.
+    """Which sessions an arm file is based on, how old they are, and how well it predicts others.
 
     Example: armodal model check demo/demo.arm.toml demo/demo.h5
     """

@@ -20,7 +20,7 @@ from armodal.analyzer.workspace.postures import random_postures
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
-from armodal.tui.commands.options import ArmName, Seed, comma_numbers
+from armodal.tui.command_parts.options import ArmName, Seed, comma_numbers
 from armodal.tui.console import Json, out, print_json, say_next
 
 __all__ = ["app"]
@@ -182,7 +182,7 @@ def mozzi_command(
         str | None,
         typer.Option(help="Instead: wrist at horizontal,vertical m of the meridian plane."),
     ] = None,
-    elbow: Annotated[Elbow, typer.Option(help="Which way, with --wrist.")] = Elbow.UP,
+    elbow: Annotated[Elbow, typer.Option(help="Elbow up or down, with --wrist.")] = Elbow.UP,
     at: Annotated[
         str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
     ] = "0,0,0",
@@ -192,11 +192,11 @@ def mozzi_command(
             min=0, max=10_000_000, help="Instead of one posture: rank so many random ones."
         ),
     ] = 0,
-    best: Annotated[int, typer.Option(min=1, help="How many of them to show.")] = 10,
+    best: Annotated[int, typer.Option(min=1, help="How many of them are shown.")] = 10,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """How the tool gives under a load: displacement, Mozzi axis, each joint's part.
+    """How the tool moves under a load: displacement, Mozzi axis, share of each joint.
 
     Example: armodal mozzi viper_s650 --posture 0,0,60,0,40,0 --wrench 0,50,-100,0,0,0 --at 0,0,0.1
     """

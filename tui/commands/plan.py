@@ -8,19 +8,18 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from armodal.analyzer.corrected.loaded import loaded_arm
 from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.planning.beside import other_plan
+from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.made import made_plan
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
 from armodal.protocols.errors import PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
-from armodal.tui.commands.options import ArmName, Minutes, Seed
-from armodal.tui.commands.plan_json import made_json, plan_json
-from armodal.tui.commands.plan_tables import made_lines, plan_tables
+from armodal.tui.command_parts.options import ArmName, Minutes, Seed
+from armodal.tui.command_parts.plan_json import made_json, plan_json
+from armodal.tui.command_parts.plan_tables import made_lines, plan_tables
 from armodal.tui.console import Json, out, print_json, progress, say_next
 
 __all__ = ["app"]
@@ -51,18 +50,16 @@ def plan_command(
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Which postures, hits and points identify the joints: the fewest, then the most telling.
+    """Plan a test: the fewest postures that identify the joints first, then the most informative.
 
     Example: armodal plan viper_s650 --out viper-plan.toml
     """
-    loaded = loaded_arm(load_arm(arm))
-    the_arm = loaded.arm
-    elastic = elastic_joints(the_arm)
-    other = other_plan(the_arm, elastic, beside)
+    the_arm = load_arm(arm)
+    planned = planned_arm(the_arm)
+    other = other_plan(planned, beside)
     home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
     made = made_plan(
         the_arm,
-        elastic,
         np.random.default_rng(seed),
         name=name,
         bodies=checked_bodies(the_arm, home, Remarks()),
@@ -78,7 +75,7 @@ def plan_command(
     if as_json:
         told = plan_json(found, other) | made_json(made)
         file = None if out_path is None else str(out_path)
-        print_json(told | {"notes": list(loaded.notes), "plan": file})
+        print_json(told | {"notes": list(planned.notes), "plan": file})
         return
     for table in plan_tables(found, other, made.inertia_std):
         out.print(table)
@@ -87,7 +84,7 @@ def plan_command(
     if found.not_isolated:
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
         out.print(f"no test shows {names} alone: identify by the fit of all modes")
-    for note in loaded.notes:
+    for note in planned.notes:
         out.print(f"note: {note}")
     if out_path is not None:
         out.print(f"plan {out_path}")

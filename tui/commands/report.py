@@ -26,7 +26,7 @@ from armodal.analyzer.report import (
 from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.options import Band, SessionPath
+from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.commands.workspace import workspace_section
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.output_file import check_output
@@ -46,15 +46,15 @@ def report(
         typer.Option(
             min=0,
             max=100_000_000,
-            help="Also the workspace with what was identified, over so many random postures.",
+            help="Also a workspace study with the identified values, over so many random postures.",
         ),
     ] = 0,
     band: Band = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Also print it to a PDF beside it.")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Also write a PDF beside it.")] = False,
     plotly: Annotated[
         PlotlyHome,
         typer.Option(
-            help="The library of figures that move: in the page, or in one file beside many pages."
+            help="The figures' library: in the page, or in one file shared by many pages."
         ),
     ] = PlotlyHome.EMBEDDED,
     as_json: Json = False,

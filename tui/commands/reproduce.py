@@ -146,7 +146,7 @@ def reproduce_command(
     postures: Annotated[int, typer.Option(min=1000, max=100_000_000)] = 1_000_000,
     as_json: Json = False,
 ) -> None:
-    """Every published figure of the three papers beside ours, with margin and status.
+    """Compare every published figure of the three papers with ours, with margin and status.
 
     Example: armodal reproduce --json
     """

@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from armodal.protocols.errors import SessionError
-from armodal.tui.commands.journey import go_from, wish_after_review
-from armodal.tui.commands.options import Band
+from armodal.tui.command_parts.journey import go_from, wish_after_review
+from armodal.tui.command_parts.options import Band
 from armodal.tui.console import check_terminal
 from armodal.tui.screens.review.follow_app import FollowApp
 from armodal.tui.screens.wishes import Look
@@ -30,14 +30,14 @@ def review(
         Path | None, typer.Option(help="Result of `armodal gap --json` to show.")
     ] = None,
     follow: Annotated[
-        bool, typer.Option("--follow", help="Look at a journal while it is measured.")
+        bool, typer.Option("--follow", help="Follow a journal while it is being measured.")
     ] = False,
     band: Band = None,
 ) -> None:
     """Look at a session: FRFs, poles, modes moving on the arm, stiffness, gap. `?` helps.
 
-    With --follow the session's journal is read, again and again while it is written: what was
-    accepted is shown within seconds. Nothing is written, and who measures is not disturbed.
+    With --follow the journal is read while it is being written: accepted hits are shown within
+    seconds. Nothing is written, and the measurement is not disturbed.
 
     Example: armodal review demo/demo.h5
     """

@@ -10,23 +10,29 @@ from typing import Annotated
 import typer
 
 from armodal import SOFTWARE
+from armodal.daq.front_end.opening import is_front_end
 from armodal.hil_sim.rehearsed_plant import parse_hidden
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
+from armodal.protocols.front_end import load_front_end
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.journey import go_from
-from armodal.tui.commands.options import (
+from armodal.protocols.sensor_memory import load_sensors
+from armodal.tui.command_parts.journey import go_from
+from armodal.tui.command_parts.options import (
     ByHand,
     Mirror,
     UrAddress,
+    one_board,
     say_if_on_one_disk,
+    sensor_memory,
     told_tolerance_rad,
 )
-from armodal.tui.commands.rehearsed import plan_to_rehearse, spoken_arm
+from armodal.tui.command_parts.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
 from armodal.tui.screens.run.app import RunApp
-from armodal.tui.screens.run.conductor import RunOptions
+from armodal.tui.screens.run.earlier import earlier_frfs
+from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import find_place
 from armodal.tui.screens.wishes import Look
 
@@ -51,6 +57,8 @@ def run_app(
     time_scale: float = 1.0,
     input_range_v: float | None = None,
     hide: Sequence[str] = (),
+    earlier: Path | None = None,
+    std_wanted_percent: float | None = None,
 ) -> tuple[int, Look | None]:
     """Run the app to its end, and say what was written.
 
@@ -76,9 +84,14 @@ def run_app(
     if simulated and not session.exists():
         the_arm = spoken_arm(the_arm)
         the_plan = the_plan or plan_to_rehearse(the_arm)
+    if input_range_v is None and is_front_end(board):
+        input_range_v = load_front_end(Path(board)).range_v
+    memory = None if simulated else sensor_memory()
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
+        earlier=() if earlier is None else earlier_frfs(earlier, place.arm),
+        std_wanted=None if std_wanted_percent is None else std_wanted_percent / 100.0,
         mirror=mirror,
         board=board,
         can=can,
@@ -86,6 +99,8 @@ def run_app(
         ur=ur,
         baud=baud,
         input_range_v=input_range_v,
+        sensor_memory=memory,
+        known_sensors=load_sensors(memory) if memory else {},
         simulated=simulated,
         hidden=hidden,
         seed=seed,
@@ -119,9 +134,11 @@ def run_command(
     plan: Annotated[str | None, typer.Argument(help="Plan file or shipped plan.")] = None,
     simulated: Annotated[bool, typer.Option("--sim", help="In the simulated laboratory.")] = False,
     session: Annotated[
-        Path, typer.Option(help="Journal to begin, or to go on with if it is there.")
+        Path, typer.Option(help="Journal to start, or to continue if it exists.")
     ] = Path("session.journal"),
-    board: Annotated[str, typer.Option(help="Serial port of the acquisition board.")] = "",
+    board: Annotated[
+        list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
+    ] = None,
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
     by_hand: ByHand = None,
@@ -133,23 +150,38 @@ def run_command(
         typer.Option(help="Largest input voltage of the board; with it sensitivities show in mV."),
     ] = None,
     time_scale: TimeScale = 1.0,
-    seed: Annotated[int, typer.Option(min=0, help="For everything random in the simulation.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the simulation's random numbers.")] = 1,
+    earlier: Annotated[
+        Path | None,
+        typer.Option(
+            help="Earlier session of the arm: paths measured both ways are compared (reciprocity)."
+        ),
+    ] = None,
+    std: Annotated[
+        float | None,
+        typer.Option(
+            min=0.01,
+            help="Standard deviation wanted of the FRF at its strongest resonance, %: the hits "
+            "still needed are counted.",
+        ),
+    ] = None,
     hide: Annotated[
         list[str] | None,
         typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
     ] = None,
 ) -> None:
-    """Guide the operator through a session, on screens that read from two metres.
+    """Guide the operator through a session, on screens that can be read from two metres.
 
     Example: armodal run --sim
     """
+    port = one_board(board) if board else ""
     check_terminal("run")
     code, then = run_app(
         plan=plan,
         arm=arm,
         session=session,
         mirror=mirror,
-        board=board,
+        board=port,
         can=can,
         ur=ur,
         by_hand=by_hand,
@@ -159,5 +191,7 @@ def run_command(
         seed=seed,
         time_scale=time_scale,
         hide=hide or (),
+        earlier=earlier,
+        std_wanted_percent=std,
     )
     raise typer.Exit(code if then is None else go_from(then))

@@ -15,13 +15,16 @@ from armodal.analyzer.acting.robust import (
     mode_boxes,
     recommended,
 )
+from armodal.analyzer.acting.shaper_page import residual_figure, shaper_page, step_figure
 from armodal.analyzer.corrected.posture_file import read_postures
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
-from armodal.tui.commands.options import ArmName, comma_numbers
+from armodal.protocols.text_file import replace_text
+from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.console import Json, out, print_json
+from armodal.tui.output_file import check_output
 
 __all__ = ["app", "asked_postures"]
 
@@ -115,8 +118,9 @@ def shaper_command(
     path: PathOption = None,
     modes: Annotated[int, typer.Option(min=1, max=6, help="Lowest modes to shape for.")] = 1,
     limit: Annotated[
-        float, typer.Option(min=0.0, max=100.0, help="Vibration that may be left, %.")
+        float, typer.Option(min=0.0, max=100.0, help="Residual vibration allowed, %.")
     ] = 5.0,
+    html: Annotated[Path | None, typer.Option(help="Page with the pictures to write.")] = None,
     as_json: Json = False,
 ) -> None:
     """Input shapers (ZV, MZV, EI, 2-hump) and notches for a set of postures or a path.
@@ -125,6 +129,8 @@ def shaper_command(
     """
     the_arm = load_arm(arm)
     asked = asked_postures(the_arm, posture, path)
+    if html is not None:
+        check_output(html, *([] if path is None else [path]))
     boxes = mode_boxes(predict_arm(the_arm, asked), modes)
     every = candidates(boxes)
     best = recommended(every, limit / 100.0)
@@ -134,6 +140,9 @@ def shaper_command(
             f"no shaper stays below {limit:g} %: the postures differ too much, or the arm is not "
             "known well enough; shape for fewer postures at a time, or measure it"
         )
+    if html is not None:
+        figures = [step_figure(boxes, best), residual_figure(boxes, every, limit / 100.0)]
+        replace_text(html, shaper_page(the_arm.name, figures, notes))
     if as_json:
         rows = [{"f_hz": list(box.f_hz), "damping_ratio": list(box.damping_ratio)} for box in boxes]
         print_json(
@@ -151,4 +160,6 @@ def shaper_command(
         out.print(table)
     for note in notes:
         out.print(f"note: {note}")
+    if html is not None:
+        out.print(f"page {html}")
     out.print("next: convolve the commanded path with these, and look at the residual vibration")

@@ -20,7 +20,7 @@ from armodal.hil_sim.relay import relayed
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlantError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands.rehearsed import show_truth, spoken_arm
+from armodal.tui.command_parts.rehearsed import show_truth, spoken_arm
 from armodal.tui.console import Json, TimeScale, out, say
 
 __all__ = ["app", "broken_lines"]
@@ -34,20 +34,22 @@ def sim(
         str | None, typer.Option(help="Shipped plant or a plant file; rv4frl if not given.")
     ] = None,
     arm: Annotated[
-        str | None, typer.Option(help="Arm file or shipped arm; its truth is drawn and sealed.")
+        str | None, typer.Option(help="Arm file or shipped arm; true values are drawn and sealed.")
     ] = None,
     plan: Annotated[
-        str | None, typer.Option(help="Plan of the arm: hits are as hard as it asks.")
+        str | None, typer.Option(help="Plan for the arm: it sets the hit levels.")
     ] = None,
     hide: Annotated[
         list[str] | None,
         typer.Option(help="Effect that the arm hides, as payload or payload:faint; repeatable."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="For everything random in it.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")] = 1,
     time_scale: TimeScale = 1.0,
-    directory: Annotated[Path | None, typer.Option("--out", help="Socket and ledger.")] = None,
+    directory: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the socket and the ledger.")
+    ] = None,
     open_ledger: Annotated[
-        Path | None, typer.Option("--open", help="Tell the truth that a ledger keeps, and end.")
+        Path | None, typer.Option("--open", help="Print the true values of a ledger, and exit.")
     ] = None,
     fault: Annotated[list[str] | None, typer.Option(help="A scripted fault; repeatable.")] = None,
     broken_board: Annotated[
@@ -60,8 +62,8 @@ def sim(
 ) -> None:
     """Start the simulated laboratory, print its ports, run until Ctrl-C.
 
-    With --arm it is that arm: springs, masses, sensors and places are off as they are in any arm,
-    and what --hide names is in it. Nobody sees the truth until --open asks for it.
+    With --arm it simulates that arm: springs, masses, sensors and points differ from the arm file
+    as in any real arm, and --hide adds effects. The true values stay sealed until --open.
 
     Example: armodal sim --arm ur5 --hide payload:faint --seed 3 --out lab
     """

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from armodal.analyzer.acting.self_motion import FreeAngle, stiffest_angle
 from armodal.analyzer.acting.stiffness import (
     PlaneStiffness,
     ToolStiffness,
@@ -15,6 +16,7 @@ from armodal.analyzer.acting.stiffness import (
     tool_stiffness,
 )
 from armodal.analyzer.acting.stiffness_page import (
+    angle_figure,
     path_figure,
     plane_figure,
     stiffness_csv,
@@ -26,7 +28,7 @@ from armodal.analyzer.corrected.posture_file import read_postures
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.commands.options import ArmName, comma_numbers
+from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.console import Json, out, print_json
 from armodal.tui.output_file import check_output
 
@@ -50,6 +52,13 @@ def stiffness_map_command(
     at: Annotated[
         str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
     ] = "0,0,0",
+    free_angle: Annotated[
+        bool, typer.Option("--free-angle", help="Seven joints: the best angle for each tool pose.")
+    ] = False,
+    spin: Annotated[
+        str | None,
+        typer.Option(help="Six joints: the same where the tool may turn about x,y,z, last link."),
+    ] = None,
     csv: Annotated[Path | None, typer.Option(help="CSV file to write, a line a posture.")] = None,
     html: Annotated[Path | None, typer.Option(help="Page with the picture to write.")] = None,
     as_json: Json = False,
@@ -63,12 +72,15 @@ def stiffness_map_command(
         raise ArmError(
             f"wanted one of --path and --plane, got {'both' if plane else 'neither'}; give one"
         )
+    axis = None if spin is None else comma_numbers(spin, "--spin", 3)
+    _check_free(plane=plane, free_angle=free_angle, axis=axis)
     load, tool = comma_numbers(force, "--force", 3), comma_numbers(at, "--at", 3)
     for output in (csv, html):
         if output is not None:
             check_output(output, *([path] if path is not None else []))
     ready = batched(the_arm)
     whole: PlaneStiffness | None = None
+    free: FreeAngle | None = None
     if path is None:
         whole = stiffness_in_plane(ready, load, tool_m=tool, n_lines=_LINES)
         reached = whole.elbow >= 0
@@ -77,9 +89,13 @@ def stiffness_map_command(
     else:
         asked = read_postures(path, len(the_arm.joints))
         q = np.array([wanted_posture(the_arm, angles) for angles in asked])
-        found = tool_stiffness(ready, q, load, tool_m=tool)
-        figure = path_figure(the_arm, found)
-    words = _words(found, ready)
+        if free_angle or axis is not None:
+            free = stiffest_angle(ready, q, load, tool_m=tool, spin=axis)
+            found, figure = free.best, angle_figure(the_arm, free)
+        else:
+            found = tool_stiffness(ready, q, load, tool_m=tool)
+            figure = path_figure(the_arm, found)
+    words = [*_words(found, ready), *([] if free is None else _free_words(free))]
     written = {}
     if csv is not None:
         replace_text(csv, stiffness_csv(the_arm, found))
@@ -88,7 +104,8 @@ def stiffness_map_command(
         replace_text(html, stiffness_page(the_arm, [figure], words))
         written["html"] = str(html)
     if as_json:
-        print_json(_json(the_arm.name, found, whole, ready) | {"files": written})
+        value = _json(the_arm.name, found, whole, ready) | {"files": written}
+        print_json(value if free is None else value | _free_json(free))
         return
     for text in words:
         out.print(text)
@@ -107,6 +124,43 @@ def _words(found: ToolStiffness, ready: BatchedArm) -> list[str]:
         f"softest at {_angles(found.joints_rad[worst])} deg",
         *ready.notes,
     ]
+
+
+def _check_free(*, plane: bool, free_angle: bool, axis: list[float] | None) -> None:
+    """Refuse options of the free angle that do not go together.
+
+    Raises
+    ------
+    ArmError
+        If there are two, none of a path, or the axis has no direction.
+    """
+    if free_angle and axis is not None:
+        raise ArmError("wanted one of --free-angle and --spin, got both; give one")
+    if plane and (free_angle or axis is not None):
+        raise ArmError("wanted --free-angle and --spin with --path, got --plane; give a path")
+    if axis is not None and not np.any(axis):
+        raise ArmError("--spin: wanted the direction of an axis, got 0,0,0; such as 1,0,0")
+
+
+def _free_words(free: FreeAngle) -> list[str]:
+    gain = free.best.along_n_per_m / free.given.along_n_per_m
+    least, most = float(gain.min()), float(gain.max())
+    words = [f"at the best angle {least:.2f} to {most:.2f} times as stiff as in the given postures"]
+    steps = np.abs(np.diff(free.best.joints_rad, axis=0))
+    if steps.size:
+        words.append(
+            f"each pose by itself: from one to the next a joint turns by up to "
+            f"{np.rad2deg(steps.max()):.1f} deg"
+        )
+    return words
+
+
+def _free_json(free: FreeAngle) -> dict[str, Any]:
+    return {
+        "given_postures_deg": np.rad2deg(free.given.joints_rad).tolist(),
+        "given_stiffness_along_n_per_m": free.given.along_n_per_m.tolist(),
+        "free_angle_deg": np.rad2deg(free.best_angle_rad).tolist(),
+    }
 
 
 def _angles(joints_rad: Any) -> str:

@@ -28,9 +28,10 @@ from armodal.analyzer.workspace.survey import (
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.records import Session
-from armodal.tui.commands.options import ArmName, Seed
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.options import ArmName, Seed
+from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, progress, say_next
 from armodal.tui.console import progress as told_progress
 
@@ -60,7 +61,7 @@ def survey_to_files(
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        raise ArmError(f"cannot write to {directory}: {problem.strerror}; check it") from problem
+        raise ArmError(f"cannot write to {directory}: {os_words(problem)}; check it") from problem
     with _processes(workers) as executor:
         survey = survey_workspace(
             arm,
@@ -75,7 +76,7 @@ def survey_to_files(
         page.write_text(_page(arm, survey), encoding="utf-8")
         np.savez_compressed(arrays, **survey_arrays(survey))
     except OSError as problem:
-        raise ArmError(f"cannot write to {directory}: {problem.strerror}; check it") from problem
+        raise ArmError(f"cannot write to {directory}: {os_words(problem)}; check it") from problem
     study = survey.study
     value = {
         "arm": arm.name,
@@ -173,7 +174,7 @@ def workspace_command(
     directory: Annotated[Path, typer.Option("--out", help="Folder for page and arrays.")] = Path(
         "workspace"
     ),
-    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes that share it.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Number of processes.")] = 1,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:

@@ -4,6 +4,7 @@ from armodal.tui.drawing.camera import Camera
 from armodal.tui.drawing.canvas import Canvas
 from armodal.tui.drawing.plot import Cursor, Frame, Series, envelope, plot, plot_frame
 from armodal.tui.drawing.scale import Scale, linear_scale, log_scale
+from armodal.tui.drawing.short_names import short_names
 from armodal.tui.drawing.wireframe import (
     Wireframe,
     arm_wireframe,
@@ -31,4 +32,5 @@ __all__ = [
     "log_scale",
     "plot",
     "plot_frame",
+    "short_names",
 ]

@@ -15,6 +15,7 @@ Array = npt.NDArray[np.float64]
 
 _STEEPEST_RAD = np.pi / 2
 _FROM_SIDE_RAD = np.deg2rad(65.0)
+_AROUND_RAD = np.deg2rad(np.arange(0.0, 360.0, 5.0))
 _ZOOM = (0.1, 50.0)
 _MARGIN = 0.92  # of the smaller side, so that nothing touches the frame
 
@@ -52,6 +53,13 @@ class Camera:
             half_height_m=max(float(np.ptp(points[:, 2])) / 2, 1e-6),
             azimuth_rad=float(np.arctan2(along[1], along[0]) - _FROM_SIDE_RAD),
         )
+
+    def facing(self, motion_m: npt.ArrayLike) -> Camera:
+        """Return the camera moved around to where `motion_m` (n, 3) is seen largest."""
+        motion = np.asarray(motion_m, dtype=np.float64).reshape(-1, 3)
+        views = [self.turned(azimuth_rad) for azimuth_rad in _AROUND_RAD]
+        seen = [float(np.sum((motion @ view.directions()[:2].T) ** 2)) for view in views]
+        return views[int(np.argmax(seen))]
 
     def turned(self, azimuth_rad: float = 0.0, elevation_rad: float = 0.0) -> Camera:
         """Return the camera moved around the scene; it never goes past straight above or below."""

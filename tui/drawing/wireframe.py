@@ -208,11 +208,11 @@ def draw_hit(
     length_m: float,
     style: str = "bold",
 ) -> None:
-    """Draw an arrow of `length_m` whose tip is the point hit; `direction` (3,) is the hammer's."""
+    """Draw a dashed arrow whose tip is the point hit; `direction` (3,) is the hammer's."""
     tip = np.asarray(point_m, dtype=np.float64)
     way = np.asarray(direction, dtype=np.float64)
     ends = camera.project(np.stack([tip - length_m * way, tip]), canvas.width, canvas.height)
-    canvas.polyline(ends, style)
+    _dashes(canvas, ends, style)
     along = ends[1] - ends[0]
     size = float(np.linalg.norm(along))
     if size < 1.0:  # seen end on
@@ -234,11 +234,16 @@ def draw_axis(
     *,
     name: str = "",
 ) -> None:
-    """Draw a line in space as every second pair of pixels, its name at the upper end."""
+    """Draw a dashed line in space, its name at the upper end."""
     middle = np.asarray(point_m, dtype=np.float64)
     way = np.asarray(direction, dtype=np.float64) * half_length_m
     ends = camera.project(np.stack([middle - way, middle + way]), canvas.width, canvas.height)
+    _dashes(canvas, ends, style)
+    canvas.mark(ends[int(np.argmin(ends[:, 1]))], name, style, beside=1)
+
+
+def _dashes(canvas: Canvas, ends: Array, style: str) -> None:
+    """Draw three pixels of every five between two places on the canvas (2, 2)."""
     n = int(np.linalg.norm(ends[1] - ends[0])) + 1
     share = np.arange(n)[np.arange(n) % 5 < 3] / max(n - 1, 1)
     canvas.dots(ends[0] + share[:, None] * (ends[1] - ends[0]), style)
-    canvas.mark(ends[int(np.argmin(ends[:, 1]))], name, style, beside=1)

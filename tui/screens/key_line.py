@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from rich.cells import cell_len
 from rich.text import Text
 from textual import events
 from textual.screen import Screen
 from textual.widget import Widget
 
 __all__ = ["KeyLine"]
+
+_ALWAYS = ("help", "leave")  # help names every key
+
+
+def _width(key: tuple[str, str, str]) -> int:
+    return cell_len(f"{key[1]} {key[2]} ")
 
 
 class KeyLine(Widget, can_focus=False):
@@ -64,18 +71,25 @@ class KeyLine(Widget, can_focus=False):
         return ", ".join(f"{written} {does}" for _, written, does in self._keys)
 
     def render(self) -> Text:
-        """Return the line."""
+        """Return the line; where it is too long, the last keys before help and leave give way."""
         style = self.get_component_rich_style("key-line--key")
         text = Text(no_wrap=True, overflow="crop")
-        for _, written, does in self._keys:
+        for _, written, does in self._fitting():
             text.append(written, style=style).append(f" {does} ")
         return text
+
+    def _fitting(self) -> tuple[tuple[str, str, str], ...]:
+        first = [one for one in self._keys if one[2].lower() not in _ALWAYS]
+        last = [one for one in self._keys if one[2].lower() in _ALWAYS]
+        while first and sum(_width(one) for one in (*first, *last)) > self.size.width + 1:
+            first.pop()
+        return (*first, *last)
 
     def on_click(self, event: events.Click) -> None:
         """Press the key that was clicked."""
         end = 0
-        for key, written, does in self._keys:
-            end += Text(f"{written} {does} ").cell_len
+        for key, written, does in self._fitting():
+            end += _width((key, written, does))
             if event.x < end:
                 self.app.simulate_key(key)
                 return

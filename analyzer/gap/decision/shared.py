@@ -1,6 +1,6 @@
 """How many mountings share what an effect brings.
 
-The hits of one mounting go astray together: where a mode is hardly excited they say another size of
+The hits of one mounting err together: where a mode is hardly excited they say another size of
 it, on all its lines and axes. A term with a resonance of its own can follow a few of them on one
 peak of one posture, and gains as if its lines told independently. What is truly there is told by
 most mountings that move.

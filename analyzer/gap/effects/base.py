@@ -30,7 +30,12 @@ WORDS = EffectWords(
 )
 _START = 0.05  # likewise of rocking: from nothing a fit finds its way slowly
 _FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
-_RADII_2_M2 = np.diag([0.015, 0.015, 0.02])  # of gyration
+# A pedestal up to the height of two hands, on bolts in its foot. No source: assumed.
+_HEIGHT_M, _HEIGHT_STD_M, _PIVOT_STD_M = 0.1, 0.1, 0.1
+# Of the moving mass. Pedestals weigh from a tenth of the arm to as much. No source: assumed.
+_MASS, _MASS_STD, _MASS_MOST = 0.3, 0.3, 2.0
+# Radii of gyration of a disc over its radius, squared; the disc is the plate on its bolts.
+_DISC = np.diag([0.25, 0.25, 0.5])
 _UP = skew(np.array([0.0, 0.0, 1.0]))
 
 
@@ -38,6 +43,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
     mass, height, pivot = "base mass", "base height", "base pivot"
+    radii_2_m2 = _DISC * 2.0 * ordinary.base_lever_m**2  # the lever is radius over root 2
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         by_pivot = []
@@ -47,7 +53,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.columns[at] = assembly.columns[at] + values[pivot] * way
             by_pivot.append((at, way))
         assembly.motion_of[pivot] = by_pivot
-        here, by_mass, by_height = _inertia(values[mass], values[height])
+        here, by_mass, by_height = _inertia(values[mass], values[height], radii_2_m2)
         assembly.base_inertia = assembly.base_inertia + here
         assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
 
@@ -72,16 +78,26 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 Parameter(
                     name=mass,
                     unit="kg",
-                    mean=0.25 * total,
-                    std=0.2 * total,
+                    mean=_MASS * total,
+                    std=_MASS_STD * total,
                     low=0.0,
-                    high=2.0 * total,
+                    high=_MASS_MOST * total,
                 ),
                 Parameter(
-                    name=height, unit="m", mean=0.08, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M
+                    name=height,
+                    unit="m",
+                    mean=_HEIGHT_M,
+                    std=_HEIGHT_STD_M,
+                    low=-_FARTHEST_M,
+                    high=_FARTHEST_M,
                 ),
                 Parameter(
-                    name=pivot, unit="m", mean=0.0, std=0.05, low=-_FARTHEST_M, high=_FARTHEST_M
+                    name=pivot,
+                    unit="m",
+                    mean=0.0,
+                    std=_PIVOT_STD_M,
+                    low=-_FARTHEST_M,
+                    high=_FARTHEST_M,
                 ),
             ),
             relaxes=relaxes,
@@ -96,9 +112,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def _inertia(mass_kg: float, height_m: float) -> tuple[Array, Array, Array]:
+def _inertia(mass_kg: float, height_m: float, radii_2_m2: Array) -> tuple[Array, Array, Array]:
     """The base's own (6, 6), and its slopes by mass and height."""
-    of_one = spatial_inertia(1.0, np.array([0.0, 0.0, height_m]), _RADII_2_M2)
+    of_one = spatial_inertia(1.0, np.array([0.0, 0.0, height_m]), radii_2_m2)
     by_height = np.zeros((6, 6))
     by_height[:3, 3:], by_height[3:, :3] = -_UP, _UP
     by_height[3:, 3:] = -2.0 * height_m * _UP @ _UP

@@ -42,10 +42,22 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
             return _axes(ordinary, link, names, values)
 
+        sides = across(np.asarray(joint.axis)).T.tolist()
+
+        def describe(
+            values: Mapping[str, float],
+            name: str = joint.link.name,
+            sides: list[list[float]] = sides,
+        ) -> dict[str, object]:
+            """Tilts are about two directions of the link's frame."""
+            del values
+            return {"link": name, "direction_a": sides[0], "direction_b": sides[1]}
+
         found.append(
             Instance(
                 effect=WORDS,
                 place=joint.name,
+                describe=describe,
                 relaxes=relaxed,
                 alternatives=alternatives,
                 size=names[0],

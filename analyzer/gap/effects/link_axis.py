@@ -12,7 +12,8 @@ from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_p
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.geometry import across, skew
+from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.lines_in_links import LineInLink, described_line
 from armodal.analyzer.gap.model.long_links import long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
@@ -37,13 +38,13 @@ _MATERIAL = 0.012  # of the arm's compliance
 # A line anywhere with any direction patches what no line left: on a null one of 3.4e-6 rad/(N m)
 # stood at 9 of its deviations, the faintest true one at 27.
 _LEAST_CERTAIN = 15.0
-_TILT_STD, _SHIFT_STD_M = 1.0, 0.15
 _LEAST_M, _LEAST_KG = 1e-6, 1e-6
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # to a joint's axis: 11 degrees, 30 mm
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
 # Of an even rod's, how far apart both pieces' centres are; at most, halves of a rod are points.
-_SPREAD, _SPREAD_STD, _SPREAD_MOST = 0.8, 0.3, 2.0 / np.sqrt(3.0)
-_BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.25, 0.2, 0.8  # of the link's mass
+_SPREAD, _SPREAD_STD, _SPREAD_MOST = 0.8, 1.0 / 3.0, 2.0 / np.sqrt(3.0)
+# Of the link's mass: anywhere along it, mean and deviation of an even draw.
+_BEFORE, _BEFORE_STD, _BEFORE_MOST = 0.5, 1.0 / np.sqrt(12.0), 0.9
 
 
 def at_axis(
@@ -64,13 +65,12 @@ def at_axis(
         Ids of the link's points that stand between its joint and the axis, with a part of its
         mass; without any the whole link is beyond.
     """
-    name = ordinary.arm.joints[link].link.name
-    sides = across(direction)
+    own_line = LineInLink(ordinary, link, direction, point_m, of="axis")
+    name, moves = own_line.name, own_line.moves
     gamma, loss, part, spread = (
         f"axis {what} {name}" for what in ("compliance", "loss", "mass before", "mass spread")
     )
     middles = 0.5 * _even_length(ordinary, link)
-    moves = [f"axis {what} {name}" for what in ("tilt a", "tilt b", "shift a", "shift b")]
     still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
     inside = Inside(
         link=link,
@@ -80,11 +80,10 @@ def at_axis(
         shift_m=np.zeros((len(still), 3)),
     )
     columns = ordinary.superset.interface_columns(link)
-    nearest = point_m - direction * (direction @ point_m)
 
     @lru_cache(maxsize=2)  # for all postures
     def line(*by: float) -> tuple[Array, Array]:
-        twist, slopes = _twist(direction, nearest, sides, by)
+        twist, slopes = own_line.turn(dict(zip(moves, by, strict=True)))
         motion = np.zeros((1 + len(moves), ordinary.superset.n))
         motion[:, columns] = np.vstack([twist, slopes])
         motion.setflags(write=False)
@@ -103,14 +102,13 @@ def at_axis(
             assembly.inside[at] = inside
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
-        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
-        found = {"link": name, "direction": u.tolist(), "point_m": p.tolist()}
+        found = own_line.describe(values)
         return {**found, "points_before": " ".join(before)} if before else found
 
     def alternatives(
         values: Mapping[str, float],
     ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
-        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
+        u, p = own_line.at(values)
         rest = {k: v for k, v in values.items() if k not in own}
         found = _at_both_ends(ordinary, link, u, values[gamma], rest)
         found += _all_along(ordinary, link, u, values[gamma], rest)
@@ -127,12 +125,11 @@ def at_axis(
         joint = ordinary.arm.joints[link]
         if other.key != ("released_joint", joint.name):
             return False
-        u, p = axis_of(direction, nearest, sides, [values[m] for m in moves])
+        u, p = own_line.at(values)
         own_axis = np.asarray(joint.axis)
         off = np.linalg.norm(p - own_axis * (own_axis @ p))
         return bool(abs(u @ own_axis) > _PARALLEL and off < _THROUGH_M)
 
-    freedoms = [("", _TILT_STD)] * 2 + [("m", _SHIFT_STD_M)] * 2
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
     apart = Parameter(
         name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=_SPREAD_MOST
@@ -144,10 +141,7 @@ def at_axis(
         parameters=(
             compliance_parameter(gamma, ordinary, link),
             loss_parameter(loss),
-            *(
-                Parameter(name=move, unit=unit, mean=0.0, std=std)
-                for move, (unit, std) in zip(moves, freedoms, strict=True)
-            ),
+            *own_line.parameters,
             *((split, apart) if before else ()),
         ),
         builder=build,
@@ -157,9 +151,9 @@ def at_axis(
         at_its_ends=tuple(
             ("bearing", joint.name) for joint in ordinary.arm.joints[link : link + 2]
         ),
-        begins_at=tuple(moves),
+        begins_at=moves,
         size=gamma,
-        shapes=(*moves, part, spread) if before else tuple(moves),
+        shapes=(*moves, part, spread) if before else moves,
         material=_MATERIAL * ordinary.scale(link),
         least_certain=_LEAST_CERTAIN,
         pieces=f"axis {name}" if before else "",
@@ -217,18 +211,11 @@ def _all_along(
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
     """Return the axis that an arm file describes; None where it does not."""
-    links = [joint.link.name for joint in ordinary.arm.joints]
-    link = description.get("link")
-    direction, point = (_vector(description.get(key)) for key in ("direction", "point_m"))
-    if link not in links or direction is None or point is None or not direction.any():
+    line = described_line(ordinary, description)
+    if line is None:
         return None
     before = str(description.get("points_before", "")).split()
-    unit = direction / np.linalg.norm(direction)
-    return at_axis(ordinary, links.index(str(link)), unit, point, before=before)
-
-
-def _vector(value: object) -> Array | None:
-    return np.array(value) if isinstance(value, tuple) and len(value) == 3 else None
+    return at_axis(ordinary, *line, before=before)
 
 
 def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
@@ -242,16 +229,6 @@ def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(p.id for p in points[:n]) for n in range(1, len(points)))
 
 
-def axis_of(
-    direction: Array, point_m: Array, sides: Array, moves: Sequence[float]
-) -> tuple[Array, Array]:
-    """Return unit direction and nearest point of a line turned and shifted across itself."""
-    u = direction + sides @ np.array(moves[:2])
-    u = u / np.linalg.norm(u)
-    p = point_m + sides @ np.array(moves[2:])
-    return u, p - u * (u @ p)
-
-
 def _even_length(ordinary: Ordinary, link: int) -> Array:
     """(3,) along the link, as long as an even rod of its mass and its inertia that way."""
     body = ordinary.arm.joints[link].link
@@ -261,20 +238,6 @@ def _even_length(ordinary: Ordinary, link: int) -> Array:
     second = 0.5 * np.trace(inertia) - along @ inertia @ along  # integral of x^2 dm along it
     length = np.sqrt(12.0 * max(float(second), 0.0) / max(body.mass_kg, _LEAST_KG))
     return np.asarray(along * length)
-
-
-def _twist(
-    direction: Array, point_m: Array, sides: Array, moves: Sequence[float]
-) -> tuple[Array, Array]:
-    """Twist (6,) of a unit turn about such a line, linear first; its slopes (4, 6) by the moves."""
-    u, p = axis_of(direction, point_m, sides, moves)
-    on = point_m + sides @ np.array(moves[2:])
-    across_u = sides - np.outer(u, u @ sides)  # (3, 2)
-    du = across_u / np.linalg.norm(direction + sides @ np.array(moves[:2]))
-    turned = skew(p) @ du + skew(u) @ (du * (u @ on) + np.outer(u, on @ du))
-    shifted = -skew(u) @ across_u
-    slopes = np.block([[turned, shifted], [du, np.zeros((3, 2))]])
-    return np.concatenate([skew(p) @ u, u]), slopes.T
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -19,7 +19,7 @@ __all__ = ["given_way"]
 Array = npt.NDArray[np.float64]
 
 _SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
-_START = 0.03  # of the size's deviation: from nothing a first step goes astray
+_START = 0.03  # of the size's deviation: from zero a first step misleads
 
 
 def given_way(

@@ -34,8 +34,8 @@ _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of n
 _STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
 _STEP = 1e-6  # kg and kg m, for slopes
-# Of gyration: from a compact tool flange to a spread gripper with hoses.
-_RADIUS_M, _RADIUS_STD_M, _LARGEST_M = 0.06, 0.05, 0.3
+# Of gyration: from a compact tool flange to a spread gripper with hoses. No source: assumed.
+_RADIUS_M, _RADIUS_STD_M, _LARGEST_M = 0.08, 0.07, 0.35
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

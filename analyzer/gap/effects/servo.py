@@ -28,7 +28,9 @@ WORDS = EffectWords(
     remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
 )
 _BRAKED = 1e-3  # of its compliance, a brake leaves a servo
-_ROTOR = 0.2  # of the carried moment, roughly: motor and gear are chosen for it
+# Of the carried moment: drives are chosen for a reflected inertia of a tenth to all of the load's.
+_ROTOR = 0.3
+_LOSS_S = 3e-4  # no source: assumed, and as wide
 _MATERIAL = 0.05  # servo compliance over the joint's
 # Its part of the joint's compliance and its rotor, of what is typical, where a fit may begin: of no
 # size at all it changes nothing.
@@ -98,7 +100,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint,
                 parameters=(
                     Parameter(name=soft, unit="rad/(N m)", mean=0.0, std=gamma, low=0.0),
-                    Parameter(name=loss, unit="s", mean=3e-4, std=3e-4, low=0.0),
+                    Parameter(name=loss, unit="s", mean=_LOSS_S, std=_LOSS_S, low=0.0),
                     Parameter(
                         name=inertia,
                         unit="kg m²",

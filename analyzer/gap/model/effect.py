@@ -11,7 +11,7 @@ from armodal.analyzer.gap.model.space import Parameter, Space
 if TYPE_CHECKING:
     from armodal.analyzer.gap.model.assembly import Assembly
 
-__all__ = ["Alternatives", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
+__all__ = ["Alternatives", "Builder", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class EffectWords:
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
     wanted: float | None = None  # nats to be named, where fewer than of other terms do
-    least_shared: float = 0.0  # mountings that must bring it: fewer are hits gone astray
+    least_shared: float = 0.0  # mountings that must bring it: fewer may be badly aimed hits
     own_look: bool = False  # a look of its own seeks it: the common one finds it too late
     several_starts: bool = False  # each candidate of a place is a place to begin of its own
     ends_alike: bool = False  # of the two places it reaches between the tests tell the second
@@ -42,7 +42,9 @@ class EffectWords:
 class Builder(Protocol):
     """Adds an instance's terms to a posture's equations."""
 
-    def __call__(self, assembly: Assembly, values: Mapping[str, float]) -> None: ...
+    def __call__(self, assembly: Assembly, values: Mapping[str, float]) -> None:
+        """Add them."""
+        ...
 
 
 class Describer(Protocol):

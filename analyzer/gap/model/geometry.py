@@ -3,48 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import PostureDynamics, Superset
-from armodal.protocols.arrays import frozen_array
+from armodal.analyzer.screws.cross import across, skew
 
 __all__ = ["GeometryNear", "GeometrySlopes", "PostureGeometry", "across", "skew"]
 
 Array = npt.NDArray[np.float64]
 
 _NEAR_RAD = 0.02  # within which the first order is kept: the second is 2e-4
-
-# v @ _CROSS holds the nine entries of the matrix of v x.
-_CROSS = np.array(
-    [
-        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0],
-        [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ]
-)
-
-
-def skew(v: Array) -> Array:
-    """Return the matrices (..., 3, 3) of v x, v (..., 3)."""
-    return np.asarray((v @ _CROSS).reshape(*np.shape(v)[:-1], 3, 3))
-
-
-def across(axis: Array) -> Array:
-    """Return (3, 2) two unit vectors that complete a unit axis to a frame."""
-    return _across(tuple(axis.tolist()))
-
-
-@lru_cache(maxsize=1024)
-def _across(of: tuple[float, ...]) -> Array:
-    axis = np.array(of)
-    helper = np.eye(3)[np.argmin(np.abs(axis))]
-    first = np.cross(axis, helper)
-    first = first / np.linalg.norm(first)
-    return frozen_array(np.stack([first, np.cross(axis, first)], axis=1), np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

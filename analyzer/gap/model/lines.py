@@ -110,8 +110,8 @@ def own_lines(
     level_about
         Lines of every posture twice: of its soft and of its hard hits, their levels about this
         ln of a peak force (`hit_levels.middle_level`). Half of their difference
-        counts as variance: single hits go astray, and a spring of one stiffness a level is only
-        nearly what depends on the level at every moment.
+        counts as variance: single hits are badly aimed, and a spring of one stiffness a level is
+        only nearly what depends on the level at every moment.
 
     Raises
     ------

@@ -278,7 +278,7 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
 
 
 def _within_reason(parameter: Parameter) -> Parameter:
-    """An error that nobody would call ordinary any more is not tried: it only leads astray."""
+    """An error that nobody would call ordinary any more is not tried: it only misleads."""
     reach = _FARTHEST * parameter.std
     return replace(
         parameter,

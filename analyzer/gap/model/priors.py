@@ -36,7 +36,7 @@ INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S = 4e-5, 8e-5
 
 # Loss factor of a joint's drive beside its dashpot. The same range, its lower half: what grows with
 # frequency is the dashpot's.
-JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.06
+JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
 
 # Across a joint's axis, as parts of its drive's compliance; more is an effect. No source: assumed.
 # A sound bearing of another gear may well give way more, and would then be named.

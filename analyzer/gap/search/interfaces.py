@@ -27,24 +27,25 @@ from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.weigh import summed
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["Line", "lines_of_interfaces"]
+__all__ = ["PAIRS", "Line", "best_lines", "left_after", "lines_of_interfaces"]
 
 Array = npt.NDArray[np.float64]
 
 _KEPT = 2  # lines of each link's interface
 _N_DIRECTIONS = 60
 _LEVERS_M = (0.0, 0.1, 0.25)
-_PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
+PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Line:
-    """A line of a link's frame that a turn about would explain."""
+    """A line of a link's frame about which a turn, or along which a pull, would explain much."""
 
     link: int
     direction: Array  # (3,)
     point_m: Array  # (3,) nearest to the link's origin
     gain: float  # of cost, linear
+    size: float  # that a linear look makes of it, of its prior's deviation
 
 
 def lines_of_interfaces(stage: Stage, fit: Fit, *, exclude: Sequence[str] = ()) -> list[Line]:
@@ -56,11 +57,7 @@ def lines_of_interfaces(stage: Stage, fit: Fit, *, exclude: Sequence[str] = ()) 
     links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
     found: list[Line] = []
     for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
-        gains, lines = _best_lines(gram, slope, ordinary, link)
-        found += [
-            Line(link=link, direction=direction, point_m=point, gain=gain)
-            for gain, (direction, point) in list(zip(gains, lines, strict=True))[:_KEPT]
-        ]
+        found += best_lines(gram, slope, ordinary, link)[:_KEPT]
     return sorted(found, key=lambda line: -line.gain)
 
 
@@ -93,7 +90,7 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     stds = [compliance_parameter("", ordinary, link).std for link in links]
     probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
-    size = n + len(links) * len(_PAIRS)
+    size = n + len(links) * len(PAIRS)
     gradient, curvature = np.zeros(size), np.zeros((size, size))
     for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
         y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
@@ -101,18 +98,23 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
         for (probe, names), std in zip(probes, stds, strict=True):
             wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
             values = {**fit.values, **dict.fromkeys(names, 0.0)}
-            rows.append(std * together.interface_columns(wide, values, names, _PAIRS))
+            rows.append(std * together.interface_columns(wide, values, names, PAIRS))
         own_lines, at = zip(*pairs, strict=True)
         weighings = [stage.weighings[p] for p in own_lines]
         part, _ = summed(weighings, y, np.concatenate(rows), at)
         gradient += part.gradient
         curvature += part.curvature
+    return left_after(fit, gradient, curvature)
+
+
+def left_after(fit: Fit, gradient: Array, curvature: Array) -> list[tuple[Array, Array]]:
+    """Gram matrix (21, 21) and slope (21,) of each 21 columns after a fit's own have followed."""
     free = np.flatnonzero(fit.free)
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     left = gradient[free] + fit.u[free]
     found = []
-    for i in range(len(links)):
-        own = np.arange(n + i * len(_PAIRS), n + (i + 1) * len(_PAIRS))
+    for first in range(len(fit.space), len(gradient), len(PAIRS)):
+        own = np.arange(first, first + len(PAIRS))
         B = curvature[np.ix_(free, own)]
         solved = np.linalg.solve(A, np.column_stack([B, left]))
         gram = curvature[np.ix_(own, own)] - B.T @ solved[:, :-1]
@@ -120,11 +122,14 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     return found
 
 
-def _best_lines(
-    gram: Array, slope: Array, ordinary: Ordinary, link: int
-) -> tuple[list[float], list[tuple[Array, Array]]]:
-    """Lines by falling gain, each well apart from the better ones."""
-    q, lines = _lines_tried(tuple(ordinary.arm.joints[link].link.center_m.tolist()))
+def best_lines(
+    gram: Array, slope: Array, ordinary: Ordinary, link: int, *, travels: bool = False
+) -> list[Line]:
+    """Lines by falling gain, each well apart from the better ones.
+
+    `travels`: along them, not about them.
+    """
+    q, lines = _lines_tried(tuple(ordinary.arm.joints[link].link.center_m.tolist()), travels)
     g = q @ slope
     h = np.einsum("ki,ij,kj->k", q, gram, q) + 1.0
     gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)
@@ -134,11 +139,22 @@ def _best_lines(
             chosen.append(int(i))
         if len(chosen) == 3:
             break
-    return [float(gain[i]) for i in chosen], [lines[i] for i in chosen]
+    return [
+        Line(
+            link=link,
+            direction=lines[i][0],
+            point_m=lines[i][1],
+            gain=float(gain[i]),
+            size=float(-g[i] / h[i]),
+        )
+        for i in chosen
+    ]
 
 
 @lru_cache(maxsize=64)
-def _lines_tried(center: tuple[float, ...]) -> tuple[Array, list[tuple[Array, Array]]]:
+def _lines_tried(
+    center: tuple[float, ...], travels: bool
+) -> tuple[Array, list[tuple[Array, Array]]]:
     """Products (n_lines, 21) of lines' twists, and direction and nearest point of each.
 
     Through the link's origin and its centre (in its frame), and beside both.
@@ -151,10 +167,11 @@ def _lines_tried(center: tuple[float, ...]) -> tuple[Array, list[tuple[Array, Ar
                 for turn in (a, b, -a, -b) if lever else (a,):
                     point = around + lever * turn
                     point = point - u * (u @ point)
-                    twists.append(np.concatenate([np.cross(point, u), u]))
+                    turn_and_lever = [np.cross(point, u), u]
+                    twists.append(np.concatenate(turn_and_lever[:: -1 if travels else 1]))
                     lines.append((u, point))
     t = np.array(twists)
-    q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS]
+    q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in PAIRS]
     return frozen_array(np.stack(q, axis=1), np.float64), lines
 
 

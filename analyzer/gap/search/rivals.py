@@ -3,9 +3,9 @@
 Every effect at every place is looked at linearly, where the present hypothesis stands and where
 nothing is fitted yet. Where something is to be explained the most promising are fitted on the
 widest lines, from their several beginnings; the better part of them goes on to sharper lines,
-beside what each may stand for, until a few are fitted sharply. On wide lines nearly every start
-finds its way, and a fit there costs a fifth of one on sharp lines; so as many are kept as cost
-about the same at every stage.
+beside what each may stand for, until a few are fitted on the finest lines. On wide lines nearly
+every start finds its way, and a fit there costs a fifth of one on sharp lines; so as many are kept
+as cost about the same at every stage.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def find_rivals(
         finals = _hopeful([*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])])
     ended: list[Fit] = []
     for fit in finals:
-        tell(f"sharply: {fit.hypothesis.name}")
+        tell(f"fitted on the finest lines: {fit.hypothesis.name}")
         ended.append(_while_hopeful(sharp, fit, ended))
     return Rivals(present=base[-1], rivals=tuple(_one_each(ended)), others=tuple(others))
 
@@ -138,7 +138,7 @@ def _far(
     for about in (unfitted, base[0]):
         looked = look_at_all(widest, about, begin, from_start=about is unfitted)
         pool += [(c.gain, about, c) for c in looked]
-    tell(f"{len(pool)} looks on wide lines")
+    tell(f"{len(pool)} candidates fitted on wide lines")
     fits = _one_each(
         [
             _begun(widest, unfitted, c, begin, _STEPS[0], also=about)

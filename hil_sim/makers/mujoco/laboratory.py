@@ -8,7 +8,7 @@ from functools import partial
 
 import mujoco
 import numpy as np
-from scipy import signal
+import scipy
 
 from armodal.hil_sim.makers.arm_table import Array, Inertial
 from armodal.hil_sim.makers.mujoco.compiled import Compiled, compiled, jacobian
@@ -159,7 +159,7 @@ class Laboratory:
         if bench.late_s:
             record[:, 1:] = _later(record[:, 1:], bench.late_s * rate_hz)
         corner = 2.0 * np.pi * bench.highpass_hz / (2.0 * rate_hz)
-        record = signal.lfilter(
+        record = scipy.signal.lfilter(
             np.array([1.0, -1.0]) / (1.0 + corner),
             [1.0, -(1.0 - corner) / (1.0 + corner)],
             record,
@@ -258,9 +258,9 @@ def site_jacobian(plant: Compiled) -> tuple[Array, Array, Array]:
 
 
 def _decimated(record: Array, every: int) -> Array:
-    taps = signal.firwin(FILTER_TAPS, 0.8 / every)
+    taps = scipy.signal.firwin(FILTER_TAPS, 0.8 / every)
     padded = np.pad(record, ((FILTER_TAPS // 2, FILTER_TAPS // 2), (0, 0)), mode="edge")
-    filtered = signal.oaconvolve(padded, taps[:, None], mode="valid", axes=0)
+    filtered = scipy.signal.oaconvolve(padded, taps[:, None], mode="valid", axes=0)
     return np.asarray(filtered[::every])
 
 

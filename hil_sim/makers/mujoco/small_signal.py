@@ -8,7 +8,7 @@ from typing import cast
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 from armodal.hil_sim.makers.arm_table import Array
 from armodal.hil_sim.makers.mujoco.compiled import Compiled
@@ -97,7 +97,7 @@ def ring_linear(
     early = (grown - 1.0) / poles - late
     modal = np.empty((len(force_n), 2 * n), dtype=np.complex128)
     for i in range(2 * n):
-        modal[:, i] = signal.lfilter([late[i], early[i]], [1.0, -grown[i]], force_n) * into[i]
+        modal[:, i] = scipy.signal.lfilter([late[i], early[i]], [1.0, -grown[i]], force_n) * into[i]
     state = (modal @ shapes.T).real
     acceleration = state @ A[n:].T + np.outer(force_n, inverse @ load)
     return acceleration, state[:, :n]

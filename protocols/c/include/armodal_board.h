@@ -15,6 +15,8 @@
 #ifndef ARMODAL_BOARD_H
 #define ARMODAL_BOARD_H
 
+#include "armodal_messages.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -30,58 +32,15 @@
 
 enum {
     AB_VERSION = 1,
-    AB_HEADER_BYTES = 32,
     AB_MAX_PAYLOAD = 2048,
     AB_MAX_CHANNELS = 32,
-    AB_RECEIVE_BYTES = 65,   /* the longest command between its delimiters */
     AB_MAX_ENCODED = 2093,   /* the longest frame between its delimiters */
-    AB_FRAGMENT_BYTES = 512, /* of the dictionary in one HELLO_REPLY */
+    AB_PIECE_BYTES = 512,    /* of the dictionary in one HELLO_REPLY */
     AB_REASON_BYTES = 120,   /* of a refusal's text, its final zero included */
     AB_RESEND_QUEUE = 8
 };
 
-typedef enum {
-    AB_HELLO = 0x01,
-    AB_CONFIGURE = 0x02,
-    AB_START = 0x03,
-    AB_STOP = 0x04,
-    AB_STATUS = 0x05,
-    AB_RESEND = 0x06,
-    AB_RELEASE = 0x07,
-    AB_REPLY = 0x80, /* added to a command's type */
-    AB_STREAM = 0x90,
-    AB_BLOCK_READY = 0x91,
-    AB_BLOCK_DATA = 0x92
-} ab_type;
-
-typedef enum {
-    AB_OK = 0,
-    AB_BAD_VALUE = 1,
-    AB_CAPACITY = 2,
-    AB_LINK = 3,
-    AB_WRONG_STATE = 4,
-    AB_UNKNOWN_BLOCK = 5,
-    AB_UNKNOWN_COMMAND = 6,
-    AB_WRONG_SESSION = 7
-} ab_code;
-
-typedef enum { AB_IDLE = 0, AB_CONFIGURED = 1, AB_RUNNING = 2 } ab_state;
-
-enum { AB_OVERFLOW_STREAM = 1, AB_OVERFLOW_BLOCK = 2, AB_OVERFLOW_ADC = 4 };
-
 /* ---- Frames: crc32.c, cobs.c, frame.c ---------------------------------------------------- */
-
-typedef struct {
-    uint8_t version;
-    uint8_t type;
-    uint16_t dictionary_hash;
-    uint32_t session;
-    uint32_t sequence;
-    uint16_t overflow;
-    uint16_t tag;
-    uint64_t first_sample;
-    uint64_t ticks;
-} ab_header;
 
 /* What a stretch between two delimiters is; with VERSION and TYPE the header is filled in. */
 typedef enum {
@@ -173,60 +132,8 @@ size_t ab_dictionary_encode(uint8_t *to, size_t size, const ab_dictionary *dicti
 /* Whether the bytes are a dictionary that a host accepts; fills in the head. */
 bool ab_dictionary_check(const uint8_t *bytes, size_t n, ab_dictionary_head *head);
 
-/* ---- Payloads: messages.c, limits.c ------------------------------------------------------ */
+/* ---- Samples and limits: bytes.c, limits.c ----------------------------------------------- */
 
-/* CONFIGURE, section 6. */
-typedef struct {
-    uint32_t rate_numerator;
-    uint32_t rate_denominator;
-    uint32_t channel_mask;
-    int32_t trigger_level;
-    uint32_t pretrigger;
-    uint32_t block_length;
-    uint8_t trigger_channel;
-    uint8_t falling;
-    uint8_t stream;
-} ab_configuration;
-
-/* A range of a block to be sent. */
-typedef struct {
-    uint32_t block_id; /* 0: none */
-    uint32_t first;
-    uint32_t count;
-} ab_range;
-
-/* STATUS_REPLY, section 7. */
-typedef struct {
-    uint8_t state;
-    uint32_t next_sequence;
-    uint64_t next_sample;
-    uint32_t buffered_blocks;
-    uint32_t oldest_block;
-    uint64_t stream_samples_dropped;
-    uint32_t triggers_missed;
-    uint32_t adc_overruns;
-} ab_status;
-
-/* BLOCK_READY, section 8. */
-typedef struct {
-    uint32_t block_id;
-    uint32_t length;
-    uint64_t first_sample;
-    uint64_t trigger_sample;
-    uint64_t trigger_ticks;
-} ab_block_info;
-
-enum { AB_STATUS_BYTES = 39, AB_BLOCK_INFO_BYTES = 32 };
-
-/* False where the payload is malformed. */
-bool ab_read_configuration(const uint8_t *payload, size_t n, ab_configuration *wanted);
-bool ab_read_range(const uint8_t *payload, size_t n, ab_range *range);
-bool ab_read_block_id(const uint8_t *payload, size_t n, uint32_t *id);
-void ab_write_status(uint8_t to[AB_STATUS_BYTES], const ab_status *status);
-void ab_write_block_info(uint8_t to[AB_BLOCK_INFO_BYTES], const ab_block_info *info);
-/* What stands before the counts of STREAM (block_id 0) and BLOCK_DATA; its length. */
-size_t ab_write_data_prefix(uint8_t to[8], uint16_t n_samples, uint8_t n_channels,
-                            uint32_t block_id);
 /* Counts as 24 bits, clipped to them; the place behind them. */
 uint8_t *ab_write_count(uint8_t *to, int32_t count);
 
@@ -303,10 +210,10 @@ typedef struct {
     /* outgoing.c */
     size_t transmit_at;
     size_t transmit_end;
-    ab_range sending;
+    ab_resend sending;
     uint32_t last_sent; /* blocks up to this id were sent once */
     bool announce; /* BLOCK_READY comes before `sending` */
-    ab_range resend[AB_RESEND_QUEUE];
+    ab_resend resend[AB_RESEND_QUEUE];
     uint8_t n_resend;
     /* capture.c */
     uint64_t next_sample;

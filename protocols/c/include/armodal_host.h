@@ -28,17 +28,16 @@ typedef struct {
     uint16_t teds_size;
 } ab_channel_view;
 
-void ab_write_configuration(uint8_t to[28], const ab_configuration *wanted);
-void ab_write_range(uint8_t to[12], const ab_range *range);
-void ab_write_block_id(uint8_t to[4], uint32_t id);
-
 /* False where the payload breaks a rule of its type. */
 bool ab_read_reply(const uint8_t *payload, size_t n, uint8_t *code, const uint8_t **reason,
                    size_t *reason_size);
-bool ab_read_status(const uint8_t *payload, size_t n, ab_status *status);
-bool ab_read_block_info(const uint8_t *payload, size_t n, ab_block_info *info);
 bool ab_read_data(uint8_t type, const uint8_t *payload, size_t n, ab_data *data);
-bool ab_read_fragment(const uint8_t *payload, size_t n, uint16_t *total, uint16_t *offset);
+/* HELLO_REPLY: the head, and n - AB_FRAGMENT_HEAD_BYTES bytes that lie in the dictionary. */
+bool ab_read_piece(const uint8_t *payload, size_t n, ab_fragment_head *head);
+/* The same by type, whatever it is. */
+bool ab_payload_valid(unsigned type, const uint8_t *payload, size_t n);
+/* Whether a reply says OK, without a reason: its record stands behind these two bytes. */
+bool ab_is_answer(const uint8_t *payload, size_t n);
 
 /* Channel `index` of a dictionary that ab_dictionary_check accepts; false past the last. */
 bool ab_dictionary_channel(const uint8_t *dictionary, unsigned index, ab_channel_view *channel);

@@ -1,4 +1,4 @@
-/* Little-endian fields, and whether a text is UTF-8. */
+/* Little-endian fields, counts, and whether a text is UTF-8. */
 #include "internal.h"
 
 uint8_t *ab_put_u16(uint8_t *to, uint16_t value)
@@ -31,6 +31,18 @@ uint32_t ab_get_u32(const uint8_t *from)
 uint64_t ab_get_u64(const uint8_t *from)
 {
     return ab_get_u32(from) | (uint64_t)ab_get_u32(from + 4) << 32;
+}
+
+uint8_t *ab_write_count(uint8_t *to, int32_t count)
+{
+    uint32_t bits;
+
+    count = count > 8388607 ? 8388607 : count < -8388608 ? -8388608 : count;
+    bits = (uint32_t)count;
+    to[0] = (uint8_t)bits;
+    to[1] = (uint8_t)(bits >> 8);
+    to[2] = (uint8_t)(bits >> 16);
+    return to + 3;
 }
 
 /* RFC 3629: shortest forms only, no surrogates, nothing above U+10FFFF. */

@@ -30,20 +30,20 @@ ab_block *ab_find_block(const ab_board *board, uint32_t id)
 uint64_t ab_ticks_of(const ab_board *board, uint32_t n_samples)
 {
     return n_samples * board->ticks_whole +
-           (uint64_t)n_samples * board->ticks_rest / board->wanted.rate_numerator;
+           (uint64_t)n_samples * board->ticks_rest / board->wanted.rate_hz_numerator;
 }
 
 void ab_capture_configure(ab_board *board)
 {
     const ab_configuration *wanted = &board->wanted;
-    const uint64_t ticks = (uint64_t)board->head.tick_hz * wanted->rate_denominator;
+    const uint64_t ticks = (uint64_t)board->head.tick_hz * wanted->rate_hz_denominator;
     uint32_t fit;
 
     board->n_columns = ab_n_columns(wanted->channel_mask);
     fit = board->head.block_capacity / (wanted->block_length * ab_sample_bytes(board));
     board->n_slots = fit < board->config->n_blocks ? fit : board->config->n_blocks;
-    board->ticks_whole = ticks / wanted->rate_numerator;
-    board->ticks_rest = (uint32_t)(ticks % wanted->rate_numerator);
+    board->ticks_whole = ticks / wanted->rate_hz_numerator;
+    board->ticks_rest = (uint32_t)(ticks % wanted->rate_hz_numerator);
 }
 
 void ab_capture_start(ab_board *board)
@@ -106,11 +106,11 @@ static void complete(ab_board *board)
 
 static bool crosses(const ab_board *board, int32_t count)
 {
-    const int32_t level = board->wanted.trigger_level;
+    const int32_t level = board->wanted.trigger_level_counts;
 
     if (!board->has_last)
         return false;
-    return board->wanted.falling ? board->last_count > level && level >= count
+    return board->wanted.slope == AB_FALLING ? board->last_count > level && level >= count
                                  : board->last_count < level && level <= count;
 }
 

@@ -27,7 +27,7 @@ static ab_code configure(ab_board *board, const uint8_t *payload, size_t n, ab_t
         return refuse_payload(reason);
     if (board->state == AB_RUNNING)
         return refuse_state(board, "; STOP first", reason);
-    if (!port->rate(port->context, wanted.rate_numerator, wanted.rate_denominator, nearest,
+    if (!port->rate(port->context, wanted.rate_hz_numerator, wanted.rate_hz_denominator, nearest,
                     sizeof nearest)) {
         ab_text_add(reason, nearest);
         return AB_BAD_VALUE;
@@ -53,7 +53,7 @@ static ab_code start(ab_board *board, ab_text *reason)
     ab_preview_start(board);
     board->overflow = 0;
     board->state = AB_RUNNING;
-    port->start(port->context, board->wanted.rate_numerator, board->wanted.rate_denominator);
+    port->start(port->context, board->wanted.rate_hz_numerator, board->wanted.rate_hz_denominator);
     return AB_OK;
 }
 
@@ -80,9 +80,9 @@ static ab_code refuse_block(const char *before, uint32_t id, const char *after, 
 
 static ab_code resend(ab_board *board, const uint8_t *payload, size_t n, ab_text *reason)
 {
-    ab_range range;
+    ab_resend range;
 
-    if (!ab_read_range(payload, n, &range))
+    if (!ab_read_resend(payload, n, &range))
         return refuse_payload(reason);
     if (ab_find_block(board, range.block_id) == NULL)
         return refuse_block("block ", range.block_id, " is not held", reason);
@@ -102,20 +102,20 @@ static ab_code resend(ab_board *board, const uint8_t *payload, size_t n, ab_text
 
 static ab_code release(ab_board *board, const uint8_t *payload, size_t n, ab_text *reason)
 {
-    uint32_t id;
+    ab_release wanted;
 
-    if (!ab_read_block_id(payload, n, &id))
+    if (!ab_read_release(payload, n, &wanted))
         return refuse_payload(reason);
-    if (id == 0 || id > board->last_block)
-        return refuse_block("block ", id, " was never given out", reason);
-    ab_forget_block(board, id);
+    if (wanted.block_id == 0 || wanted.block_id > board->last_block)
+        return refuse_block("block ", wanted.block_id, " was never given out", reason);
+    ab_forget_block(board, wanted.block_id);
     return AB_OK;
 }
 
 static void answer_status(ab_board *board, uint16_t tag)
 {
-    uint8_t payload[AB_STATUS_BYTES];
-    ab_status status = {0};
+    uint8_t payload[2 + AB_BOARD_STATUS_BYTES] = {AB_OK, 0}; /* no reason */
+    ab_board_status status = {0};
 
     status.state = board->state;
     status.next_sequence = board->sequence + 1;
@@ -130,7 +130,7 @@ static void answer_status(ab_board *board, uint16_t tag)
     status.stream_samples_dropped = board->stream_dropped;
     status.triggers_missed = board->triggers_missed;
     status.adc_overruns = board->adc_overruns;
-    ab_write_status(payload, &status);
+    ab_write_board_status(payload + 2, &status);
     ab_compose_now(board, AB_STATUS | AB_REPLY, tag, payload, sizeof payload);
 }
 
@@ -203,13 +203,14 @@ static void greet(ab_board *board)
 {
     const unsigned at = board->greeting_at;
     const unsigned left = board->dictionary_size - at;
-    const unsigned n = left < AB_FRAGMENT_BYTES ? left : AB_FRAGMENT_BYTES;
+    const unsigned n = left < AB_PIECE_BYTES ? left : AB_PIECE_BYTES;
     const ab_port *port = &board->config->port;
-    uint8_t prefix[4];
+    uint8_t prefix[AB_FRAGMENT_HEAD_BYTES];
+    const ab_fragment_head head = {board->dictionary_size, board->greeting_at};
     const ab_piece pieces[2] = {{prefix, sizeof prefix}, {board->dictionary + at, n}};
     ab_header header = {0};
 
-    (void)ab_put_u16(ab_put_u16(prefix, board->dictionary_size), (uint16_t)at);
+    ab_write_fragment_head(prefix, &head);
     header.type = AB_HELLO | AB_REPLY;
     header.tag = board->greeting_tag;
     header.ticks = port->ticks(port->context);

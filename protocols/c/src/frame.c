@@ -55,15 +55,7 @@ void ab_encoder_begin(ab_encoder *encoder, uint8_t *wire, size_t size, const ab_
     if (encoder->overrun)
         return;
     wire[0] = 0;
-    bytes[0] = header->version;
-    bytes[1] = header->type;
-    (void)ab_put_u16(bytes + 2, header->dictionary_hash);
-    (void)ab_put_u32(bytes + 4, header->session);
-    (void)ab_put_u32(bytes + 8, header->sequence);
-    (void)ab_put_u16(bytes + 12, header->overflow);
-    (void)ab_put_u16(bytes + 14, header->tag);
-    (void)ab_put_u64(bytes + 16, header->first_sample);
-    (void)ab_put_u64(bytes + 24, header->ticks);
+    ab_write_header(bytes, header);
     ab_encoder_add(encoder, bytes, sizeof bytes);
 }
 
@@ -108,15 +100,7 @@ ab_frame_result ab_frame_decode(uint8_t *encoded, size_t n, ab_header *header,
         return AB_FRAME_LONG;
     if (ab_crc32(0, bytes, size - CRC_BYTES) != ab_get_u32(bytes + size - CRC_BYTES))
         return AB_FRAME_CRC;
-    header->version = bytes[0];
-    header->type = bytes[1];
-    header->dictionary_hash = ab_get_u16(bytes + 2);
-    header->session = ab_get_u32(bytes + 4);
-    header->sequence = ab_get_u32(bytes + 8);
-    header->overflow = ab_get_u16(bytes + 12);
-    header->tag = ab_get_u16(bytes + 14);
-    header->first_sample = ab_get_u64(bytes + 16);
-    header->ticks = ab_get_u64(bytes + 24);
+    ab_read_header(bytes, header);
     *payload = bytes + AB_HEADER_BYTES;
     *payload_size = size - OVERHEAD;
     if (header->version != AB_VERSION)

@@ -3,32 +3,6 @@
 
 #include "internal.h"
 
-void ab_write_configuration(uint8_t to[28], const ab_configuration *wanted)
-{
-    (void)ab_put_u32(to, wanted->rate_numerator);
-    (void)ab_put_u32(to + 4, wanted->rate_denominator);
-    (void)ab_put_u32(to + 8, wanted->channel_mask);
-    to[12] = wanted->trigger_channel;
-    to[13] = wanted->falling;
-    to[14] = wanted->stream;
-    to[15] = 0;
-    (void)ab_put_u32(to + 16, (uint32_t)wanted->trigger_level);
-    (void)ab_put_u32(to + 20, wanted->pretrigger);
-    (void)ab_put_u32(to + 24, wanted->block_length);
-}
-
-void ab_write_range(uint8_t to[12], const ab_range *range)
-{
-    (void)ab_put_u32(to, range->block_id);
-    (void)ab_put_u32(to + 4, range->first);
-    (void)ab_put_u32(to + 8, range->count);
-}
-
-void ab_write_block_id(uint8_t to[4], uint32_t id)
-{
-    (void)ab_put_u32(to, id);
-}
-
 bool ab_read_reply(const uint8_t *payload, size_t n, uint8_t *code, const uint8_t **reason,
                    size_t *reason_size)
 {
@@ -40,58 +14,55 @@ bool ab_read_reply(const uint8_t *payload, size_t n, uint8_t *code, const uint8_
     return ab_is_utf8(*reason, *reason_size);
 }
 
-bool ab_read_status(const uint8_t *payload, size_t n, ab_status *status)
-{
-    if (n != AB_STATUS_BYTES || payload[0] != AB_OK || payload[1] != 0)
-        return false;
-    status->state = payload[2];
-    status->next_sequence = ab_get_u32(payload + 3);
-    status->next_sample = ab_get_u64(payload + 7);
-    status->buffered_blocks = ab_get_u32(payload + 15);
-    status->oldest_block = ab_get_u32(payload + 19);
-    status->stream_samples_dropped = ab_get_u64(payload + 23);
-    status->triggers_missed = ab_get_u32(payload + 31);
-    status->adc_overruns = ab_get_u32(payload + 35);
-    return status->state <= AB_RUNNING;
-}
-
-bool ab_read_block_info(const uint8_t *payload, size_t n, ab_block_info *info)
-{
-    if (n != AB_BLOCK_INFO_BYTES)
-        return false;
-    info->block_id = ab_get_u32(payload);
-    info->length = ab_get_u32(payload + 4);
-    info->first_sample = ab_get_u64(payload + 8);
-    info->trigger_sample = ab_get_u64(payload + 16);
-    info->trigger_ticks = ab_get_u64(payload + 24);
-    return info->block_id != 0 && info->trigger_sample >= info->first_sample &&
-           info->trigger_sample - info->first_sample < info->length;
-}
-
 bool ab_read_data(uint8_t type, const uint8_t *payload, size_t n, ab_data *data)
 {
-    const size_t prefix = type == AB_BLOCK_DATA ? 8 : 4;
+    ab_block_data_head head = {0};
+    size_t size = AB_BLOCK_DATA_HEAD_BYTES;
 
-    if (n < prefix || payload[3] != 3)
-        return false;
-    data->n_samples = ab_get_u16(payload);
-    data->n_channels = payload[2];
-    data->block_id = type == AB_BLOCK_DATA ? ab_get_u32(payload + 4) : 0;
-    data->counts = payload + prefix;
-    if (data->n_samples == 0 || data->n_channels == 0)
-        return false;
-    if (type == AB_BLOCK_DATA && data->block_id == 0)
-        return false;
-    return n - prefix == 3u * data->n_samples * data->n_channels;
+    if (type == AB_BLOCK_DATA) {
+        if (!ab_read_block_data_head(payload, n, &head))
+            return false;
+    } else {
+        ab_stream_head stream;
+
+        if (!ab_read_stream_head(payload, n, &stream))
+            return false;
+        size = AB_STREAM_HEAD_BYTES;
+        head.n_samples = stream.n_samples;
+        head.n_channels = stream.n_channels;
+    }
+    data->n_samples = head.n_samples;
+    data->n_channels = head.n_channels;
+    data->block_id = head.block_id;
+    data->counts = payload + size;
+    return n - size == 3u * head.n_samples * head.n_channels;
 }
 
-bool ab_read_fragment(const uint8_t *payload, size_t n, uint16_t *total, uint16_t *offset)
+bool ab_read_piece(const uint8_t *payload, size_t n, ab_fragment_head *head)
 {
-    if (n < 5)
-        return false;
-    *total = ab_get_u16(payload);
-    *offset = ab_get_u16(payload + 2);
-    return *offset + (n - 4) <= *total;
+    return ab_read_fragment_head(payload, n, head) && n > AB_FRAGMENT_HEAD_BYTES &&
+           n - AB_FRAGMENT_HEAD_BYTES <= (size_t)head->total - head->offset;
+}
+
+bool ab_is_answer(const uint8_t *payload, size_t n)
+{
+    return n >= 2 && payload[0] == AB_OK && payload[1] == 0;
+}
+
+bool ab_payload_valid(unsigned type, const uint8_t *payload, size_t n)
+{
+    ab_fragment_head head;
+    ab_data data;
+
+    switch (type) {
+    case AB_HELLO | AB_REPLY:
+        return ab_read_piece(payload, n, &head);
+    case AB_STREAM:
+    case AB_BLOCK_DATA:
+        return ab_read_data((uint8_t)type, payload, n, &data);
+    default:
+        return ab_fixed_payload_valid(type, payload, n);
+    }
 }
 
 static const uint8_t *after_text(const uint8_t *text)

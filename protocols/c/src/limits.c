@@ -27,7 +27,7 @@ uint32_t ab_sample_bytes(const ab_board *board)
 static ab_code bad_value(const ab_configuration *wanted, uint8_t n_channels, ab_text *reason)
 {
     const uint32_t mask = wanted->channel_mask;
-    const int32_t level = wanted->trigger_level;
+    const int32_t level = wanted->trigger_level_counts;
 
     if (mask == 0 || (n_channels < 32 && mask >> n_channels != 0)) {
         ab_text_add(reason, "channel mask ");
@@ -72,10 +72,10 @@ ab_code ab_refusal(const ab_configuration *wanted, const ab_dictionary_head *hea
     n = ab_frame_samples(columns);
     /* rate / n * frame > link, without a fraction: a > link * b where (a - 1) / b >= link. */
     frame = AB_WIRE_BYTES(4u + 3u * columns * n);
-    per_numerator = wanted->rate_numerator * frame;
-    if (wanted->stream && (per_numerator - 1) / ((uint64_t)wanted->rate_denominator * n) >= link) {
+    per_numerator = wanted->rate_hz_numerator * frame;
+    if (wanted->stream && (per_numerator - 1) / ((uint64_t)wanted->rate_hz_denominator * n) >= link) {
         ab_text_say(reason, "stream takes ",
-                    per_numerator / ((uint64_t)wanted->rate_denominator * n));
+                    per_numerator / ((uint64_t)wanted->rate_hz_denominator * n));
         ab_text_say(reason, " B/s, link ", link);
         ab_text_add(reason, " B/s");
         return AB_LINK;

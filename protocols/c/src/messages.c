@@ -1,84 +1,109 @@
-/* Payloads as the board reads and writes them, sections 6 to 9. */
+/* Made by `python -m armodal.protocols.board.generate`; change records.py instead. */
+/* Fixed fields of the messages as a board reads and writes them. */
 #include "internal.h"
 
-bool ab_read_configuration(const uint8_t *payload, size_t n, ab_configuration *wanted)
+void ab_write_header(uint8_t to[AB_HEADER_BYTES], const ab_header *m)
 {
-    if (n != 28)
-        return false;
-    wanted->rate_numerator = ab_get_u32(payload);
-    wanted->rate_denominator = ab_get_u32(payload + 4);
-    wanted->channel_mask = ab_get_u32(payload + 8);
-    wanted->trigger_channel = payload[12];
-    wanted->falling = payload[13];
-    wanted->stream = payload[14];
-    wanted->trigger_level = (int32_t)ab_get_u32(payload + 16);
-    wanted->pretrigger = ab_get_u32(payload + 20);
-    wanted->block_length = ab_get_u32(payload + 24);
-    return wanted->rate_numerator != 0 && wanted->rate_denominator != 0 &&
-           wanted->falling <= 1 && wanted->stream <= 1 && payload[15] == 0;
+    to[0] = m->version;
+    to[1] = m->type;
+    (void)ab_put_u16(to + 2, m->dictionary_hash);
+    (void)ab_put_u32(to + 4, m->session);
+    (void)ab_put_u32(to + 8, m->sequence);
+    (void)ab_put_u16(to + 12, m->overflow);
+    (void)ab_put_u16(to + 14, m->tag);
+    (void)ab_put_u64(to + 16, m->first_sample);
+    (void)ab_put_u64(to + 24, m->ticks);
 }
 
-bool ab_read_range(const uint8_t *payload, size_t n, ab_range *range)
+void ab_write_fragment_head(uint8_t to[AB_FRAGMENT_HEAD_BYTES], const ab_fragment_head *m)
 {
-    if (n != 12)
-        return false;
-    range->block_id = ab_get_u32(payload);
-    range->first = ab_get_u32(payload + 4);
-    range->count = ab_get_u32(payload + 8);
-    return true;
+    (void)ab_put_u16(to, m->total);
+    (void)ab_put_u16(to + 2, m->offset);
 }
 
-bool ab_read_block_id(const uint8_t *payload, size_t n, uint32_t *id)
+void ab_write_board_status(uint8_t to[AB_BOARD_STATUS_BYTES], const ab_board_status *m)
 {
-    if (n != 4)
-        return false;
-    *id = ab_get_u32(payload);
-    return true;
+    to[0] = m->state;
+    (void)ab_put_u32(to + 1, m->next_sequence);
+    (void)ab_put_u64(to + 5, m->next_sample);
+    (void)ab_put_u32(to + 13, m->buffered_blocks);
+    (void)ab_put_u32(to + 17, m->oldest_block);
+    (void)ab_put_u64(to + 21, m->stream_samples_dropped);
+    (void)ab_put_u32(to + 29, m->triggers_missed);
+    (void)ab_put_u32(to + 33, m->adc_overruns);
 }
 
-void ab_write_status(uint8_t to[AB_STATUS_BYTES], const ab_status *status)
+void ab_write_stream_head(uint8_t to[AB_STREAM_HEAD_BYTES], const ab_stream_head *m)
 {
-    to[0] = AB_OK;
-    to[1] = 0;
-    to[2] = status->state;
-    (void)ab_put_u32(to + 3, status->next_sequence);
-    (void)ab_put_u64(to + 7, status->next_sample);
-    (void)ab_put_u32(to + 15, status->buffered_blocks);
-    (void)ab_put_u32(to + 19, status->oldest_block);
-    (void)ab_put_u64(to + 23, status->stream_samples_dropped);
-    (void)ab_put_u32(to + 31, status->triggers_missed);
-    (void)ab_put_u32(to + 35, status->adc_overruns);
-}
-
-void ab_write_block_info(uint8_t to[AB_BLOCK_INFO_BYTES], const ab_block_info *info)
-{
-    (void)ab_put_u32(to, info->block_id);
-    (void)ab_put_u32(to + 4, info->length);
-    (void)ab_put_u64(to + 8, info->first_sample);
-    (void)ab_put_u64(to + 16, info->trigger_sample);
-    (void)ab_put_u64(to + 24, info->trigger_ticks);
-}
-
-size_t ab_write_data_prefix(uint8_t to[8], uint16_t n_samples, uint8_t n_channels,
-                            uint32_t block_id)
-{
-    (void)ab_put_u16(to, n_samples);
-    to[2] = n_channels;
+    (void)ab_put_u16(to, m->n_samples);
+    to[2] = m->n_channels;
     to[3] = 3;
-    if (block_id == 0)
-        return 4;
-    (void)ab_put_u32(to + 4, block_id);
-    return 8;
 }
 
-uint8_t *ab_write_count(uint8_t *to, int32_t count)
+void ab_write_block_info(uint8_t to[AB_BLOCK_INFO_BYTES], const ab_block_info *m)
 {
-    uint32_t bits;
+    (void)ab_put_u32(to, m->block_id);
+    (void)ab_put_u32(to + 4, m->length);
+    (void)ab_put_u64(to + 8, m->first_sample);
+    (void)ab_put_u64(to + 16, m->trigger_sample);
+    (void)ab_put_u64(to + 24, m->trigger_ticks);
+}
 
-    count = count > 8388607 ? 8388607 : count < -8388608 ? -8388608 : count;
-    bits = (uint32_t)count;
-    to[0] = (uint8_t)bits;
-    to[1] = (uint8_t)(bits >> 8);
-    to[2] = (uint8_t)(bits >> 16);
-    return to + 3;
+void ab_write_block_data_head(uint8_t to[AB_BLOCK_DATA_HEAD_BYTES], const ab_block_data_head *m)
+{
+    (void)ab_put_u16(to, m->n_samples);
+    to[2] = m->n_channels;
+    to[3] = 3;
+    (void)ab_put_u32(to + 4, m->block_id);
+}
+
+void ab_read_header(const uint8_t from[AB_HEADER_BYTES], ab_header *m)
+{
+    m->version = from[0];
+    m->type = from[1];
+    m->dictionary_hash = ab_get_u16(from + 2);
+    m->session = ab_get_u32(from + 4);
+    m->sequence = ab_get_u32(from + 8);
+    m->overflow = ab_get_u16(from + 12);
+    m->tag = ab_get_u16(from + 14);
+    m->first_sample = ab_get_u64(from + 16);
+    m->ticks = ab_get_u64(from + 24);
+}
+
+bool ab_read_configuration(const uint8_t *from, size_t n, ab_configuration *m)
+{
+    if (n != AB_CONFIGURATION_BYTES)
+        return false;
+    m->rate_hz_numerator = ab_get_u32(from);
+    m->rate_hz_denominator = ab_get_u32(from + 4);
+    m->channel_mask = ab_get_u32(from + 8);
+    m->trigger_channel = from[12];
+    m->slope = from[13];
+    m->stream = from[14];
+    m->trigger_level_counts = (int32_t)ab_get_u32(from + 16);
+    m->pretrigger = ab_get_u32(from + 20);
+    m->block_length = ab_get_u32(from + 24);
+    return m->rate_hz_numerator != 0 &&
+           m->rate_hz_denominator != 0 &&
+           m->slope <= 1 &&
+           m->stream <= 1 &&
+           from[15] == 0;
+}
+
+bool ab_read_resend(const uint8_t *from, size_t n, ab_resend *m)
+{
+    if (n != AB_RESEND_BYTES)
+        return false;
+    m->block_id = ab_get_u32(from);
+    m->first = ab_get_u32(from + 4);
+    m->count = ab_get_u32(from + 8);
+    return true;
+}
+
+bool ab_read_release(const uint8_t *from, size_t n, ab_release *m)
+{
+    if (n != AB_RELEASE_BYTES)
+        return false;
+    m->block_id = ab_get_u32(from);
+    return true;
 }

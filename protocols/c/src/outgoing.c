@@ -103,14 +103,16 @@ static void compose_block_data(ab_board *board, const ab_block *block)
     const uint32_t to_end = length - block->oldest;
     const uint32_t at = first < to_end ? block->oldest + first : first - to_end;
     const uint32_t straight = n < length - at ? n : length - at;
-    uint8_t prefix[8];
+    uint8_t prefix[AB_BLOCK_DATA_HEAD_BYTES];
+    const ab_block_data_head head = {(uint16_t)n, board->n_columns, block->id};
     const ab_piece pieces[3] = {
-        {prefix, ab_write_data_prefix(prefix, (uint16_t)n, board->n_columns, block->id)},
+        {prefix, sizeof prefix},
         {counts + (size_t)at * sample_bytes, (size_t)straight * sample_bytes},
         {counts, (size_t)(n - straight) * sample_bytes},
     };
     ab_header header = {0};
 
+    ab_write_block_data_head(prefix, &head);
     header.type = AB_BLOCK_DATA;
     header.first_sample = block->first_sample + first;
     header.ticks = first < before ? block->trigger_ticks - ab_ticks_of(board, before - first)

@@ -17,8 +17,8 @@ static uint8_t *frame_at(const ab_board *board, unsigned place)
 void ab_preview_start(ab_board *board)
 {
     const uint16_t full = ab_frame_samples(board->n_columns);
-    const uint64_t n = board->wanted.rate_numerator /
-                       ((uint64_t)board->wanted.rate_denominator * LATEST_PER_S);
+    const uint64_t n = board->wanted.rate_hz_numerator /
+                       ((uint64_t)board->wanted.rate_hz_denominator * LATEST_PER_S);
     size_t slots;
 
     board->preview_wanted = n < 1 ? 1 : n < full ? (uint16_t)n : full;
@@ -74,7 +74,8 @@ void ab_preview_end_frame(ab_board *board)
 bool ab_preview_send(ab_board *board)
 {
     const uint8_t *record;
-    uint8_t prefix[8];
+    uint8_t prefix[AB_STREAM_HEAD_BYTES];
+    ab_stream_head head;
     ab_piece pieces[2];
     ab_header header = {0};
     uint16_t n;
@@ -83,8 +84,11 @@ bool ab_preview_send(ab_board *board)
         return false;
     record = frame_at(board, 0);
     n = ab_get_u16(record);
+    head.n_samples = n;
+    head.n_channels = board->n_columns;
+    ab_write_stream_head(prefix, &head);
     pieces[0].bytes = prefix;
-    pieces[0].n = ab_write_data_prefix(prefix, n, board->n_columns, 0);
+    pieces[0].n = sizeof prefix;
     pieces[1].bytes = record + RECORD_BYTES;
     pieces[1].n = (size_t)n * ab_sample_bytes(board);
     header.type = AB_STREAM;

@@ -78,6 +78,20 @@ def test_turning_lobes_are_the_closed_form_s(f_hz):
 
 
 @pytest.mark.parametrize(
+    ("depth_mm", "published"), [(0.2, 0.8192), (0.5, 1.0726), (0.7, 1.2197), (1.0, 1.4039)]
+)
+def test_the_largest_eigenvalue_of_the_usual_mill_is_the_published_one(depth_mm, published):
+    """A full slot of two teeth at 5000 rpm, which papers compare methods by.
+
+    Ding, Zhu, Zhang and Ding, Int. J. Mach. Tools Manuf. 50 (2010) 502: their reference values, by
+    a discretisation too. From 200 to 400 steps ours changes by 0.25 % at 1 mm, and converges as
+    the square of the steps: 0.3 % is what both have left.
+    """
+    found = spectral_radius(modes(in_y=False), mill(), 5000.0, 1e-3 * depth_mm, n_steps=200)
+    assert found == pytest.approx(published, rel=3e-3)
+
+
+@pytest.mark.parametrize(
     ("changes", "apart"),
     [({"teeth": 4}, 0.01), ({"teeth": 4, "immersion": 0.5, "down": False}, 0.05)],
 )

@@ -5,6 +5,7 @@ import pytest
 import scipy.signal
 
 from armodal.analyzer.acting.robust import ModeBox, candidates, mode_boxes, recommended
+from armodal.analyzer.acting.shaper_page import residual_figure, step_figure, step_response
 from armodal.analyzer.acting.shapers import KINDS, convolved, notch, shaper
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.hil_sim.plant import load_plant
@@ -115,6 +116,34 @@ def test_the_simulated_plant_swings_less_than_a_tenth_after_a_shaped_step():
         assert left < 0.1 * unshaped
         # What was promised of each mode, and what modes above it leave after that time.
         assert left < (best[kind].residual + 0.02) * unshaped
+
+
+@pytest.mark.parametrize("kind", ["zv", "mzv", "ei", "2-hump", "notch"])
+def test_a_drawn_step_is_left_with_what_was_promised(kind):
+    """In time, by none of the sums over impulses: the swing after the last, at a box's corners."""
+    box = ModeBox(f_hz=(13.0, 15.0), damping_ratio=(0.01, 0.03))
+    own = next(one for one in candidates([box]) if one.kind == kind)
+    time = np.linspace(0.0, 1.0, 20001)
+    for f in box.f_hz:
+        for z in box.damping_ratio:
+            after = time > own.duration_s + (0.1 if kind == "notch" else 0.0)
+            shaped = step_response(own, f, z, time)[after] - 1.0
+            # A notch dies away by itself: 0.1 s are several of its time constants.
+            loose = 0.02 if kind == "notch" else 0.002
+            # Of what a step swings by at once: 1, over the root for a mode that is damped.
+            assert np.abs(shaped).max() <= (own.residual + loose) / np.sqrt(1.0 - z**2)
+    assert f"after {kind}" in step_figure([box], own).layout.title.text
+
+
+def test_the_drawn_residual_is_each_kind_s_own():
+    box = ModeBox(f_hz=(13.0, 15.0), damping_ratio=(0.02, 0.02))
+    every = candidates([box])
+    figure = residual_figure([box], every, 0.05)
+    for trace, own in zip(figure.data, every, strict=True):
+        x, y = np.asarray(trace.x), np.asarray(trace.y)
+        inside = (x >= 13.0) & (x <= 15.0)
+        # Lines 0.02 Hz apart: a slope of half a per cent a line at most.
+        assert y[inside].max() == pytest.approx(100.0 * own.residual, abs=0.6)
 
 
 def test_boxes_hold_every_posture_s_intervals_and_refuse_what_is_not_known():

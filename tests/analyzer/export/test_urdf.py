@@ -1,11 +1,14 @@
 """A corrected arm as URDF, back through pinocchio; as SDF, back by its own poses."""
 
+from xml.etree.ElementTree import Element
+
 import numpy as np
 import pinocchio as pin
 import pytest
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 from support.added import any_of, axis, with_effects
+from support.sdf_rules import faults
 
 from armodal.analyzer.corrected.posture import corrected_posture, stand
 from armodal.analyzer.export.exported import ready_for_export
@@ -107,6 +110,18 @@ def test_what_has_no_counterpart_is_named(form):
         form(RV, tree)
     for word in ("the rotor servo_compliance_joint_1", "a spring between", "a rotor's inertia on"):
         assert word in str(refused.value)
+
+
+@pytest.mark.parametrize("kind", [None, "base", "bearing", "link_bending", "payload", "softening"])
+def test_sdf_keeps_the_rules_of_its_specification(kind):
+    arm = with_effects(RV, axis("elbow"), *([] if kind is None else [any_of(RV, kind)]))
+    root = parse_xml(sdf_text(arm, ready_for_export(arm).tree)[0])
+    assert faults(root) == []
+    # The check sees what is wrong.
+    root.find(".//dynamics/spring_stiffness").text = "soft"
+    root.find(".//joint/child").text = "nobody"
+    root.find(".//axis").append(Element("hinge"))
+    assert len(faults(root)) == 4
 
 
 def test_sdf_stands_as_the_urdf_does_and_has_the_springs():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
@@ -220,7 +221,7 @@ def test_a_plain_arm_s_soft_and_hard_hits_are_not_told_apart(linear):
 
 
 def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level():
-    session = make_case(seed=3001, arm="rv4frl", effect="friction", ladder=True).session()
+    session = small_case(3001, "rv4frl", "friction", ladder=True).session()
     found = told(session)
     assert found is not None
     stages, gain = found

@@ -1,16 +1,11 @@
 """Effects of links, drives and dampers beside small models that share nothing with them."""
 
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 import pytest
-from support.gap_results import made_result
-from support.without_errors import without_errors
+from support.bench_effects import JOINTS, instance_of, start_of
 
-from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.add import added_effects, instances_of_file
-from armodal.analyzer.gap.effects import sensor_axes, wrong_point
 from armodal.analyzer.gap.effects.gravity_compensator import share
 from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
@@ -18,56 +13,9 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.model.geometry import GeometryNear, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.long_links import LongLink, long_links
-from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.posed import PosedModel
-from armodal.analyzer.gap.records import EffectFound, Interval
-from armodal.protocols.arm.files import arm_from_texts
-from armodal.protocols.arm.rewrite import text_with_effects
 
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
-JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
-
-
-@pytest.fixture(scope="module")
-def ordinary(superset):
-    return Ordinary(superset=superset, postures=("p",))
-
-
-@pytest.fixture(scope="module")
-def lines(superset):
-    n_points = len(superset.arm.points)
-    s = 2 * np.pi * (2.0 + 1j * np.array([8.0, 13.0, 31.0, 64.0, 110.0]))
-    return PostureLines(
-        name="p",
-        joints_rad=JOINTS,
-        s_rad_s=s,
-        sensor_point=np.arange(n_points),
-        hit=np.zeros(n_points, dtype=int),
-        hit_point=np.array([0]),
-        hit_direction=np.array([[-0.45, -0.62, -0.6427]]),
-        values=np.ones((n_points, 3, s.size), dtype=complex),
-        variance=np.ones((n_points, 3, s.size)),
-        sensor_mass_kg=0.0093,
-    )
-
-
-@pytest.fixture(scope="module")
-def posed(superset):
-    return PosedModel(superset, JOINTS)
-
-
-def instance_of(ordinary, name, place=""):
-    return next(
-        i for i in all_instances(ordinary) if i.effect.name == name and i.place.startswith(place)
-    )
-
-
-def start_of(hypothesis):
-    """Values to begin with, bearings and loss at zero."""
-    space = hypothesis.space()
-    return without_errors(space.values(space.start()))
 
 
 def test_a_heavier_sensor_is_one_whose_file_says_so(ordinary, lines, posed):
@@ -292,126 +240,3 @@ def test_a_damper_resists_the_rate_of_its_length(superset, ordinary, lines, pose
     np.testing.assert_allclose(
         (more - less)[:elastic, :elastic], want, atol=1e-5 * np.abs(want).max()
     )
-
-
-def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
-    """Named, written as text, read: the same place, and a fit begins with the same values."""
-    arm = ordinary.arm
-    for instance in all_instances(ordinary):
-        space = Hypothesis(ordinary=ordinary, instances=(instance,)).space()
-        start = space.values(space.start())
-        found = {n: 0.9 * start[n] + 0.02 for n in instance.owned}
-        units = {p.name: p.unit for p in space.parameters}
-        effect = EffectFound(
-            name=instance.effect.name,
-            title=instance.effect.title,
-            place=instance.place,
-            parameters={
-                n: Interval(unit=units[n], value=v, std=0.01, low=v - 0.02, high=v + 0.02)
-                for n, v in found.items()
-            },
-            size=instance.size,
-            description={} if instance.describe is None else instance.describe(start | found),
-            confidence=0.99,
-            gain=100.0,
-            held_out_gain=10.0,
-            signature="",
-            confused_with=(),
-            told_by="",
-            remedy="",
-        )
-        result = replace(made_result("named", []), effects=(effect,))
-        added = added_effects(result, session_sha256="0" * 64, created="2026-01-31T12:00:00+00:00")
-        if instance.place == "posture p":  # no other session has that posture's aim
-            assert added == ()
-            continue
-        again = arm_from_texts(
-            text_with_effects(arm, added),
-            urdf_text=arm.urdf_text,
-            database_text=None if arm.can is None else arm.can.database_text,
-        )
-        instances, values = instances_of_file(
-            Ordinary(superset=Superset(again), postures=ordinary.postures)
-        )
-        assert [i.key for i in instances] == [instance.key]
-        for name, value in found.items():
-            assert values[name] == pytest.approx(value, rel=1e-4), instance.title
-
-
-def test_the_order_of_effects_changes_nothing(ordinary, lines, posed):
-    """A damper between links or by load sees every freedom, whichever was named first."""
-    every = all_instances(ordinary)
-    kinds = {"base", "servo", "link_torsion", "nonproportional", "load_damping", "bearing"}
-    one_each = list({i.effect.name: i for i in every if i.effect.name in kinds}.values())
-    assert len(one_each) == len(kinds)
-    for one, other in combinations(one_each, 2):
-        first, second = (
-            Hypothesis(ordinary=ordinary, instances=pair) for pair in ((one, other), (other, one))
-        )
-        values = off_zero(first, np.random.default_rng(7))
-        np.testing.assert_allclose(
-            posed.values(first, lines, values),
-            posed.values(second, lines, values),
-            rtol=1e-9,  # a sum in another order, and a solution of it
-            err_msg=f"{one.title}, {other.title}",
-        )
-
-
-def test_shapes_do_nothing_while_there_is_nothing(ordinary, lines, posed):
-    """What the look leaves out is zero: any shape, size zero, the same response."""
-    rng = np.random.default_rng(11)
-    for instance in all_instances(ordinary):
-        if not instance.shapes:
-            continue
-        hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
-        values = start_of(hypothesis) | {instance.size: 0.0}
-        std = {p.name: p.std for p in instance.parameters}
-        other = values | {
-            n: values[n] + 0.3 * std[n] * rng.standard_normal() for n in instance.shapes
-        }
-        one, two = (posed.values(hypothesis, lines, v) for v in (values, other))
-        np.testing.assert_allclose(one, two, rtol=1e-9, err_msg=instance.title)
-
-
-def off_zero(hypothesis, rng):
-    """Values about the start, inside their bounds; no size is zero."""
-    space = hypothesis.space()
-    values = space.values(space.start())
-    for name, i in space.index.items():
-        step = 0.15 * rng.standard_normal() * space.std[i]
-        values[name] += abs(step) if space.low[i] == space.start()[i] else step
-    return values
-
-
-# Of the whole column. What effects add turns with the joints' angles, which derivatives by those
-# leave out; steps are one-sided.
-ALLOWED = 0.04
-
-
-@pytest.mark.long
-def test_derivatives_by_everything_are_those_of_differences_with_any_effect(ordinary, lines, posed):
-    """Aims beside turned hits, gains beside exchanged axes, joints beside what they carry."""
-    levelled = replace(ordinary, level_span=0.4)
-    ids = [point.id for point in ordinary.arm.points]
-    turned = sensor_axes.turned_sensor(
-        levelled, np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]), None
-    )
-    others = [turned, wrong_point.exchanged(levelled, *ids[:2])]
-    rng = np.random.default_rng(5)
-    own = replace(lines, level=0.4)
-    # Of each effect two places are enough: an early one in the arm and a late one.
-    of_kind = {}
-    for instance in all_instances(levelled):
-        of_kind.setdefault(instance.effect.name, []).append(instance)
-    ends = [own[at] for own in of_kind.values() for at in {0, len(own) - 1}]
-    for instance in [*ends, *others]:
-        hypothesis = Hypothesis(ordinary=levelled, instances=(instance,))
-        space, values = hypothesis.space(), off_zero(hypothesis, rng)
-        y, dy = posed.derivatives(hypothesis, own, space, values)
-        for name, i in space.index.items():
-            h = 1e-4 * space.std[i]
-            more = posed.values(hypothesis, own, values | {name: values[name] + h})
-            less = posed.values(hypothesis, own, values | {name: values[name] - h})
-            want = (more - less) / 2e-4
-            allowed = ALLOWED * np.linalg.norm(want) + 1e-6 * np.linalg.norm(y)
-            assert np.linalg.norm(dy[i] - want) < allowed, (instance.title, name)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.bench_effects import at_both_ends
 from support.without_errors import without_errors, without_soft_parts
 
 from armodal.analyzer.arm.reduced import reduce_model
@@ -133,7 +134,7 @@ def _every_instance(ordinary):
     place = np.array([0.1, 0.0, 0.02])
     split = link_axis.at_axis(ordinary, 2, AXIS, place, before=("k1",))
     moved = wrong_point.beside(ordinary, "k2")
-    return (*all_instances(ordinary), axis, gain, swap, split, moved)
+    return (*at_both_ends(all_instances(ordinary)), axis, gain, swap, split, moved)
 
 
 def _by_central_differences(posed, hypothesis, lines, u, i, h=1e-4):
@@ -143,7 +144,10 @@ def _by_central_differences(posed, hypothesis, lines, u, i, h=1e-4):
 
 
 def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, posed):
-    """One hypothesis at a time, away from zero; 2 % where gravity's part of an inertia is left."""
+    """One hypothesis at a time, at its first and its last place, away from zero.
+
+    2 % where gravity's part of an inertia is left.
+    """
     for instance in _every_instance(ordinary):
         rng = np.random.default_rng(5)
         hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))

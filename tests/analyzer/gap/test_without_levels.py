@@ -5,7 +5,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from support.small_case import small_plan
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.without_levels import first_with_levels, is_alike
@@ -42,10 +42,20 @@ def found(plain):
 
 
 @pytest.fixture(scope="module")
-def asked(case):
-    """A session as it asks for: at three levels about those of before; few postures and points."""
-    plan = small_plan(case.plan, case.arm)
-    return case.session(plan, levels_n=(8.0, 18.0, 40.0), run=1)
+def quick():
+    """Few postures and points, and nothing hidden: which sessions count is told by the hits."""
+    return small_case(5, "ur5")
+
+
+@pytest.fixture(scope="module")
+def once(quick):
+    return quick.session()
+
+
+@pytest.fixture(scope="module")
+def asked(quick):
+    """A session as a test asks for: at three levels about those of before."""
+    return quick.session(levels_n=(8.0, 18.0, 40.0), run=1)
 
 
 @pytest.mark.long
@@ -80,37 +90,37 @@ def test_the_session_it_asked_for_names_the_joint(plain, found, case):
     assert result.notes[0] == ("test 2 has hits at several levels; 1 session without was left out")
 
 
-def test_a_session_with_levels_goes_before_those_without_and_keeps_the_first_arm(plain, asked):
-    believed = replace(plain.header.arm, name="as believed")
-    own = replace(plain, header=replace(plain.header, arm=believed))
+def test_a_session_with_levels_goes_before_those_without_and_keeps_the_first_arm(once, asked):
+    believed = replace(once.header.arm, name="as believed")
+    own = replace(once, header=replace(once.header, arm=believed))
     again = replace(asked)
-    first, (further,), notes = first_with_levels(own, [plain, asked, again])
+    first, (further,), notes = first_with_levels(own, [once, asked, again])
     assert first.hits is asked.hits
     assert first.header.arm is believed
     assert further is again
     assert notes == ["test 3 has hits at several levels; 2 sessions without were left out"]
-    assert first_with_levels(asked, [plain]) == (asked, (plain,), [])
-    assert first_with_levels(plain, [plain]) == (plain, (plain,), [])
+    assert first_with_levels(asked, [once]) == (asked, (once,), [])
+    assert first_with_levels(once, [once]) == (once, (once,), [])
 
 
-def test_one_posture_at_levels_does_not_stand_for_a_session(plain, asked):
+def test_one_posture_at_levels_does_not_stand_for_a_session(once, asked):
     name = asked.hits[0].posture
     alone = replace(asked, hits=tuple(hit for hit in asked.hits if hit.posture == name))
-    assert first_with_levels(plain, [alone]) == (plain, (alone,), [])
+    assert first_with_levels(once, [alone]) == (once, (alone,), [])
 
 
-def test_another_arm_at_levels_is_refused(plain, asked):
+def test_another_arm_at_levels_is_refused(once, asked):
     arm = asked.header.arm
     other = replace(arm, points=(*arm.points, replace(arm.points[0], id="new")))
     wrong = replace(asked, header=replace(asked.header, arm=other))
     with pytest.raises(ArmError, match="does not match the session"):
-        first_with_levels(plain, [wrong])
+        first_with_levels(once, [wrong])
 
 
 @pytest.mark.parametrize("levels_hit", [False, True])
-def test_only_what_changes_with_the_posture_is_alike_and_only_without_levels(plain, levels_hit):
+def test_only_what_changes_with_the_posture_is_alike_and_only_without_levels(once, levels_hit):
     ordinary = Ordinary(
-        superset=Superset(plain.header.arm), postures=("one", "other"), levels_hit=levels_hit
+        superset=Superset(once.header.arm), postures=("one", "other"), levels_hit=levels_hit
     )
 
     def fit(*instances):

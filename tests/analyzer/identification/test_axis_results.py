@@ -55,6 +55,18 @@ def test_the_axis_comes_from_the_fit_with_its_uncertainties(results):
     assert 75 < axis.f_hz < 83
 
 
+def test_every_axis_is_given_by_its_point_nearest_the_origin_of_the_links_frame(results):
+    (axis,) = results
+    lines = [(axis.direction_link, axis.point_link_m)]
+    for mozzi in axis.mozzi:
+        lines.append((mozzi.line.direction_link, mozzi.line.point_link_m))
+        if mozzi.triplet_line is not None:
+            lines.append((mozzi.triplet_line.direction_link, mozzi.triplet_line.point_link_m))
+    assert len(lines) > 3
+    for direction, point in lines:
+        assert direction @ point == pytest.approx(0.0, abs=1e-12)  # rounding of products near 1
+
+
 def test_without_noise_the_bias_found_is_the_bias_predicted(arm, results):
     """Angle, distance and k of the Mozzi axis taken from the record, by formulas written here."""
     (axis,) = results

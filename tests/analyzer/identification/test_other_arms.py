@@ -9,6 +9,7 @@ import pytest
 from support.offline_lab import simulate_session
 
 from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.plan_text import plan_text
 from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
@@ -27,7 +28,7 @@ def believed():
 def test_five_joints_of_the_viper_are_identified_from_planned_tests(believed, tmp_path):
     """Springs 25 to 35 % off the belief, the plan made on the belief."""
     elastic = elastic_joints(believed)
-    plan = plan_tests(believed, elastic, np.random.default_rng(1), n_tests=3)
+    plan = plan_tests(planned_arm(believed), np.random.default_rng(1), n_tests=3)
     path = tmp_path / "plan.toml"
     path.write_text(plan_text(plan, "viper-selective"), encoding="utf-8")
     k = [*(OFF * elastic.stiffness_n_m_per_rad), None]

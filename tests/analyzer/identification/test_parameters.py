@@ -9,7 +9,6 @@ from support.small_fit import state_of, true_axis, true_structure
 
 from armodal.analyzer.identification.parameters import (
     ParameterNames,
-    axis_frame,
     parameter_vector,
     step_state,
 )
@@ -54,16 +53,6 @@ def test_tilts_turn_the_axis_by_their_angle_and_shifts_move_it_by_their_length(a
         np.testing.assert_allclose(shifted.direction, before.direction, atol=1e-15)
         distance = line_distance_m(before.point_m, shifted.point_m, shifted.direction)
         assert distance == pytest.approx(0.01)
-
-
-@given(arrays(np.float64, 3, elements=st.floats(-1, 1)))
-def test_axis_frame_completes_a_direction_to_an_orthogonal_frame(v):
-    length = np.linalg.norm(v)
-    if length < 1e-3:
-        return
-    direction = v / length
-    frame = np.column_stack([axis_frame(direction), direction])
-    np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-13)
 
 
 def test_only_nuisances_have_priors_and_offsets_from_them(arm):

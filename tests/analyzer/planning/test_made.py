@@ -8,30 +8,20 @@ import numpy as np
 import pytest
 from support.robot_files import six_joints
 
-from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
-from armodal.analyzer.planning import search, selective
+from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.equipment import chosen_equipment
 from armodal.analyzer.planning.fewer_points import motions_shown
 from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
-from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.protocols.errors import EstimateError, PlanError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 
-
-@pytest.fixture(scope="module", autouse=True)
-def small_search():
-    """A search of fewer postures: what is found is as free, if less selective."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "N_RANDOM", 3000)
-        patch.setattr(search, "ROUNDS", 2)
-        patch.setattr(selective, "N_OTHERS", 10)
-        yield
+pytestmark = pytest.mark.usefixtures("small_search")
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +33,6 @@ def draft(tmp_path_factory):
 def planned(draft, **settings):
     return made_plan(
         draft.arm,
-        elastic_joints(draft.arm),
         np.random.default_rng(0),
         **{
             "name": "tests",
@@ -58,7 +47,7 @@ def planned(draft, **settings):
 
 def chosen(arm, equipment):
     postures = random_postures(arm, 20, np.random.default_rng(0))
-    return chosen_equipment(Superset(arm), elastic_joints(arm), postures, equipment)
+    return chosen_equipment(planned_arm(arm), postures, equipment)
 
 
 @pytest.fixture(scope="module")
@@ -180,10 +169,10 @@ def test_a_short_plan_still_shows_the_motions_of_every_link(draft, made):
 
 
 def test_a_plan_that_cannot_be_so_short_is_refused_with_the_minutes_it_takes(draft):
-    with pytest.raises(PlanError, match=r"at most 10 minutes, got \d+ for 4 tests") as refused:
-        planned(draft, minutes=10.0)
+    with pytest.raises(PlanError, match=r"at most 10 minutes, got \d+ for 2 tests") as refused:
+        planned(draft, n_tests=2, minutes=10.0)
     least = float(str(refused.value).rsplit(" ", 1)[1])
-    assert least - 1.0 < planned(draft, minutes=least).minutes <= least
+    assert least - 1.0 < planned(draft, n_tests=2, minutes=least).minutes <= least
 
 
 @pytest.mark.parametrize(

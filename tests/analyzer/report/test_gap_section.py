@@ -21,6 +21,7 @@ from armodal.analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
+from armodal.analyzer.report.effect_words import mechanics_of
 from armodal.analyzer.report.gap_file import gap_from_json, gap_to_json
 from armodal.analyzer.report.gap_section import gap_page
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
@@ -51,7 +52,11 @@ NAMED = GapResult(
             place="link_3",
             parameters=P,
             size=next(iter(P)),
-            description={"link": "link_3", "direction": [0.0, 0.0, 1.0]},
+            description={
+                "link": "link_3",
+                "direction": [0.0, 0.0, 1.0],
+                "point_m": [0.01, 0.02, 0.0],
+            },
             confidence=0.998,
             gain=812.0,
             held_out_gain=240.0,
@@ -116,8 +121,8 @@ def test_the_page_says_what_to_do_and_how_sure() -> None:
     page = gap_page(NAMED, "session 1")
     for said in (
         "99.8 %",
-        "rad/(N m)",
-        "direction: 0, 0, 1",
+        "N m/rad",
+        "direction +0.00 +0.00 +1.00, through 10 20 0 mm",
         "tighten the flange",
         "30.0 %",
         "6.0 %",
@@ -163,3 +168,27 @@ def test_a_cell_that_disagrees_more_is_never_lighter() -> None:
     found = [lightness(shade(ratio)) for ratio in (0.5, 1.5, 3.0, 6.0, 12.0, 24.0, 1e3)]
     assert found == sorted(found, reverse=True)
     assert len(set(found)) == 6
+
+
+def test_an_axis_is_told_as_a_line_of_its_link_and_a_stiffness_never_as_tilts_and_shifts():
+    moves = {
+        f"axis {name} link_3": Interval(unit=unit, value=0.2, std=std, low=0.1, high=0.3)
+        for name, unit, std in (
+            ("tilt a", "", 0.03),
+            ("tilt b", "", 0.04),
+            ("shift a", "m", 0.006),
+            ("shift b", "m", 0.008),
+        )
+    }
+    line = {"link": "link_3", "direction": [0.0, 0.6, 0.8], "point_m": [0.1, -0.04, 0.03]}
+    (effect,) = NAMED.effects
+    told = dict(
+        mechanics_of(replace(effect, parameters=P | moves, moves=tuple(moves), description=line))
+    )
+    # Both deviations across the line together: 0.05 rad and 10 mm.
+    assert told["axis"] == (
+        "direction +0.00 +0.60 +0.80, through 100 -40 30 mm, ± 2.86° and ± 10.0 mm"
+    )
+    # 1 / 2.1e-5, its deviation to first order; a narrow space parts thousands.
+    assert told["k"].replace("\u202f", "").startswith("47600 ± 2300 N m/rad")
+    assert not any("tilt" in name or "shift" in name for name in told)

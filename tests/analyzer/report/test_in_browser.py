@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 from support.browser import CHROMIUM, browser, pdf_pages
+from support.plain_structure import plate_session
 from support.shown_gap import named_result
 
-from armodal.analyzer.report import PlotlyHome, write_report
+from armodal.analyzer.modal import fit_modes
+from armodal.analyzer.report import PlotlyHome, write_plain_report, write_report
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
 
@@ -42,21 +44,42 @@ def path(session, identified, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def without_gap(session, identified, tmp_path_factory):
+    path = tmp_path_factory.mktemp("without") / "report.html"
+    write_report(session, identified, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plain")
+    plate = plate_session(folder)
+    models = [fit_modes(frf) for frf in plate.frfs]
+    write_plain_report(plate, plate.frfs, models, folder / "report.html")
+    return folder / "report.html"
+
+
+EVERY_KIND = pytest.mark.parametrize("of", ["path", "without_gap", "plain"])
+
+
+@pytest.fixture(scope="module")
 def page():
     with browser() as page:
         yield page
 
 
+@EVERY_KIND
 @pytest.mark.parametrize("width", [1280, 390])
-def test_nothing_sticks_out_and_all_text_is_readable(page, path, width):
-    page.open(path, width)
+def test_nothing_sticks_out_and_all_text_is_readable(page, of, width, request):
+    page.open(request.getfixturevalue(of), width)
     assert page.run(OUTSIDE) == []
     assert page.run("document.documentElement.scrollWidth") <= width
     assert page.run(FAINT_TEXT) == []
 
 
-def test_every_finding_is_seen_without_scrolling(page, path):
-    page.open(path, 1280, 900)
+@EVERY_KIND
+def test_every_finding_is_seen_without_scrolling(page, of, request):
+    page.open(request.getfixturevalue(of), 1280, 900)
     bottoms = page.run(
         "[...document.querySelectorAll('.findings')].map(e => e.getBoundingClientRect().bottom)"
     )
@@ -91,8 +114,9 @@ def test_a_figure_opens_without_a_word_of_complaint(page, of, label, request):
     assert all(url.startswith(("file:", "blob:", "data:")) for url in page.asked)
 
 
-def test_it_prints_on_eight_pages_at_most_the_answer_on_the_first(page, path):
-    page.open(path, 1280)
+@EVERY_KIND
+def test_it_prints_on_eight_pages_at_most_the_answer_on_the_first(page, of, request):
+    page.open(request.getfixturevalue(of), 1280)
     pdf = page.pdf()
     assert 2 <= pdf_pages(pdf) <= 8
     # A4 within its margins, at 96 CSS pixels an inch.

@@ -156,3 +156,52 @@ def test_a_sensor_that_was_confirmed_is_kept_with_the_data(lab, start, other_sen
         "calibration: hammer: the sensor says serial number 7, the board 1; confirmed by the "
         "operator"
     )
+
+
+@pytest.fixture
+def known_sensor(lab, start, tmp_path, fakes):
+    """A session's settings after which its sensors are known, and how they were."""
+    memory = {"sensor_memory": tmp_path / "sensors.json", "input_range_v": 5.0}
+    run = start(**memory)
+    run.prompt(PromptKind.POINT)
+    run.end()
+    lab.journal.unlink()
+    found = fakes["dictionary"]()
+    hammer = dataclasses.replace(found.channels[0], full_scale=10 * found.channels[0].full_scale)
+    changed = dataclasses.replace(found, channels=(hammer, *found.channels[1:]))
+    return memory, encode_dictionary(changed)
+
+
+def test_a_sensor_with_another_sensitivity_than_before_is_refused(lab, start, known_sensor):
+    memory, changed = known_sensor
+    kept = memory["sensor_memory"].read_bytes()
+    lab.board.dictionary_bytes = changed
+    message = start(**memory).failure().message
+    assert "and sensor 1 had" in message
+    assert "when it was last used" in message
+    assert "--accept-teds" in message
+    assert not lab.journal.exists()
+    assert memory["sensor_memory"].read_bytes() == kept
+
+
+def test_a_confirmed_sensitivity_is_kept_with_the_data_and_remembered(lab, start, known_sensor):
+    memory, changed = known_sensor
+    lab.board.dictionary_bytes = changed
+    run = start(**memory, teds_confirmed=True)
+    run.prompt(PromptKind.POINT)
+    run.end()
+    (said,) = load_journal(lab.journal).warnings
+    assert "and sensor 1 had" in said
+    assert said.endswith("; confirmed by the operator")
+    lab.journal.unlink()
+    again = start(**memory)
+    again.prompt(PromptKind.POINT)
+    again.end()
+    assert load_journal(lab.journal).warnings == ()
+
+
+def test_what_is_remembered_but_damaged_is_one_clear_message(lab, start, tmp_path):
+    (tmp_path / "sensors.json").write_text("{")
+    failed = start(sensor_memory=tmp_path / "sensors.json", input_range_v=5.0).failure()
+    assert "cannot be read; delete the file" in failed.message
+    assert not lab.journal.exists()

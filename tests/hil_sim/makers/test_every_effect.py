@@ -20,12 +20,18 @@ from armodal.hil_sim.makers.mujoco.ordinary import ordinary
 from armodal.hil_sim.makers.mujoco.rig import Rig
 from armodal.hil_sim.streams import stream
 
+SOME = 3  # arms that `make test` looks at; `make test-all` looks at every one
+EVERY_ARM = [
+    pytest.param(arm, marks=() if number < SOME else pytest.mark.long)
+    for number, arm in enumerate(ARMS)
+]
+
 
 def middle(span):
     return 1.0 if span is None else float(np.sqrt(span[0] * span[1]))
 
 
-@pytest.mark.parametrize("arm", ARMS)
+@pytest.mark.parametrize("arm", EVERY_ARM)
 def test_mujocos_effects_fit_every_arm(arm):
     table = arm_table(arm)
     for wrist in ("elastic", "rigid"):
@@ -46,7 +52,7 @@ def test_mujocos_effects_fit_every_arm(arm):
                 assert np.max(np.abs(plant.data.qacc)) < 1e-6, (name, place)
 
 
-@pytest.mark.parametrize("arm", ARMS)
+@pytest.mark.parametrize("arm", EVERY_ARM)
 def test_the_frames_effects_fit_every_arm(arm):
     table = arm_table(arm)
     for wrist in ("elastic", "rigid"):

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "payload_reads.h"
+#include "armodal_host.h"
 
 static unsigned long long n_bytes, n_inputs, n_frames, n_payloads, n_dictionaries;
 
@@ -23,7 +23,7 @@ static void as_payload(unsigned type, const uint8_t *bytes, size_t n)
 {
     uint8_t *copy = exact(bytes, n);
 
-    n_payloads += reads(type, copy, n);
+    n_payloads += ab_payload_valid(type, copy, n);
     free(copy);
 }
 

@@ -174,12 +174,12 @@ static void give(life *host, const uint8_t *bytes, size_t n)
 static void command(life *host, unsigned n_channels)
 {
     static const uint8_t types[] = {0, 1, 2, 2, 2, 3, 3, 4, 5, 6, 6, 7, 7, 8, 0x42, 0x81, 0x90};
-    uint8_t payload[28] = {0};
+    uint8_t payload[AB_CONFIGURATION_BYTES] = {0};
     uint8_t wire[200];
     size_t n = 0;
     ab_header header = {0};
     ab_encoder encoder;
-    ab_range range;
+    ab_resend range;
 
     header.version = random_below(20) == 0 ? 2 : 1;
     header.type = types[random_below(sizeof types)];
@@ -188,15 +188,15 @@ static void command(life *host, unsigned n_channels)
     if (header.type == AB_CONFIGURE) {
         ab_configuration asked;
 
-        asked.rate_numerator = random_below(10) == 0 ? random_below(3) : 51200;
-        asked.rate_denominator = 1 + random_below(60);
+        asked.rate_hz_numerator = random_below(10) == 0 ? random_below(3) : 51200;
+        asked.rate_hz_denominator = 1 + random_below(60);
         asked.channel_mask = random_below(1u << (n_channels < 31 ? n_channels : 31));
         asked.trigger_channel = (uint8_t)random_below(n_channels);
         asked.channel_mask |= 1u << asked.trigger_channel;
-        asked.trigger_level = (int32_t)random_below(9) - 4;
+        asked.trigger_level_counts = (int32_t)random_below(9) - 4;
         asked.block_length = random_below(400);
         asked.pretrigger = random_below(asked.block_length + 1);
-        asked.falling = (uint8_t)random_below(2);
+        asked.slope = (uint8_t)random_below(2);
         asked.stream = (uint8_t)random_below(2);
         host->asked_mask[host->tag % 256] = asked.channel_mask;
         ab_write_configuration(payload, &asked);
@@ -205,7 +205,7 @@ static void command(life *host, unsigned n_channels)
         range.block_id = host->board.last_block + 1 - random_below(4);
         range.first = random_below(400);
         range.count = random_below(400);
-        ab_write_range(payload, &range);
+        ab_write_resend(payload, &range);
         n = header.type == AB_RESEND ? 12 : 4;
     }
     if (random_below(40) == 0)

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "payload_reads.h"
+#include "armodal_host.h"
 
 static unsigned long line_number;
 
@@ -143,7 +143,7 @@ int main(void)
             size_t n;
             uint8_t *bytes = bytes_of(at, &n);
 
-            want(reads((unsigned)number[1], bytes, n) == (number[0] != 0), "the payload");
+            want(ab_payload_valid((unsigned)number[1], bytes, n) == (number[0] != 0), "the payload");
             free(bytes);
         } else if (strcmp(kind, "dictionary") == 0) {
             dictionary((int)number[0], at);

@@ -10,15 +10,16 @@ from hypothesis import strategies as st
 from support.c_device import C, Device, dictionary_of
 
 from armodal.protocols.board import (
+    BlockInfo,
     BoardState,
     Configuration,
     FrameType,
     Overflow,
+    Release,
     Slope,
-    decode_block_info,
+    decode_payload,
     decode_samples,
-    encode_configuration,
-    encode_release,
+    encode_payload,
     samples_per_frame,
 )
 
@@ -42,7 +43,7 @@ def blocks_of(device):
     found, data = [], []
     for frame in device.frames:
         if frame.header.type is FrameType.BLOCK_READY:
-            found.append((decode_block_info(frame.payload), data := []))
+            found.append((decode_payload(BlockInfo, frame.payload), data := []))
         elif frame.header.type is FrameType.BLOCK_DATA:
             samples = decode_samples(frame)
             assert samples.block_id == found[-1][0].block_id
@@ -128,7 +129,7 @@ def test_a_buffer_freed_while_all_were_held_takes_a_block_once_its_pretrigger_is
     device.feed([[0, 0], [0, 0], [0, 0], [1, 0], [0, 0], [0, 0]])
     device.feed([[0, 0]] * 10)
     device.poll()
-    assert device.code(FrameType.RELEASE, encode_release(1)) == 0
+    assert device.code(FrameType.RELEASE, encode_payload(Release(block_id=1))) == 0
     device.feed([[0, 0], [0, 0], [1, 0]])  # only two samples before it
     assert device.status().triggers_missed == 1
     # The crossing is passed over for as long as its block would have lasted, three samples more.
@@ -195,7 +196,7 @@ def test_ids_go_on_after_start_and_counts_do_not():
     device.poll()
     assert blocks_of(device)[-1][0].block_id == 2
     # An id of the run before is held no longer, but was given out.
-    assert device.code(FrameType.RELEASE, encode_release(1)) == 0
+    assert device.code(FrameType.RELEASE, encode_payload(Release(block_id=1))) == 0
 
 
 def test_ticks_are_counted_on_from_the_tick_of_the_first_sample_of_a_portion():
@@ -283,7 +284,7 @@ def test_what_is_held_outlives_configure_refused_and_not_configure_accepted():
     device.run(wanted(0, 1, 1))
     device.feed([[0, 0], [1, 0]])
     device.code(FrameType.STOP)
-    assert device.code(FrameType.CONFIGURE, encode_configuration(wanted(5, 5))) == 1
+    assert device.code(FrameType.CONFIGURE, encode_payload(wanted(5, 5))) == 1
     assert device.status().buffered_blocks == 1
-    assert device.code(FrameType.CONFIGURE, encode_configuration(wanted(4, 5))) == 0
+    assert device.code(FrameType.CONFIGURE, encode_payload(wanted(4, 5))) == 0
     assert device.status().buffered_blocks == 0

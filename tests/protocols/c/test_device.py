@@ -13,15 +13,15 @@ from armodal.protocols.board import (
     BoardState,
     Configuration,
     FrameType,
+    Release,
     ReplyCode,
+    Resend,
     SequenceTracker,
     Slope,
     decode_reply,
     decode_samples,
     dictionary_hash,
-    encode_configuration,
-    encode_release,
-    encode_resend,
+    encode_payload,
     join_hello,
     wire_size,
 )
@@ -36,7 +36,7 @@ WANTED = Configuration(
     block_length=100,
     stream=False,
 )
-CONFIGURE = encode_configuration(WANTED)
+CONFIGURE = encode_payload(WANTED)
 HIT = [[0, 0], [0, 0], [1, 0], *([[0, 0]] * 97)]
 BIG = dictionary_of(32, board_id="x" * 255)  # more than two fragments
 
@@ -119,8 +119,8 @@ def test_the_table_of_states(kind, state, code, after):
     device = in_state(state)
     payloads = {
         FrameType.CONFIGURE: CONFIGURE,
-        FrameType.RESEND: encode_resend(1, 0, 0),
-        FrameType.RELEASE: encode_release(1),
+        FrameType.RESEND: encode_payload(Resend(block_id=1, first=0, count=0)),
+        FrameType.RELEASE: encode_payload(Release(block_id=1)),
     }
     assert device.code(kind, payloads.get(kind, b"")) is code
     assert device.status().state is after
@@ -135,7 +135,7 @@ def test_a_malformed_payload_is_a_bad_value_and_changes_nothing(kind):
 
 def test_a_rate_the_converter_cannot_make_is_refused_in_its_words():
     device = in_state(BoardState.CONFIGURED)
-    seven = encode_configuration(replace(WANTED, rate_hz=Fraction(7)))
+    seven = encode_payload(replace(WANTED, rate_hz=Fraction(7)))
     (reply,) = device.ask(FrameType.CONFIGURE, seven)
     assert decode_reply(reply.payload) == (ReplyCode.BAD_VALUE, "not 7 Hz")
     assert device.code(FrameType.START) is ReplyCode.OK
@@ -150,7 +150,9 @@ def test_the_resend_queue_takes_eight_ranges_and_says_when_it_is_full():
         # they are asked for, three frames for each range of this block.
         waiting = device.board.transmit_end - device.board.transmit_at
         device.room = waiting + wire_size(2)
-        device.receive(sealed(1, FrameType.RESEND, encode_resend(1, 0, 100)))
+        device.receive(
+            sealed(1, FrameType.RESEND, encode_payload(Resend(block_id=1, first=0, count=100)))
+        )
         device.poll()
     assert device.board.n_resend == 8
     device.room = None
@@ -167,7 +169,7 @@ def test_release_takes_back_what_is_queued_of_its_block_and_nothing_else():
     device.room = 0
     device.feed(HIT * 2)
     device.poll()  # BLOCK_READY of block 1 waits for the line
-    device.receive(sealed(1, FrameType.RELEASE, encode_release(1)))
+    device.receive(sealed(1, FrameType.RELEASE, encode_payload(Release(block_id=1))))
     device.room = None
     device.poll()
     assert {f.payload[4] for f in device.of(FrameType.BLOCK_DATA)} == {2}
@@ -180,10 +182,10 @@ def test_release_takes_the_ranges_of_its_block_out_of_the_queue_and_no_others():
     device.frames.clear()
     # One answer a turn: the first frame of data that is sent again waits on the line.
     for kind, payload in [
-        (FrameType.RESEND, encode_resend(2, 0, 10)),
-        (FrameType.RESEND, encode_resend(1, 0, 10)),
-        (FrameType.RESEND, encode_resend(2, 20, 10)),
-        (FrameType.RELEASE, encode_release(1)),
+        (FrameType.RESEND, encode_payload(Resend(block_id=2, first=0, count=10))),
+        (FrameType.RESEND, encode_payload(Resend(block_id=1, first=0, count=10))),
+        (FrameType.RESEND, encode_payload(Resend(block_id=2, first=20, count=10))),
+        (FrameType.RELEASE, encode_payload(Release(block_id=1))),
     ]:
         waiting = device.board.transmit_end - device.board.transmit_at
         device.room = waiting + wire_size(2)
@@ -205,7 +207,12 @@ def test_a_resend_range_is_checked_against_the_block():
         (99, 2, ReplyCode.BAD_VALUE),
         (2**32 - 1, 2, ReplyCode.BAD_VALUE),
     ]:
-        assert device.code(FrameType.RESEND, encode_resend(1, first, count)) is code
+        assert (
+            device.code(
+                FrameType.RESEND, encode_payload(Resend(block_id=1, first=first, count=count))
+            )
+            is code
+        )
 
 
 @given(room=st.lists(st.integers(0, 40), min_size=1, max_size=40))

@@ -1,177 +1,155 @@
 """Payloads and dictionaries in C against the vectors and against Python, both ways."""
 
+import json
 import struct
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.any_record import records
 from support.c_device import FFI, VECTORS, C, accepts, configuration_fields, entries
 
 from armodal.protocols.board import (
-    BlockInfo,
+    MESSAGES,
     BoardDictionary,
-    BoardState,
-    BoardStatus,
     Channel,
     Configuration,
     FrameType,
     IepeState,
     Slope,
-    decode_configuration,
     decode_dictionary,
-    encode_block_info,
-    encode_configuration,
     encode_dictionary,
-    encode_release,
-    encode_resend,
-    encode_status,
     refusal,
 )
+from armodal.protocols.board.generate.table import snake
+from armodal.protocols.board.layout import decode, encode, layout_of
 from armodal.protocols.errors import FrameError
 
-U8, U32, U64 = (st.integers(0, 2**bits - 1) for bits in (8, 32, 64))
+VECTOR_FOLDER = Path(__file__).resolve().parents[2] / "vectors"
+FIELD_VECTORS = json.loads((VECTOR_FOLDER / "board-fields-v1.json").read_text(encoding="utf-8"))
+U8, U32 = (st.integers(0, 2**bits - 1) for bits in (8, 32))
 DICTIONARY_OF = {entry["name"]: entry["encoded"] for entry in VECTORS["dictionaries"]}
 VECTOR_DICTIONARY = DICTIONARY_OF["two channels"]
 
 
-READERS = {
-    "CONFIGURE": (C.ab_read_configuration, "ab_configuration *"),
-    "STATUS_REPLY": (C.ab_read_status, "ab_status *"),
-    "BLOCK_READY": (C.ab_read_block_info, "ab_block_info *"),
-    "RESEND": (C.ab_read_range, "ab_range *"),
-    "RELEASE": (C.ab_read_block_id, "uint32_t *"),
-    "HELLO_REPLY": (C.ab_read_fragment, "uint16_t *", "uint16_t *"),
-    "STREAM": (partial(C.ab_read_data, FrameType.STREAM), "ab_data *"),
-    "BLOCK_DATA": (partial(C.ab_read_data, FrameType.BLOCK_DATA), "ab_data *"),
-}
-REPLY = (C.ab_read_reply, "uint8_t *", "uint8_t **", "size_t *")
+def struct_of(record):
+    """A record as C holds it, and the names of its functions."""
+    name = snake(record.__name__)
+    return f"ab_{name} *", getattr(C, f"ab_read_{name}"), getattr(C, f"ab_write_{name}")
 
 
-def read(kind, payload):
-    """What the C reader of a type makes of a payload: None where it refuses."""
-    function, *types = READERS.get(kind, REPLY)
-    results = [FFI.new(each) for each in types]
-    # The reason of a reply points into the payload, which must live as long.
-    keep = FFI.new("uint8_t[]", payload)
-    if not function(keep, len(payload), *results):
-        return None
-    if kind not in READERS:
-        code, reason, size = results
-        return code[0], bytes(FFI.buffer(reason[0], size[0])).decode()
-    return results[0] if len(results) == 1 else results
+def read_record(record, data):
+    """What C reads: None where it refuses."""
+    kind, reader, _ = struct_of(record)
+    found = FFI.new(kind)
+    return found if reader(data, len(data), found) else None
 
 
-def write(kind, value):
-    """The C writer's payload of what `read` gave."""
-    if kind in ("STREAM", "BLOCK_DATA"):
-        to = FFI.new("uint8_t[8]")
-        n = C.ab_write_data_prefix(to, value.n_samples, value.n_channels, value.block_id)
-        return bytes(FFI.buffer(to, n))
-    size, function = {
-        "CONFIGURE": (28, C.ab_write_configuration),
-        "STATUS_REPLY": (39, C.ab_write_status),
-        "BLOCK_READY": (32, C.ab_write_block_info),
-        "RESEND": (12, C.ab_write_range),
-    }[kind]
-    to = FFI.new("uint8_t[]", size)
-    function(to, value)
+def write_record(found, record):
+    """The bytes that C writes."""
+    to = FFI.new("uint8_t[]", layout_of(record).size)
+    struct_of(record)[2](to, found)
     return bytes(FFI.buffer(to))
+
+
+def numbers_of(found, record):
+    """The fields of a C record as Python's record holds them."""
+    fields = {}
+    for field in layout_of(record).fields:
+        if field.is_stored:
+            numbers = [getattr(found, name) for name, _ in field.numbers]
+            fields[field.name] = Fraction(*numbers) if len(numbers) > 1 else numbers[0]
+    return fields
+
+
+RECORDS = sorted({m.record for m in MESSAGES.values() if m.record}, key=lambda r: r.__name__)
 
 
 @entries("frames")
 def test_a_payload_vector_reads_and_writes_the_same_bytes(vector):
-    kind, payload, fields = vector["type"], bytes.fromhex(vector["payload"]), vector["fields"]
-    if not payload:
+    kind, payload = FrameType[vector["type"]], bytes.fromhex(vector["payload"])
+    message = MESSAGES[kind]
+    # A refused STATUS has no record; the vectors have none of these.
+    assert C.ab_payload_valid(kind, payload, len(payload))
+    if message.record is None:
         return
-    found = read(kind, payload)
-    assert found is not None
-    if kind in ("STREAM", "BLOCK_DATA"):
-        prefix = write(kind, found)
-        assert payload.startswith(prefix)
-        assert found.n_samples == len(fields["counts"])
-    elif kind == "RELEASE":
-        assert found[0] == fields["block_id"]
-    elif kind == "HELLO_REPLY":
-        assert (found[0][0], found[1][0]) == (fields["total"], fields["offset"])
-    elif kind.endswith("_REPLY") and kind != "STATUS_REPLY":
-        assert found == (fields["code"], fields["reason"])
-    else:
-        assert write(kind, found) == payload
-        shared = {"state", "next_sample", "first_sample", "trigger_ticks", "pretrigger", "count"}
-        for name in shared & fields.keys():
-            assert getattr(found, name) == int(fields[name])
+    body = payload[2:] if message.is_answer else payload
+    head = body[: layout_of(message.record).size]
+    found = read_record(message.record, body)
+    assert write_record(found, message.record) == head
+    known = decode(message.record, head)
+    assert numbers_of(found, message.record) == {
+        name: getattr(known, name) for name in numbers_of(found, message.record)
+    }
+
+
+@entries("frames")
+def test_a_reply_vector_gives_its_code_and_reason(vector):
+    if not MESSAGES[FrameType[vector["type"]]].is_answer:
+        return
+    payload = bytes.fromhex(vector["payload"])
+    keep = FFI.new("uint8_t[]", payload)  # into which the reason points
+    code, reason, size = FFI.new("uint8_t *"), FFI.new("uint8_t **"), FFI.new("size_t *")
+    assert C.ab_read_reply(keep, len(payload), code, reason, size)
+    found = bytes(FFI.buffer(reason[0], size[0])).decode()
+    assert (code[0], found) == (vector["fields"]["code"], vector["fields"]["reason"])
 
 
 @entries("invalid_payloads")
 def test_an_invalid_payload_is_refused(vector):
-    assert read(vector["type"], bytes.fromhex(vector["payload"])) is None
+    payload = bytes.fromhex(vector["payload"])
+    assert not C.ab_payload_valid(FrameType[vector["type"]], payload, len(payload))
 
 
-CONFIGURATIONS = st.builds(
-    Configuration,
-    rate_hz=st.builds(Fraction, st.integers(1, 2**32 - 1), st.integers(1, 2**32 - 1)),
-    channel_mask=U32,
-    trigger_channel=U8,
-    trigger_level_counts=st.integers(-(2**31), 2**31 - 1),
-    slope=st.sampled_from(Slope),
-    pretrigger=U32,
-    block_length=U32,
-    stream=st.booleans(),
-)
+def field_vectors(key):
+    """Extremes of every field but the header's, which has no reader of its own that refuses."""
+    rows = [row for row in FIELD_VECTORS[key] if row["record"] != "header"]
+    return pytest.mark.parametrize("vector", rows, ids=lambda row: row["name"])
 
 
-@given(CONFIGURATIONS)
-def test_a_configuration_passes_between_the_sides(configuration):
-    encoded = encode_configuration(configuration)
-    assert write("CONFIGURE", read("CONFIGURE", encoded)) == encoded
-    assert decode_configuration(write("CONFIGURE", configuration_fields(configuration))) == (
-        configuration
-    )
+@field_vectors("records")
+def test_c_reads_and_writes_every_extreme_of_a_field(vector):
+    record, data = MESSAGES[FrameType[vector["record"]]].record, bytes.fromhex(vector["bytes"])
+    found = read_record(record, data)
+    assert found is not None
+    assert write_record(found, record) == data
+    for name, value in vector["fields"].items():
+        wanted = Fraction(*value) if isinstance(value, list) else int(value)
+        assert numbers_of(found, record)[name] == wanted
 
 
-@given(
-    st.builds(
-        BoardStatus,
-        state=st.sampled_from(BoardState),
-        next_sequence=U32,
-        next_sample=U64,
-        buffered_blocks=U32,
-        oldest_block=U32,
-        stream_samples_dropped=U64,
-        triggers_missed=U32,
-        adc_overruns=U32,
-    )
-)
-def test_a_status_passes_between_the_sides(status):
-    encoded = encode_status(status)
-    found = read("STATUS_REPLY", encoded)
-    assert found.stream_samples_dropped == status.stream_samples_dropped
-    assert write("STATUS_REPLY", found) == encoded
+@field_vectors("invalid_records")
+def test_c_refuses_what_is_outside_a_range(vector):
+    record = MESSAGES[FrameType[vector["record"]]].record
+    assert read_record(record, bytes.fromhex(vector["bytes"])) is None
 
 
-@given(st.integers(1, 2**32 - 1), st.integers(1, 2**32 - 1), st.integers(0, 2**63), U64, st.data())
-def test_a_block_announcement_passes_between_the_sides(block, length, first, ticks, data):
-    info = BlockInfo(
-        block_id=block,
-        first_sample=first,
-        length=length,
-        trigger_sample=first + data.draw(st.integers(0, length - 1)),
-        trigger_ticks=ticks,
-    )
-    encoded = encode_block_info(info)
-    assert write("BLOCK_READY", read("BLOCK_READY", encoded)) == encoded
+@given(st.data())
+def test_any_record_passes_between_the_sides(data):
+    record = data.draw(st.sampled_from(RECORDS))
+    wanted = data.draw(records(record))
+    encoded = encode(wanted)
+    found = read_record(record, encoded)
+    assert found is not None
+    assert write_record(found, record) == encoded
+    assert decode(record, write_record(found, record)) == wanted
 
 
-@given(U32, U32, U32)
-def test_resend_and_release_pass_between_the_sides(block, first, count):
-    encoded = encode_resend(block, first, count)
-    assert write("RESEND", read("RESEND", encoded)) == encoded
-    to = FFI.new("uint8_t[4]")
-    C.ab_write_block_id(to, block)
-    assert bytes(FFI.buffer(to)) == encode_release(block)
+@given(st.data())
+def test_both_sides_refuse_the_same_records(data):
+    record = data.draw(st.sampled_from(RECORDS))
+    size = layout_of(record).size
+    mostly_small = st.lists(st.sampled_from([0, 1, 2, 3, 255]), min_size=size, max_size=size)
+    damaged = bytes(data.draw(mostly_small))
+    try:
+        decode(record, damaged)
+    except FrameError:
+        assert read_record(record, damaged) is None
+    else:
+        assert read_record(record, damaged) is not None
 
 
 # Dictionaries

@@ -5,7 +5,7 @@ import pytest
 
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.motion_log import read_motion_log
+from armodal.protocols.foreign.read_motion import read_motion_log
 
 N = 300
 

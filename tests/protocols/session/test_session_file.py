@@ -130,7 +130,7 @@ def test_interrupted_write_leaves_the_old_file(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("armodal.protocols.session.hdf5.write_losses", full)
-    with pytest.raises(SessionError, match="No space left"):
+    with pytest.raises(SessionError, match="no space is left"):
         write_session(example.session, written)
     assert written.read_bytes() == before
     assert [item.name for item in written.parent.iterdir()] == ["a.h5"]

@@ -95,7 +95,7 @@ def test_a_disk_that_is_full_keeps_the_old_file_and_leaves_nothing_else(example,
     path = tmp_path / "a.h5"
     write_session(example.session, path)
     before = path.read_bytes()
-    with pytest.raises(SessionError, match=r"No space left.*armodal recover"):
+    with pytest.raises(SessionError, match=r"no space is left.*armodal recover"):
         write_session(example.session, path, files=Full())
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]

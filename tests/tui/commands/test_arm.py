@@ -12,7 +12,6 @@ from support.command import armodal
 from support.robot_files import box_stl, five_joints, scara, seven_joints, six_joints
 from typer.testing import CliRunner
 
-from armodal.analyzer.planning import search, selective
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.plan import load_plan
@@ -208,10 +207,7 @@ def test_shipped_arms_are_checked_by_capsules():
     assert {row["shape"] for row in rows} == {"capsule"}
 
 
-def test_a_new_arm_comes_with_a_plan_that_its_file_can_run(tmp_path, monkeypatch):
-    monkeypatch.setattr(search, "N_RANDOM", 3000)
-    monkeypatch.setattr(search, "ROUNDS", 2)
-    monkeypatch.setattr(selective, "N_OTHERS", 10)
+def test_a_new_arm_comes_with_a_plan_that_its_file_can_run(tmp_path, small_search):
     path = five_joints().write(tmp_path / "robot.urdf")
     said = armodal("arm", "new", path, "--yes", "--out", tmp_path / "mine", "--json")
     assert said.returncode == 0, said.stderr

@@ -105,7 +105,7 @@ def test_every_published_figure_has_a_status_and_only_denied_statements_differ(m
 
 
 def test_a_plan_is_written_beside_the_papers_postures_and_a_session_can_run_it(
-    tmp_path, monkeypatch
+    tmp_path, monkeypatch, small_search
 ):
     path = tmp_path / "plan.toml"
     value, shown = told_to_machines_and_people(

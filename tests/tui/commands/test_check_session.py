@@ -1,6 +1,6 @@
 import json
 
-from armodal.tui.commands.check_session import session_checks
+from armodal.tui.command_parts.check_session import session_checks
 
 
 def test_checks_are_plain_values_and_a_table(session):

@@ -15,7 +15,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import PLANS_DIRECTORY
 from armodal.protocols.session.journal import load_journal
 from armodal.tui.cli import app
-from armodal.tui.commands.demo_run import run_demo
+from armodal.tui.command_parts.demo_run import run_demo
 
 FEW_POINTS = ("1", "4", "6", "9", "12", "14")
 

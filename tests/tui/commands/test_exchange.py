@@ -18,7 +18,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.foreign.uff_read import read_uff
 from armodal.protocols.session.hdf5 import read_session, write_session
 from armodal.tui.cli import app
-from armodal.tui.commands.exchange import export_model
+from armodal.tui.commands.export import export_model
 
 FREQ = 0.25 * np.arange(1, 500)
 POLES_HZ, DAMPING = (30.0, 75.0), (0.02, 0.01)

@@ -12,7 +12,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmodalError, MissingPackageError
 from armodal.tui.cli import app
-from armodal.tui.commands import export_arm
+from armodal.tui.command_parts import export_arm
 
 pytest.importorskip("mujoco")
 RV = load_arm("rv4frl")
@@ -55,6 +55,16 @@ def test_frequencies_that_are_others_leave_nothing_behind(corrected, tmp_path, m
     result = run(corrected, "--mjcf", tmp_path / "out.xml")
     assert "wanted MuJoCo's frequencies within" in str(result.exception)
     assert [path.name for path in tmp_path.iterdir()] == ["arm.toml"]
+
+
+def test_a_link_whose_pieces_are_no_bodies_is_approximated_and_its_size_said(tmp_path):
+    path = tmp_path / "arm.toml"
+    path.write_text(text_with_effects(RV, [any_of(RV, "link_bending")]), encoding="utf-8")
+    value = json.loads(run(path, "--mjcf", tmp_path / "out.xml", "--json").stdout)
+    assert 2e-3 < value["mujoco"]["largest_difference"] < 5e-2
+    said = " ".join(value["notes"])
+    assert "lie nearer together" in said
+    assert "approximate: MuJoCo's frequencies are off the arm file's by up to 3 %" in said
 
 
 def test_an_effect_without_a_counterpart_leaves_nothing_behind(tmp_path):

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from support.gap_results import made_result
 from support.small_case import small_case
 from typer.testing import CliRunner
 
+import armodal.tui.commands.gap
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.analyzer.report import read_gap
@@ -16,7 +21,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, ArmodalError, EstimateError
 from armodal.protocols.session.hdf5 import write_session
 from armodal.tui.cli import app
-from armodal.tui.commands.gap_results import with_arm
+from armodal.tui.command_parts.gap_results import with_arm
 
 
 @pytest.fixture(scope="module")
@@ -29,10 +34,17 @@ def averaged():
 
 
 @pytest.fixture(scope="module")
-def found(averaged, tmp_path_factory):
+def imported(averaged, tmp_path_factory):
+    """Its file."""
     _, session = averaged
     path = tmp_path_factory.mktemp("gap") / "imported.h5"
     write_session(session, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(imported):
+    path = imported
     result = run("gap", str(path), "--json", "--html", str(path.with_suffix(".html")))
     assert result.exit_code == 0, result.output
     return path, json.loads(result.stdout)
@@ -48,6 +60,7 @@ def refused(*arguments: str) -> ArmodalError:
     return result.exception
 
 
+@pytest.mark.long
 def test_averaged_frfs_are_enough_to_name_an_axis_and_what_stays_closed_is_said(averaged, found):
     case, _ = averaged
     _, value = found
@@ -67,6 +80,20 @@ def test_averaged_frfs_are_enough_to_name_an_axis_and_what_stays_closed_is_said(
     }
 
 
+def test_what_was_found_lies_beside_the_session_with_a_page(imported, tmp_path, monkeypatch):
+    path = Path(shutil.copy(imported, tmp_path / "s.h5"))
+    result = made_result("ambiguous", [], standing=["softening", "friction"])
+    found = SimpleNamespace(result=replace(result, summary="two stand"))
+    monkeypatch.setattr(armodal.tui.commands.gap, "find_gap", lambda *_, **__: found)
+    said = run("gap", str(path), "--json", "--html", str(tmp_path / "page.html"))
+    value = json.loads(said.stdout)
+    assert value["arm_file"] is None  # nothing was named
+    assert value["result"] == str(path.with_suffix(".gap.json"))
+    assert read_gap(path.with_suffix(".gap.json")) == found.result
+    assert "two stand" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.long
 def test_the_result_lies_beside_the_session_with_an_arm_file_and_a_page(found):
     path, value = found
     assert read_gap(path.with_suffix(".gap.json")).verdict.value == value["verdict"]
@@ -76,6 +103,7 @@ def test_the_result_lies_beside_the_session_with_an_arm_file_and_a_page(found):
     assert "Link gives way about an axis of its own" in page
 
 
+@pytest.mark.long
 def test_believing_the_new_arm_nothing_more_is_missing(found, tmp_path):
     path, value = found
     arms = ("--arm", value["arm_file"], "--arm-out", str(tmp_path / "again.toml"))
@@ -87,9 +115,8 @@ def test_believing_the_new_arm_nothing_more_is_missing(found, tmp_path):
     assert second["arm_file"] is None
 
 
-def test_an_arm_that_does_not_match_is_refused(averaged, found):
-    path, _ = found
-    problem = refused("gap", str(path), "--arm", "rv4frl")
+def test_an_arm_that_does_not_match_is_refused(averaged, imported):
+    problem = refused("gap", str(imported), "--arm", "rv4frl")
     assert isinstance(problem, ArmError)
     assert "does not match the session: wanted the joints" in str(problem)
     _, session = averaged

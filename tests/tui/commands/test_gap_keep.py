@@ -26,7 +26,7 @@ from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectPar
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError
 from armodal.tui.cli import app
-from armodal.tui.commands.gap_results import check_arm_out, keep_gap
+from armodal.tui.command_parts.gap_results import check_arm_out, keep_gap
 
 
 @pytest.fixture(scope="module")

@@ -70,7 +70,7 @@ def test_a_plan_for_an_arm_with_effects_is_refused_by_name(corrected):
     assert "got the effects link_axis (shoulder)" in str(result.exception)
 
 
-def test_a_plan_for_an_arm_with_a_payload_is_of_the_loaded_links(tmp_path):
+def test_a_plan_for_an_arm_with_a_payload_is_of_the_loaded_links(tmp_path, small_search):
     arm = load_arm("rv4frl")
     path, plan = tmp_path / "arm.toml", tmp_path / "plan.toml"
     path.write_text(text_with_effects(arm, [any_of(arm, "payload")]), encoding="utf-8")

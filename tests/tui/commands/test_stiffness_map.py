@@ -33,6 +33,28 @@ def test_the_plane_names_an_elbow_for_every_place():
     assert len(value["elbow"]) == len(value["postures_deg"]) > 1000
 
 
+@pytest.mark.parametrize("lines", [1, 2])
+def test_the_best_angle_of_a_tool_that_may_turn_is_told_beside_the_given_one(tmp_path, lines):
+    path, html = tmp_path / "p.csv", tmp_path / "s.html"
+    path.write_text("0,-60,160,20,50,0\n10,-40,140,0,60,0\n"[: 18 * lines])
+    arguments = (
+        "viper_s650",
+        "--path",
+        path,
+        "--force=30,0,-100",
+        "--at=0.1,0,0.1",
+        "--spin=1,0,0",
+    )
+    value = json.loads(run(*arguments, "--html", html, "--json").stdout)
+    pairs = zip(
+        value["stiffness_along_n_per_m"], value["given_stiffness_along_n_per_m"], strict=True
+    )
+    assert all(best >= given for best, given in pairs)
+    assert len(value["free_angle_deg"]) == lines
+    assert "over its free angle" in html.read_text()
+    assert "times as stiff as in the given postures" in " ".join(run(*arguments).stdout.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -40,6 +62,9 @@ def test_the_plane_names_an_elbow_for_every_place():
         (("--force=0,0,0", "--plane"), "wanted a force, got none"),
         (("--force=0,0", "--plane"), "--force: wanted 3 numbers"),
         (("--force=0,0,1", "--path=not there"), "it cannot be read"),
+        (("--force=0,0,1", "--plane", "--free-angle"), "give a path"),
+        (("--force=0,0,1", "--path=p", "--free-angle", "--spin=1,0,0"), "got both"),
+        (("--force=0,0,1", "--path=p", "--spin=0,0,0"), "the direction of an axis"),
     ],
 )
 def test_a_user_s_mistake_is_one_message(arguments, message):

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 
 PROGRAM = """
 import os, signal, time
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 
 if __name__ == "__main__":
     # Whoever runs the tests in the background has Ctrl-C ignored, and processes inherit that.
@@ -46,7 +46,7 @@ def test_ctrl_c_ends_processes_that_start_or_work_and_only_the_first_one_speaks(
 
 KILLED = """
 import os, signal
-from armodal.tui.commands.worker_processes import worker_processes
+from armodal.tui.command_parts.worker_processes import worker_processes
 
 if __name__ == "__main__":
     with worker_processes(2) as executor:

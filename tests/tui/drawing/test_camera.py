@@ -44,3 +44,25 @@ def test_elevation_stops_overhead_and_zoom_scales_the_picture():
 
 def test_a_scene_of_nothing_has_a_camera():
     assert Camera.around(np.zeros((0, 3))).radius_m > 0
+
+
+def test_a_motion_is_faced_from_where_it_is_seen_whole():
+    camera = Camera(center_m=np.zeros(3), radius_m=1.0, half_height_m=1.0)
+    for azimuth in np.linspace(0.0, 6.0, 7):
+        motion = np.array([[np.cos(azimuth), np.sin(azimuth), 0.0]])
+        toward = camera.facing(motion).directions()[2]
+        # Turned in steps of 5 degrees: at most half a step off.
+        assert abs(float(motion[0] @ toward)) <= np.sin(np.deg2rad(2.5)) + EXACT
+
+
+def test_no_view_around_the_scene_shows_more_of_a_motion_than_the_one_that_faces_it():
+    motion = np.random.default_rng(3).normal(size=(9, 3))
+    camera = Camera(center_m=np.zeros(3), radius_m=1.0, half_height_m=1.0)
+
+    def seen(view):
+        return float(np.sum((motion @ view.directions()[:2].T) ** 2))
+
+    best = seen(camera.facing(motion))
+    assert all(
+        seen(camera.turned(turn)) <= best + EXACT for turn in np.deg2rad(np.arange(0.0, 360.0, 5.0))
+    )

@@ -169,7 +169,8 @@ class ReviewApp(PrintableApp[int]):
                     fitted = fit_picked(opened.superset, replace(fitted, picks=kept[view.name]))
                 except ArmodalError as error:
                     self.call_from_thread(self.notify, str(error), severity="error", timeout=20.0)
-            self.call_from_thread(self._fitted, number, fitted)
+            if fitted is not view:  # what is known is shown already, and perhaps changed since
+                self.call_from_thread(self._fitted, number, fitted)
         if kept:
             self.call_from_thread(
                 self.notify,

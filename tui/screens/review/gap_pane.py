@@ -12,6 +12,7 @@ from textual.message import Message
 
 from armodal.analyzer.report import gap_path
 from armodal.protocols.errors import ArmodalError, SessionError
+from armodal.protocols.os_words import os_words
 from armodal.tui.screens.review.gap_text import gap_view
 from armodal.tui.screens.review.next_test import NextRun, keep_plan, next_run, next_test_plan
 from armodal.tui.screens.review.run_pane import RunPane
@@ -42,7 +43,9 @@ def read_gap(path: Path) -> dict[str, Any]:
         size = path.stat().st_size
         value = json.loads(path.read_text(encoding="utf-8")) if size <= _LIMIT else None
     except OSError as error:
-        raise SessionError(f"{path}: {error.strerror}; give the result of `armodal gap`") from error
+        raise SessionError(
+            f"{path}: {os_words(error)}; give the result of `armodal gap`"
+        ) from error
     except (ValueError, RecursionError) as error:
         raise SessionError(
             f"{path}: wanted JSON, got {error}; give the result of `armodal gap`"

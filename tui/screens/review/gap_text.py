@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval
-from armodal.analyzer.report.effect_words import interval_in_words
+from armodal.analyzer.report.effect_words import mechanics
+from armodal.tui.fitting_table import FittingTable
+from armodal.tui.screens.review.gap_map import gap_map
 from armodal.tui.screens.review.next_test import next_test_of
 
 __all__ = ["gap_view"]
@@ -23,8 +24,6 @@ VERDICTS = {
     "nothing_detectable": "NOTHING DETECTABLE",
     "outside_library": "OUTSIDE THE LIBRARY",
 }
-_SHADES = " ░▒▓█"
-_CELL, _LABEL = 3, 22  # characters: 18 points beside their label fit 80 columns
 
 
 def gap_view(found: Mapping[str, Any]) -> RenderableType:
@@ -52,31 +51,6 @@ def _number(value: object, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if isinstance(value, (int, float)) else "-"
 
 
-def _parameters(row: Mapping[str, Any]) -> list[str]:
-    """Lines of an effect's parameters, as the kept file has them or as `gap --json` prints them."""
-    told = []
-    for name, value in row.get("parameters", {}).items():
-        found = value if isinstance(value, Mapping) else _interval(row, name, value)
-        unit = f" {found.get('unit', '')}".rstrip()
-        stiffness = _as_stiffness(found)
-        if stiffness is not None:
-            told.append(stiffness)
-            continue
-        low, high = _number(found.get("low")), _number(found.get("high"))
-        spread = _number(found.get("std"), 2)
-        told.append(f"{name} {_number(found['value'])} ± {spread}{unit} (95 %: {low} to {high})")
-    return told
-
-
-def _as_stiffness(found: Mapping[str, Any]) -> str | None:
-    """A compliance as the stiffness it is; None of anything else."""
-    numbers = {key: found.get(key) for key in ("value", "std", "low", "high")}
-    told = {key: x for key, x in numbers.items() if isinstance(x, (int, float)) and x > 0.0}
-    if found.get("unit") != "rad/(N m)" or len(told) < len(numbers):
-        return None
-    return interval_in_words(Interval(unit="rad/(N m)", **told))
-
-
 def _interval(row: Mapping[str, Any], name: str, value: object) -> Mapping[str, Any]:
     low, high = row.get("interval_95", {}).get(name, (None, None))
     std, unit = (row.get(key, {}).get(name) for key in ("std", "units"))
@@ -95,7 +69,8 @@ def _add(table: Table, *cells: str) -> None:
 
 
 def _titled(title: str, table: RenderableType, below: str = "") -> RenderableType:
-    parts: list[RenderableType] = [Text(title, style="bold"), table]
+    fitting = FittingTable(table) if isinstance(table, Table) else table
+    parts: list[RenderableType] = [Text(title, style="bold"), fitting]
     return Group(*parts, Text(below, style="italic")) if below else Group(*parts)
 
 
@@ -110,16 +85,40 @@ def _effects(found: Mapping[str, Any]) -> RenderableType | None:
         sure = row.get("confidence")
         told = f", {_sure(sure)} sure" if isinstance(sure, (int, float)) else ""
         lines.append((f"{_name(row)}{told}\n", "bold"))
-        lines += [f"  {parameter}\n" for parameter in _parameters(row)]
-        described = row.get("description")
-        if isinstance(described, Mapping):
-            lines += [f"  {name}: {_told(value)}\n" for name, value in described.items()]
-        confused = row.get("confused_with")
-        if isinstance(confused, (list, tuple)) and confused:
-            lines.append(f"  could be confused with {', '.join(map(str, confused))}\n")
+        lines += [f"  {what}: {words}\n" for what, words in _mechanics(row)]
         if row.get("remedy"):
             lines.append(f"  do now: {row['remedy']}\n")
     return Text.assemble(*lines) if lines else None
+
+
+def _mechanics(row: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The effect in the words of mechanics, as far as the result tells them."""
+    described, confused = row.get("description"), row.get("confused_with")
+    told = {
+        name: value if isinstance(value, Mapping) else _interval(row, name, value)
+        for name, value in row.get("parameters", {}).items()
+    }
+    whole, parts = {}, []
+    for name, found in told.items():
+        numbers = {key: found.get(key) for key in ("value", "std", "low", "high")}
+        known = {key: float(x) for key, x in numbers.items() if isinstance(x, (int, float))}
+        if len(known) == len(numbers):
+            whole[name] = Interval(unit=str(found.get("unit") or ""), **known)
+        else:
+            unit = f" {found.get('unit') or ''}".rstrip()
+            parts.append((name, f"{_number(found['value'])}{unit}, ± not told"))
+    return [
+        *parts,
+        *mechanics(
+            size=str(row.get("size", "")),
+            parameters=whole,
+            description=described if isinstance(described, Mapping) else {},
+            moves=[str(name) for name in row.get("moves", ())],
+            place=str(row.get("place") or ""),
+            confused_with=[str(x) for x in confused] if isinstance(confused, (list, tuple)) else [],
+            told_by=str(row.get("told_by") or ""),
+        ),
+    ]
 
 
 def _sure(share: float) -> str:
@@ -150,7 +149,10 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
     return _titled(
         "Gap: difference over the FRFs, %",
         table,
-        "noise alone: what scatter and the errors that every test has would leave",
+        (
+            "noise alone: what scatter and the errors that every test has would leave.\n"
+            "After as low as this: all is explained. Far above it: something is still missing."
+        ),
     )
 
 
@@ -162,50 +164,10 @@ def _bar(before: float | None, after: float | None) -> str:
     return "█" * left + "░" * (10 - left)
 
 
-def gap_map(found: Mapping[str, Any]) -> RenderableType | None:
-    """Disagreement over posture and band against point: the worst axis of each, shaded.
-
-    1 is what scatter and allowance explain.
-    """
-    rows = [row for row in _rows(found, "where") if isinstance(row.get("ratio"), (int, float))]
-    if not rows:
-        return None
-    points = list(dict.fromkeys(str(row.get("point")) for row in rows))
-    lines = list(dict.fromkeys((str(row.get("posture")), _band(row)) for row in rows))
-    worst = np.full((len(lines), len(points)), np.nan)
-    for row in rows:
-        at = lines.index((str(row.get("posture")), _band(row))), points.index(str(row.get("point")))
-        worst[at] = np.nanmax([worst[at], float(row["ratio"])])
-    names = [f"{posture} {band}"[:_LABEL] for posture, band in lines]
-    wide = max(len(name) for name in names) + 1
-    text = Text(" " * wide + "".join(point[-_CELL + 1 :].rjust(_CELL) for point in points))
-    for name, values in zip(names, worst, strict=True):
-        text.append(f"\n{name.ljust(wide)}")
-        for value in values:
-            text.append_text(_shaded(float(value)))
-    limits = zip(_SHADES[1:], (1, 2, 4, 8), strict=True)
-    text.append(
-        "\nshade: "
-        + ", ".join(f"{shade} from {limit}" for shade, limit in limits)
-        + "; - not measured; 99 is 99 or more",
-        style="italic",
-    )
-    return _titled("Where: difference over what scatter explains (1), worst axis, by point", text)
-
-
-def _band(row: Mapping[str, Any]) -> str:
-    band = row.get("band_hz")
-    if isinstance(band, Sequence) and len(band) == 2:
-        return f"{band[0]:.0f}-{band[1]:.0f}"
-    return ""
-
-
-def _shaded(ratio: float) -> Text:
-    if not np.isfinite(ratio):
-        return Text("-".rjust(_CELL), style="dim")
-    level = int(np.clip(np.floor(np.log2(max(ratio, 0.5))) + 1, 0, 4))
-    number = str(min(int(ratio), 99)).rjust(_CELL - 1)
-    return Text(f"{_SHADES[level]}{number}", style="bold" if level >= 3 else "")
+def _where(found: Mapping[str, Any]) -> RenderableType | None:
+    cells = [row for row in _rows(found, "where") if isinstance(row.get("ratio"), (int, float))]
+    title = "Where: difference over what scatter explains (1), worst axis, by point"
+    return _titled(title, gap_map(cells)) if cells else None
 
 
 def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
@@ -269,12 +231,6 @@ def _next_test(found: Mapping[str, Any]) -> RenderableType | None:
     return told.append("\n  n: write it as a plan, and measure it", style="not bold")
 
 
-def _told(value: object) -> str:
-    if isinstance(value, (list, tuple)):
-        return ", ".join(_told(part) for part in value)
-    return _number(value) if isinstance(value, float) else str(value)
-
-
 def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
     rows = _rows(found, "hidden")
     if not rows:
@@ -301,7 +257,7 @@ _SECTIONS = (
     _effects,
     _next_test,
     _before_after,
-    gap_map,
+    _where,
     _rivals,
     _stiffness,
     _hidden,

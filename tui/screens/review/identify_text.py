@@ -9,6 +9,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from armodal.tui.fitting_table import FittingTable
+
 __all__ = ["identification_view"]
 
 _WHOLE, _ONE = "all FRFs", "one mode"
@@ -39,7 +41,7 @@ def _table(*columns: str) -> Table:
 
 
 def _titled(title: str, table: Table, below: str = "") -> RenderableType:
-    parts: list[RenderableType] = [Text(title, style="bold"), table]
+    parts: list[RenderableType] = [Text(title, style="bold"), FittingTable(table)]
     return Group(*parts, Text(below + "\n", style="italic")) if below else Group(*parts)
 
 

@@ -6,6 +6,7 @@ from textual.widgets import Static
 
 from armodal.analyzer.modal import drift_told
 from armodal.protocols.session.told import told_by_hand
+from armodal.tui.screens.review.modes_table import ModesTable
 from armodal.tui.screens.review.state import ReviewState
 
 __all__ = ["ModelNotes", "model_notes"]
@@ -22,7 +23,7 @@ def model_notes(state: ReviewState) -> tuple[str, ...]:
 
 
 class ModelNotes(Static):
-    """Lines under the table of modes, out of sight where there are none."""
+    """Lines under the table of modes; out of sight where there are none."""
 
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__("", id=id, markup=False)
@@ -32,8 +33,15 @@ class ModelNotes(Static):
         """Say what is known."""
         self.redraw()
 
+    def on_resize(self) -> None:
+        """Say what has no room, once the table knows."""
+        self.call_after_refresh(self.redraw)
+
     def redraw(self) -> None:
         """Say it anew."""
+        hidden = [name for table in self.screen.query(ModesTable) for name in table.left_out]
         notes = model_notes(self.state)
+        if hidden:
+            notes = (f"in a wider window: {', '.join(hidden)}", *notes)
         self.display = bool(notes)
         self.update("\n".join(notes))

@@ -17,6 +17,10 @@ _COLUMNS = (
 )  # fmt: skip
 
 
+# What goes first where there is little room: what a reader asks for last.
+_GIVE_WAY = ("MPD °", "weight", "MPC", "seen %", "chosen")
+
+
 def mode_rows(state: ReviewState) -> list[tuple[str, ...]]:
     """Rows of the posture looked at; an unknown share is said so."""
     view = state.view
@@ -44,6 +48,20 @@ def mode_rows(state: ReviewState) -> list[tuple[str, ...]]:
     return rows
 
 
+def kept_columns(rows: list[tuple[str, ...]], room: int, padding: int) -> tuple[int, ...]:
+    """Numbers of the columns that fit, as `_GIVE_WAY` has it; what is left may be scrolled."""
+    wide = [
+        max(map(len, column)) + 2 * padding
+        for column in zip(_COLUMNS, *rows, strict=True)  # a column is its heading and its cells
+    ]
+    kept = list(range(len(_COLUMNS)))
+    for name in _GIVE_WAY:
+        if sum(wide[i] for i in kept) <= room:
+            break
+        kept.remove(_COLUMNS.index(name))
+    return tuple(kept)
+
+
 class ModesTable(DataTable[str]):
     """One row a mode; the cursor chooses the mode for all screens."""
 
@@ -62,21 +80,32 @@ from point to point, and peaks that no mode explains. `enter` shows the shape.
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, cursor_type="row", zebra_stripes=True)
         self.state = state
+        self._kept = tuple(range(len(_COLUMNS)))
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Columns for which there is no room."""
+        return tuple(name for i, name in enumerate(_COLUMNS) if i not in self._kept)
 
     def on_mount(self) -> None:
-        """Name the columns."""
-        for number, name in enumerate(_COLUMNS):
-            self.add_column(name, key=f"{number}")
+        """Fill the table."""
+        self.redraw()
+
+    def on_resize(self) -> None:
+        """Show what fits."""
         self.redraw()
 
     def redraw(self) -> None:
         """Fill the table anew."""
-        if not self.columns:
+        if not self.is_mounted:
             return
-        chosen = self.state.mode
-        self.clear()
-        for row in mode_rows(self.state):
-            self.add_row(*row)
+        chosen, rows = self.state.mode, mode_rows(self.state)
+        self._kept = kept_columns(rows, self.size.width, self.cell_padding)
+        self.clear(columns=True)
+        for number in self._kept:
+            self.add_column(_COLUMNS[number], key=f"{number}")
+        for row in rows:
+            self.add_row(*(row[number] for number in self._kept))
         if self.row_count:
             self.move_cursor(row=min(chosen, self.row_count - 1))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from armodal.hil_sim.board_dictionary import BOARD_ID
+from armodal.hil_sim.board_id import BOARD_ID
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlanError
 from armodal.protocols.plan import plan_from_text

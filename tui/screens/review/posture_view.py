@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
 from armodal.analyzer.modal import (
@@ -22,6 +22,7 @@ from armodal.analyzer.modal import (
 )
 from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.session.records import Session
 
@@ -78,11 +79,13 @@ class OpenSession:
 
     @property
     def lost(self) -> str:
-        """What the session lost, by kind: "lost 0", or "lost can 12, stream 3"."""
+        """What the session lost, by kind: "lost 0", or "lost can 12, stream 3"; whose loss."""
         kinds = Counter[str]()
         for loss in self.session.losses:
             kinds[loss.kind] += loss.count
-        return "lost " + (", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0")
+        whose = "" if self.session.header.time_scale == 1.0 or not kinds else "by the simulator "
+        told = ", ".join(f"{kind} {n}" for kind, n in sorted(kinds.items())) or "0"
+        return f"lost {whose}{told}"
 
 
 def open_session(path: Path, *, band_hz: tuple[float, float] | None = None) -> OpenSession:
@@ -105,9 +108,7 @@ def open_session(path: Path, *, band_hz: tuple[float, float] | None = None) -> O
     try:
         session = read_session(path)
     except OSError as error:
-        raise SessionError(
-            f"{path}: {error.strerror or error}; give the .h5 file of a session"
-        ) from error
+        raise SessionError(f"{path}: {os_words(error)}; give the .h5 file of a session") from error
     return opened_session(path, session, band_hz=band_hz)
 
 

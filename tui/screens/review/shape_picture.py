@@ -85,6 +85,7 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
         self.running, self.names, self.rest, self.axes = True, False, True, True
         self.axis_link: int | None = None
         self.camera: Camera | None = None
+        self._by_hand = False  # the view stays when another mode is shown
         self._scene: tuple[tuple[object, ...], _Scene | None] = ((), None)
 
     def on_mount(self) -> None:
@@ -117,14 +118,12 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
     def action_turn(self, across: int, up: int) -> None:
         """Go around the arm."""
         if self.camera is not None:
-            self.camera = self.camera.turned(-across * _TURN_RAD, up * _TURN_RAD)
-            self.redraw()
+            self._look(self.camera.turned(-across * _TURN_RAD, up * _TURN_RAD))
 
     def action_zoom(self, way: int) -> None:
         """Go nearer or farther."""
         if self.camera is not None:
-            self.camera = self.camera.zoomed(1.15**way)
-            self.redraw()
+            self._look(self.camera.zoomed(1.15**way))
 
     def action_amplify(self, way: int) -> None:
         """Let the shape move more or less."""
@@ -163,15 +162,19 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
             self.redraw()
 
     def action_home(self) -> None:
-        """Return to the first view."""
+        """Return to the view in which the mode moves most."""
         self.camera, self.amplification, self.speed = None, 1.0, 1.0
+        self._by_hand = False
+        self.redraw()
+
+    def _look(self, camera: Camera) -> None:
+        self.camera, self._by_hand = camera, True
         self.redraw()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """Turn by dragging."""
         if event.button and self.camera is not None:
-            self.camera = self.camera.turned(-0.05 * event.delta_x, 0.1 * event.delta_y)
-            self.redraw()
+            self._look(self.camera.turned(-0.05 * event.delta_x, 0.1 * event.delta_y))
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """Go nearer."""
@@ -191,8 +194,10 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
         if scene is None:
             canvas.label(0, 0, _why_not(view), "bold")
             return canvas
-        camera = self.camera or Camera.around(scene.wire.everything_m())
-        self.camera = camera
+        camera = self.camera
+        if camera is None:
+            camera = Camera.around(scene.wire.everything_m()).facing(scene.vertex_motion.real)
+            self.camera = camera
         phase = self.amplification * np.exp(1j * self.phase_rad)
         if self.rest:
             scene.wire.draw(canvas, camera, self.inks.weak)
@@ -238,6 +243,7 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
         key = (id(view), self.state.mode, self.axis_link, id(self.state.identification))
         if self._scene[0] != key:
             self._scene = (key, self._made_scene(view))
+            self.camera = self.camera if self._by_hand else None
         return self._scene[1]
 
     def _made_scene(self, view: PostureView) -> _Scene | None:

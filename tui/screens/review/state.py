@@ -74,7 +74,6 @@ class ReviewState:
             session.header.arm.name,
             f"posture {self.posture + 1}/{len(self.views)} {view.name}",
             modes,
-            self.opened.lost,
         ]
         if not session.complete:
             parts.append("session not complete")
@@ -82,4 +81,4 @@ class ReviewState:
             parts.append("PICKS NOT REFITTED (r)")
         if self.unsaved:
             parts.append("PICKS NOT SAVED (s)")
-        return " · ".join(parts)
+        return " · ".join([*parts, self.opened.lost])

@@ -28,11 +28,12 @@ from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.run.ask_angles import AnglesScreen
 from armodal.tui.screens.run.ask_mass import MassScreen
 from armodal.tui.screens.run.collector import CalmCollector
-from armodal.tui.screens.run.conductor import CONFIRMED, Conductor, RunOptions
+from armodal.tui.screens.run.conductor import CONFIRMED, Conductor
 from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import HandIdle, Happening, SensorsConfirmed
 from armodal.tui.screens.run.help import HelpScreen
 from armodal.tui.screens.run.keys import ACTIONS, works
+from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.state import Phase, RunState, Step
 from armodal.tui.screens.run.steps.hit import HitScreen
 from armodal.tui.screens.run.steps.lab import LabScreen

@@ -8,8 +8,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 from armodal.daq.commands import (
     Note,
@@ -50,41 +49,18 @@ from armodal.tui.screens.run.happenings import (
 )
 from armodal.tui.screens.run.laboratory import SimulatedLab
 from armodal.tui.screens.run.measured import active_channels, mass_ratio
-from armodal.tui.screens.run.place import SessionPlace, find_place, with_trigger_level
+from armodal.tui.screens.run.options import RunOptions
+from armodal.tui.screens.run.place import find_place, with_trigger_level
 from armodal.tui.screens.run.reducer import reduce
 from armodal.tui.screens.run.sensitivity import sensitivity_words
 from armodal.tui.screens.run.state import Phase, RunState, begin_state
 from armodal.tui.screens.run.trials import suggested_level_n
 from armodal.tui.screens.run.words import off_words, ratio_words
 
-__all__ = ["CONFIRMED", "Conductor", "RunOptions"]
+__all__ = ["CONFIRMED", "Conductor"]
 
 CONFIRMED = "the operator has confirmed:"
-LEAVING = "the operator has left; the session can be gone on with"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RunOptions:
-    """What `armodal run` was started with."""
-
-    place: SessionPlace
-    board: str = ""
-    can: str = ""
-    ur: str = ""  # address of a Universal Robots controller, in place of the bus
-    told_rad: float | None = None  # joint angles are told by the operator, to so much
-    mirror: Path | None = None  # folder of the journal's copy
-    baud: int = 921_600
-    input_range_v: float | None = None
-    simulated: bool = False
-    hidden: tuple[tuple[str, str | float], ...] = ()  # in the simulated arm
-    seed: int = 1
-    time_scale: float = 1.0
-    software: str = "armodal"
-
-    @property
-    def without_bus(self) -> bool:
-        """Whether joint angles come from elsewhere than a port of this computer."""
-        return bool(self.ur) or self.told_rad is not None
+LEAVING = "the operator has left; the session can be continued"
 
 
 class Conductor:
@@ -126,7 +102,13 @@ class Conductor:
             earlier_marks=place.marks,
             earlier_end=ended,
         )
-        self.state: RunState = replace(begun, now_s=clock())
+        self.state: RunState = replace(
+            begun,
+            now_s=clock(),
+            other_frfs=options.earlier,
+            std_wanted=options.std_wanted,
+            known_sensors=options.known_sensors,
+        )
 
     def tell(self, event: Happening) -> None:
         """Take an event in."""
@@ -386,6 +368,7 @@ class Conductor:
             mirror=self.options.mirror,
             teds_confirmed=self.state.sensors_confirmed,
             input_range_v=self.state.input_range_v,
+            sensor_memory=self.options.sensor_memory,
             told_tolerance_rad=self.options.told_rad,
             arm=self.place.arm,
             plan=self.place.plan,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,14 @@ class Scatter:
         0.01
         """
         return float(self.relative_std * np.sqrt(self.n_hits / n_hits))
+
+    def hits_for(self, relative_std: float) -> int:
+        """How many hits of this scatter a mean needs for a relative standard deviation.
+
+        >>> Scatter(f_hz=20.0, relative_std=0.02, n_hits=2).hits_for(0.01)
+        8
+        """
+        return math.ceil(self.n_hits * (self.relative_std / relative_std) ** 2 - 1e-9)
 
 
 def good_hit_before(state: RunState) -> Hit | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.protocols.session.recovery import rebuild
 
 __all__ = ["derive_session_file"]

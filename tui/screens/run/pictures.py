@@ -19,6 +19,7 @@ from armodal.tui.drawing import (
     linear_scale,
     log_scale,
     plot,
+    plot_frame,
 )
 from armodal.tui.screens.run.craft import (
     check_driving_point,
@@ -28,12 +29,14 @@ from armodal.tui.screens.run.craft import (
     resonance_moved,
     scatter_at_resonance,
 )
+from armodal.tui.screens.run.earlier import check_reciprocity, mirrors_in
 from armodal.tui.screens.run.measured import PointFrf, active_channels, last_pulse, point_frf
 from armodal.tui.screens.run.state import RunState
 from armodal.tui.screens.run.views.craft import (
     craft_text,
     drift_line,
     driving_line,
+    reciprocity_line,
     scatter_line,
     tip_line,
 )
@@ -47,6 +50,8 @@ TRIAD_SHARE, HIT_SHARE = 0.22, 0.3  # of the arm's reach
 LIVE_S = 4.0  # wall seconds of the live view
 QUIET_N, QUIET_M_S2 = 20.0, 1.0  # least height of the live views, so that noise stays small
 LEAST_SHOWN_DB = -60.0
+AXIS_STYLES = ("bold bright_red", "bold bright_green", "bold bright_blue")  # x, y, z
+HAMMER_STYLE = "bold bright_cyan"  # none of the axes' colours, and none of the point's
 
 
 def point_picture(state: RunState, columns: int, rows: int, *, turned_rad: float = 0.0) -> Text:
@@ -76,7 +81,7 @@ def point_picture(state: RunState, columns: int, rows: int, *, turned_rad: float
         wire.point_m[sensor],
         wire.point_rotation[sensor],
         TRIAD_SHARE * wire.reach_m,
-        styles=("bold bright_red", "bold bright_green", "bold bright_blue"),
+        styles=AXIS_STYLES,
     )
     hit = wire.point(prompt.hit_point)
     direction = hit_direction(state.arm, prompt.posture, prompt.hit_point)
@@ -86,13 +91,13 @@ def point_picture(state: RunState, columns: int, rows: int, *, turned_rad: float
         wire.point_m[hit],
         direction,
         HIT_SHARE * wire.reach_m,
-        "bold bright_magenta",
+        HAMMER_STYLE,
     )
     at = camera.project(wire.point_m[[wanted]], canvas.width, canvas.height)
     canvas.mark(at, f"◉ {wire.point_ids[wanted]}", "bold bright_yellow")
     name = "the arm as it stands" if known else "POSTURE UNKNOWN: drawn as planned"
     canvas.label(1, 0, name, "dim" if known else "bold bright_red")
-    canvas.label(1, rows - 1, "◉ point  x y z sensor  ▪→ hammer", "dim")
+    canvas.label(1, rows - 1, "◉ point  x y z sensor  ▪┄▶ hammer", "dim")
     return canvas.text()
 
 
@@ -168,9 +173,8 @@ class HitPictures:
             self._frf = (key, _frf_text(found, here[1], columns, rows))
         return self._frf[1]
 
-    def craft(self, state: RunState, columns: int, rows: int) -> Text:
-        """Return what the hits so far say about tip, driving point, drift and scatter."""
-        here = state.here
+    def craft(self, state: RunState, columns: int, rows: int, here: tuple[str, str] | None) -> Text:
+        """Return what the hits at a place say of tip, driving point, drift and scatter."""
         if state.last_hit is None or here is None:
             return Text("")
         found = self._found(state, here)
@@ -198,14 +202,20 @@ def _craft_lines(
     driving = check_driving_point(found)
     if driving is not None:
         lines.append(driving_line(driving))
+    posture = next(p for p in state.plan.postures if p.name == here[0])
+    mirrors = mirrors_in(state.other_frfs, posture)
+    both_ways = None if mirrors is None else check_reciprocity(found.frf, mirrors)
+    if both_ways is not None:
+        lines.append(reciprocity_line(both_ways))
     place = place_before(state, here)
     before = None if place is None else point_frf(state, place)
     moved = None if before is None else resonance_moved(before.frf, found.frf)
     if before is not None and moved is not None:
         lines.append(drift_line(moved, before.point))
-    prompt = state.prompt
-    left = 0 if prompt is None else max(prompt.wanted - prompt.accepted, 0)
-    lines.append(scatter_line(scatter_at_resonance(found), left))
+    left = sum(
+        max(p.wanted - p.accepted, 0) for p in state.progress if (p.posture, p.point) == here
+    )
+    lines.append(scatter_line(scatter_at_resonance(found), left, state.std_wanted))
     return tuple(lines)
 
 
@@ -245,38 +255,43 @@ def _pulse_text(state: RunState, columns: int, rows: int) -> Text:
 
 
 def _frf_text(found: PointFrf | None, point: str, columns: int, rows: int) -> Text:
+    """FRF above coherence, over one axis of frequency."""
     if found is None:
         return Text().append(f"FRF of point {point}: no accepted hit yet", style="dim")
     lower = max(rows // 3, LEAST_ROWS) if rows >= 2 * LEAST_ROWS else 0
     hits = "1 hit" if found.n_hits == 1 else f"{found.n_hits} hits"
     magnitude = 10.0 ** (found.magnitude_db / 20.0)
-    styles = ("bright_red", "bright_green", "bright_blue")
     x = Scale(low=float(found.freq_hz[0]), high=float(found.freq_hz[-1]), log=True)
+    upper_y, lower_y = log_scale(magnitude, most_decades=4.0), Scale(low=0.0, high=1.0)
+    left = max(
+        plot_frame(columns, rows - lower, x, upper_y, title=" ", x_axis=not lower).left,
+        plot_frame(columns, max(lower, 1), x, lower_y, title=" ").left if lower else 0,
+    )
     upper_plot = plot(
         columns,
         rows - lower,
         [
-            Series(x=found.freq_hz, y=values, style=styles[i % len(styles)])
+            Series(x=found.freq_hz, y=values, style=AXIS_STYLES[i % len(AXIS_STYLES)])
             for i, values in enumerate(magnitude)
         ],
         x=x,
-        y=log_scale(magnitude, most_decades=4.0),
+        y=upper_y,
         title=f"FRF of point {point}, {hits}, x y z (m/s²/N)",
         x_name="Hz",
         x_axis=not lower,
+        left=left,
     ).text()
     if not lower:
         return upper_plot
-    if found.coherence is None:
-        words = Text().append("\ncoherence needs a second hit", style="dim")
-        return Text.assemble(upper_plot, words)
+    values = found.coherence
     coherence = plot(
         columns,
         lower,
-        [Series(x=found.freq_hz, y=found.coherence, style="bold")],
+        [] if values is None else [Series(x=found.freq_hz, y=values, style="bold")],
         x=x,
-        y=Scale(low=0.0, high=1.0),
-        title="coherence, the lowest of the axes",
+        y=lower_y,
+        title="coherence: needs a second hit" if values is None else "coherence, the lowest axis",
         x_name="Hz",
+        left=left,
     ).text()
     return Text("\n").join([upper_plot, coherence])

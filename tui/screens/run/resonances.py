@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from armodal.protocols.frf_records import FrequencyResponse
 
@@ -37,9 +37,9 @@ def resonances(frf: FrequencyResponse) -> tuple[Resonance, ...]:
     if not np.any(power > 0.0):
         return ()
     level_db = 10.0 * np.log10(np.maximum(power, np.finfo(np.float64).tiny))
-    lines, _ = signal.find_peaks(level_db, prominence=PROMINENCE_DB)
+    lines, _ = scipy.signal.find_peaks(level_db, prominence=PROMINENCE_DB)
     lines = lines[power[lines] > CLEAR_STD**2 * noise[lines]]
-    widths = signal.peak_widths(power, lines, rel_height=0.5)[0]
+    widths = scipy.signal.peak_widths(power, lines, rel_height=0.5)[0]
     step_hz = float(frf.freq_hz[1] - frf.freq_hz[0])
     return tuple(
         Resonance(

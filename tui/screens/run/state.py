@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from armodal.analyzer.ratio_calibration import RatioCalibration
@@ -18,7 +19,9 @@ from armodal.daq.events import (
 )
 from armodal.daq.session_machine import Progress, Prompt, PromptKind, begin
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan_records import Mode, Plan
+from armodal.protocols.sensor_memory import KnownSensor
 from armodal.protocols.session.journal import Mark
 from armodal.protocols.session.records import Hit, JointReading
 
@@ -65,6 +68,7 @@ class RunState:
     can_channel: str = ""
     told_rad: float | None = None  # the operator tells joint angles, to so much; None: measured
     input_range_v: float | None = None  # of the board's inputs; its dictionary does not tell it
+    known_sensors: Mapping[str, KnownSensor] = field(default_factory=dict)  # as last used
     simulated: bool = False
     lab_starting: bool = False
     lab_ended: str | None = None  # why the simulated laboratory has ended by itself
@@ -81,6 +85,8 @@ class RunState:
     # session
     earlier_hits: tuple[Hit, ...] = ()
     earlier_end: str | None = None  # how the earlier part of this session ended
+    other_frfs: tuple[FrequencyResponse, ...] = ()  # of another session of this arm
+    std_wanted: float | None = None  # of the FRF at its strongest resonance, relative
     opened: SessionOpened | None = None
     prompt: Prompt | None = None
     progress: tuple[Progress, ...] = ()

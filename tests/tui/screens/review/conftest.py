@@ -2,6 +2,7 @@ import asyncio
 from dataclasses import dataclass, replace
 
 import pytest
+from support.once_for_all import once_for_all
 from support.screen import Notices
 
 from armodal.tui.screens.review import shape_picture
@@ -13,8 +14,13 @@ from armodal.tui.screens.review.posture_view import fit_automatic, opened_sessio
 @pytest.fixture(scope="session")
 def opened(session, tmp_path_factory):
     """Every posture fitted once for all tests."""
-    read = opened_session(tmp_path_factory.mktemp("opened") / "s.h5", session)
-    return replace(read, views=tuple(fit_automatic(read.superset, view) for view in read.views))
+
+    def fitted():
+        read = opened_session(tmp_path_factory.mktemp("opened") / "s.h5", session)
+        views = tuple(fit_automatic(read.superset, view) for view in read.views)
+        return replace(read, views=views)
+
+    return once_for_all(tmp_path_factory, "opened", fitted)
 
 
 @dataclass
@@ -60,10 +66,7 @@ def drive(opened, tmp_path, clock, notices):
                 command=command,
             )
             async with app.run_test(size=size, message_hook=notices) as pilot:
-                while app.state is None or any(
-                    view.model is None and not view.problem for view in app.state.views
-                ):
-                    await pilot.pause(0.02)
+                await app.workers.wait_for_complete()  # read, every posture fitted, picks taken
                 await pilot.pause()
                 await steps(app, pilot)
             return app

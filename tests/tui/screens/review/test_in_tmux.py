@@ -16,6 +16,7 @@ from armodal.protocols.session.hdf5 import write_session
 pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="needs tmux")
 
 DEADLINE_S = 120.0  # far beyond what a loaded machine needs
+DEMO_S = 900.0  # the demo takes two to three minutes on two quiet cores
 
 
 class Terminal:
@@ -110,3 +111,23 @@ def test_from_home_to_a_report_by_keys_alone_at_80_by_24(session, tmp_path):
         terminal.keys("q")
         terminal.until(r"next: armodal report(.|\n)*ended 0", DEADLINE_S)
     assert "What to do next" in path.with_suffix(".html").read_text(encoding="utf-8")
+
+
+@pytest.mark.long
+def test_the_demo_from_home_ends_in_its_review_and_its_report_by_keys_alone_at_80_by_24(tmp_path):
+    home = f"cd {shlex.quote(str(tmp_path))} && exec {shlex.quote(sys.executable)} -m"
+    with ShellTerminal(["sh", "-c", f"{home} armodal.tui.cli"], columns=80, rows=24) as terminal:
+        terminal.until(r"new session", DEADLINE_S)
+        terminal.keys("d")
+        terminal.until(r"\d+ hits accepted", DEADLINE_S)
+        terminal.until(r"test 1 · \d+ modes automatic", DEMO_S)
+        terminal.keys("8")
+        terminal.until(r"NAMED(.|\n)*k: ", DEADLINE_S)
+        terminal.keys("w")
+        terminal.until(r"report .*demo\.html|demo\.html", DEADLINE_S)
+        terminal.keys("q")
+        terminal.until(r"demo\.h5(.|\n)*new session", DEADLINE_S)
+        terminal.keys("q")
+        terminal.until(r"ended 0", DEADLINE_S)
+    (report,) = tmp_path.rglob("demo.html")
+    assert "What to do next" in report.read_text(encoding="utf-8")

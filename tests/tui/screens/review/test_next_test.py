@@ -12,8 +12,8 @@ from support.shown_results import GAP
 from armodal.analyzer.gap.records import NextTest
 from armodal.protocols.errors import ArmodalError, PlanError, SessionError
 from armodal.protocols.plan import load_plan
-from armodal.tui.commands import journey
-from armodal.tui.commands.gap_results import gap_json
+from armodal.tui.command_parts import journey
+from armodal.tui.command_parts.gap_results import gap_json
 from armodal.tui.screens.review.gap_text import gap_view
 from armodal.tui.screens.review.leaving import Leaving
 from armodal.tui.screens.review.measuring import Measuring

@@ -18,8 +18,9 @@ def test_a_pole_is_picked_by_hand_refitted_saved_and_found_again(drive, session,
         await pilot.press("space", "s")
         assert not picked_path(app.path).exists()  # not saved before the refit
         await pilot.press("r")
-        while not app.state.view.by_hand:
-            await pilot.pause(0.02)
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        assert app.state.view.by_hand
         assert app.state.n_modes == 1
         assert app.state.unsaved
         await pilot.press("s")

@@ -12,7 +12,7 @@ from support.shown_results import GAP
 
 from armodal.analyzer.report import gap_to_json
 from armodal.protocols.errors import EstimateError, SessionError
-from armodal.tui.commands.gap_results import gap_json
+from armodal.tui.command_parts.gap_results import gap_json
 from armodal.tui.screens.review.command_run import CommandRun
 from armodal.tui.screens.review.gap_pane import read_gap
 from armodal.tui.screens.review.gap_text import gap_view
@@ -50,8 +50,8 @@ def test_a_parameter_reads_alike_from_the_kept_file_and_from_the_command():
     """With its unit, its deviation and its interval."""
     result = made_result("named", ["payload"])
     kept = plain(gap_view(json.loads(gap_to_json(result))))
-    (line,) = (row.strip() for row in kept.split("\n") if row.strip().startswith("size "))
-    assert line == "size 1 ± 0.1 kg (95 %: 0.8 to 1.2)"
+    (line,) = (row.strip() for row in kept.split("\n") if row.strip().startswith("size:"))
+    assert line == "size: 1.00 ± 0.10 kg (95 %: 0.800 to 1.20 kg)"
     assert line in plain(gap_view(gap_json(result, {})))
 
 

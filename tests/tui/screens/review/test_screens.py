@@ -118,6 +118,44 @@ def test_a_structural_mode_has_its_axis_drawn(drive):
     drive(steps, size=(160, 45))
 
 
+def test_a_mode_is_seen_from_where_it_moves_most_until_the_view_is_turned_by_hand(drive):
+    async def steps(app, pilot):
+        await pilot.press("6")
+        await pilot.pause()
+        shape = app.query_one("#shape-main")
+        views = []
+        for _ in range(app.state.n_modes):
+            views.append(shape.camera)
+            await pilot.press("n")
+            await pilot.pause()
+        assert len({view.azimuth_rad for view in views}) > 1
+        await pilot.press("left", "n")
+        await pilot.pause()
+        turned = shape.camera
+        await pilot.press("n")
+        await pilot.pause()
+        assert shape.camera is turned
+        await pilot.press("0")
+        await pilot.pause()
+        assert shape.camera.azimuth_rad != turned.azimuth_rad
+
+    drive(steps)
+
+
+@pytest.mark.parametrize("columns", [80, 160])
+def test_the_table_of_modes_leaves_columns_out_by_importance_and_says_which(drive, columns):
+    async def steps(app, pilot):
+        await pilot.press("4")
+        await pilot.pause(0.2)
+        text = screen_text(app)
+        table = app.query_one("#modes-main")
+        assert table.virtual_size.width <= columns  # nothing to be scrolled to
+        assert all(name in text for name in ("f Hz", "damp %", "joints %", "kind"))
+        assert ("in a wider window: MPD °" in text) is (columns == 80)
+
+    drive(steps, size=(columns, 24))
+
+
 def test_no_color_uses_the_theme_without_colour(drive):
     async def steps(app, pilot):
         assert app.theme == MONO
@@ -264,6 +302,16 @@ def test_each_screen_says_on_its_last_row_what_the_keys_do(drive):
             assert screen_rows(app)[-1] == KEYS[tab]
 
     drive(steps, size=(160, 45))
+
+
+def test_help_and_leave_are_on_the_key_line_of_every_screen_at_80_columns(drive):
+    async def steps(app, pilot):
+        for number in range(1, len(TABS) + 1):
+            await pilot.press(str(number))
+            await pilot.pause()
+            assert screen_rows(app)[-1].endswith("? help q leave")
+
+    drive(steps, size=(80, 24))
 
 
 def test_the_key_line_follows_the_screen_in_use_and_takes_clicks(drive):

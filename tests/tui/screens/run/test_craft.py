@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.made_run import ARM, AT_HIT, HIT_EVENTS, PLAN, after, counts, fresh, judged, prompted
+from support.screen import screen_rows
 from support.stage import Stage, play
 
 from armodal.analyzer.checks.records import Fault
 from armodal.daq.session_machine import hit_judged
 from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.frf_records import Dof
 from armodal.tui.screens.run.craft import (
     Moved,
     Scatter,
@@ -22,11 +24,13 @@ from armodal.tui.screens.run.craft import (
     resonance_moved,
     scatter_at_resonance,
 )
+from armodal.tui.screens.run.earlier import check_reciprocity, mirrors_in
 from armodal.tui.screens.run.measured import point_frf
 from armodal.tui.screens.run.views.craft import (
     craft_text,
     drift_line,
     driving_line,
+    reciprocity_line,
     scatter_line,
     tip_line,
 )
@@ -89,9 +93,9 @@ def test_a_flipped_sensor_is_seen_at_the_driving_point_after_one_hit(sign, fault
 
 def test_faults_of_the_driving_point_are_told_in_a_row_of_80_columns():
     finding = check_driving_point(point_frf(state_of(hit_at(1, sign=-1.0)), HERE))
-    assert "a sign of sensor or hammer is flipped" in driving_line(finding).plain
+    assert "the sign of sensor or hammer is flipped" in driving_line(finding).plain
     other = replace(finding, fault=Fault.NOT_A_DRIVING_POINT)
-    assert "direction of the hit is not as said" in driving_line(other).plain
+    assert "direction of the hit is not as stated" in driving_line(other).plain
     assert max(driving_line(f).cell_len for f in (finding, other)) <= 78
 
 
@@ -109,7 +113,7 @@ def test_a_resonance_that_moved_from_point_to_point_is_told(now_hz, clear):
     assert moved.clear is clear
     # A line on either side: peaks are read off the lines.
     assert moved.now_hz - moved.before_hz == pytest.approx(now_hz - 20.0, abs=2 * LINE_HZ)
-    assert ("look at mounting" in drift_line(moved, "1").plain) is clear
+    assert ("check mounting" in drift_line(moved, "1").plain) is clear
 
 
 def test_scatter_needs_two_hits_and_falls_as_the_root_of_their_number():
@@ -152,3 +156,67 @@ def test_the_hit_screen_says_what_is_wrong_and_what_is_still_wanted(tmp_path, si
         assert "dim: hit 2" in stage.text()
 
     play(stage, body, size)
+
+
+def test_the_hits_that_a_wanted_scatter_still_takes_are_counted():
+    found = Scatter(f_hz=20.0, relative_std=0.02, n_hits=2)
+    begin = "FRF at 20.0 Hz: ± 2 % of 2 hits, ± 1 % "
+    assert scatter_line(found, 6, 0.01).plain == f"{begin}wants 6 more hits"
+    assert scatter_line(found, 1, 0.01).plain == f"{begin}wants 6 more hits, 5 beyond the plan (t)"
+    assert scatter_line(found, 1, 0.02).plain.endswith("± 2 % is reached")
+
+
+def test_the_craft_of_a_finished_point_stands_under_the_next_one(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        at = AT_HIT
+        for number in range(1, 4):
+            at = hit_judged(at, accepted=True)
+            await stage.tell(pilot, *(HIT_EVENTS if number == 1 else ()), hit_at(number))
+        await stage.tell(pilot, prompted(at))
+        await stage.settle(pilot)
+        assert "Mount the sensor at point 2" in stage.text()
+        assert "FRF at 19.5 Hz" in screen_rows(stage.app)[-3]
+
+    play(stage, body, (80, 24))
+
+
+def mirrored(*, sign=1.0, gain=1.0):
+    """FRFs of an earlier session in which point 2 was hit and point 1 measured, in one posture."""
+    now = point_frf(state_of(hit_at(1, point="2")), ("test 1", "2")).frf
+    along = np.array([dof.direction for dof in now.responses])
+    hit_then = along[2]  # along the z axis of the sensor at point 2
+    axes_then = np.eye(3)
+    # Of the motion at point 2 along the hit then, all goes along the hit of today at point 1.
+    there = sign * gain * now.values[2, 0] * now.references[0].direction[:, None]
+    return replace(
+        now,
+        responses=tuple(
+            Dof(point="1", direction=axis, label=name)
+            for axis, name in zip(axes_then, ("1:x", "1:y", "1:z"), strict=True)
+        ),
+        references=(Dof(point="2", direction=hit_then, label="2"),),
+        values=there[:, None, :],
+        joints_rad=PLAN.postures[0].joints_rad,
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({}, "reciprocity of points 2 and 1 holds"),
+        ({"sign": -1.0}, "the sign of sensor or hammer is flipped"),
+        ({"gain": 1.3}, "a sensitivity differs from the other day's"),
+    ],
+)
+def test_a_path_that_another_session_has_the_other_way_round_is_compared(change, words):
+    now = point_frf(state_of(hit_at(1, point="2")), ("test 1", "2")).frf
+    there = mirrors_in((mirrored(**change),), PLAN.postures[0])
+    assert words in reciprocity_line(check_reciprocity(now, there)).plain
+
+
+def test_no_path_is_compared_where_none_was_measured_the_other_way_round():
+    now = point_frf(state_of(hit_at(1)), HERE).frf
+    assert check_reciprocity(now, mirrored()) is None
+    assert mirrors_in((mirrored(),), PLAN.postures[1]) is None

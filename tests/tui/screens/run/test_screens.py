@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from support.made_run import (
     ARM,
     AT_HIT,
     AT_POINT,
-    HAMMER_PLAN,
     HIT_EVENTS,
     LAB_EVENTS,
-    PLAN,
     SESSION_EVENTS,
+    after,
+    fresh,
     judged,
     prompted,
     reading,
@@ -23,21 +22,18 @@ from support.made_run import (
 from support.screen import screen_rows
 from support.stage import Stage, play
 
-from armodal.daq.commands import Note, Ready, Retake, Skip, ToldPosture, Withdraw
 from armodal.daq.events import Failed, LossNoted
-from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
-from armodal.protocols.plan_records import KnownMass
+from armodal.daq.session_machine import hit_judged
 from armodal.protocols.session.records import Loss
-from armodal.tui.operators import request_for
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.run.happenings import (
-    HandAtWork,
-    HandIdle,
     SafeConfirmed,
     SensorsConfirmed,
 )
 from armodal.tui.screens.run.steps.progress import ProgressScreen
 from armodal.tui.screens.run.steps.step import Pane
+from armodal.tui.screens.run.views.parts import losses_text
+from armodal.tui.screens.run.views.posture import joints_text
 
 SIZES = [(80, 24), (160, 45), (250, 70)]
 
@@ -90,70 +86,6 @@ def test_unknown_angles_are_shown_as_unknown(tmp_path):
         await stage.tell(pilot, *SESSION_EVENTS, reading(None))
         assert stage.text().count("? unknown") == len(ARM.joints)
         assert "POSTURE UNKNOWN - stay away" in stage.text()
-
-    play(stage, body)
-
-
-def test_enter_confirms_safety_first_and_then_says_ready(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT))
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert stage.app.state.safe
-        assert isinstance(stage.sent[0], Note)
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert isinstance(stage.sent[1], Ready)
-
-    play(stage, body)
-
-
-def test_enter_does_nothing_while_the_arm_is_on_its_way(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *SESSION_EVENTS)
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert not stage.app.state.safe
-        assert stage.sent == []
-
-    play(stage, body)
-
-
-def test_retake_skip_undo_and_jump_are_told_to_the_acquisition(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS, prompted(hit_judged(AT_HIT, accepted=True)))
-        await pilot.press("t", "k", "u", "g")
-        await stage.settle(pilot)
-        await pilot.press("right", "right", "enter")
-        await stage.settle(pilot)
-        assert [type(command) for command in stage.sent] == [Retake, Skip, Withdraw, Retake]
-        assert stage.sent[-1] == Retake(posture="test 1", point="3")
-
-    play(stage, body)
-
-
-def test_roving_hammer_marks_the_point_to_hit_and_leaves_the_sensor(tmp_path):
-    stage = Stage(tmp_path, plan=HAMMER_PLAN)
-    at_posture = begin(HAMMER_PLAN)
-    at_point = posture_reached(at_posture)
-
-    async def body(pilot):
-        await stage.tell(pilot, *LAB_EVENTS, *SESSION_EVENTS[len(LAB_EVENTS) : -2])
-        moving_on = hit_judged(point_ready(at_point), accepted=True)
-        for _ in range(2):
-            moving_on = hit_judged(moving_on, accepted=True)
-        await stage.tell(
-            pilot, prompted(at_posture), reading(), prompted(moving_on), SafeConfirmed()
-        )
-        assert "Sensor stays at point 1" in stage.text()
-        assert "Hit point 3 next" in stage.text()
-        assert "◉ 3" in stage.text()
 
     play(stage, body)
 
@@ -258,24 +190,6 @@ def test_help_comes_and_goes(tmp_path):
     play(stage, body, (80, 24))
 
 
-def test_enter_waits_for_the_simulated_hand_that_mounts_the_sensor(tmp_path):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        mounting = HandAtWork(doing="mounts the sensor at 1")
-        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT), SafeConfirmed(), mounting)
-        assert "Enter" not in stage.app.screen.query_one("#instructions", Pane).plain
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert stage.sent == []
-        await stage.tell(pilot, HandIdle())
-        await pilot.press("enter")
-        await stage.settle(pilot)
-        assert [type(command) for command in stage.sent] == [Ready]
-
-    play(stage, body)
-
-
 def test_the_grid_says_first_what_is_left_and_keeps_the_chosen_point_in_sight(tmp_path):
     stage = Stage(tmp_path)
 
@@ -328,79 +242,55 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
     play(stage, body)
 
 
-def test_how_hard_the_plan_wants_the_next_hit_is_said_and_told_the_simulated_hand(tmp_path):
-    first = replace(PLAN.postures[0], peaks_n=(10.0, 40.0, 160.0))
-    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
-    stage = Stage(tmp_path, plan=plan)
-    at_point = point_ready(posture_reached(begin(plan)))
+@pytest.mark.parametrize("columns", [60, 80])
+def test_the_safety_line_is_whole_and_that_nothing_was_lost_gives_way(tmp_path, columns):
+    stage = Stage(tmp_path)
+    lost = LossNoted(loss=Loss(kind="stream", count=7, first_sample=None, host_s=0.0, note=""))
 
     async def body(pilot):
-        await stage.tell(pilot, *HIT_EVENTS, prompted(at_point))
-        assert "hits at point 1, next 10 N" in stage.text()
-        assert "Hit point 1, about 10 N" in stage.text()
+        await stage.tell(pilot, *SESSION_EVENTS, reading(None))
+        safety = "✗ POSTURE UNKNOWN - stay away from the arm"
+        line = screen_rows(stage.app)[-2]
+        assert line.startswith(f" {safety}")
+        assert ("lost: nothing" in line) is (columns > len(safety) + len("lost: nothing") + 4)
+        await stage.tell(pilot, lost)
+        line = screen_rows(stage.app)[-2]
+        assert line.startswith(f" {safety}")
+        assert "! lost" in line
 
-    play(stage, body)
-    request, _ = request_for(ARM, at_point.prompt)
-    assert request["peak_n"] == 10.0
-    again, _ = request_for(ARM, replace(at_point.prompt, accepted=2))
-    assert again["peak_n"] == 160.0
-    any_peak, _ = request_for(ARM, replace(at_point.prompt, posture=PLAN.postures[0]))
-    assert "peak_n" not in any_peak
-
-
-def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(tmp_path):
-    mass = KnownMass(link="wrist", mass_kg=2.5, center_m=np.array([0.0, 0.01, 0.1]))
-    first = replace(PLAN.postures[0], brakes=True, known_mass=mass)
-    plan = replace(PLAN, postures=(first, *PLAN.postures[1:]))
-    stage = Stage(tmp_path, plan=plan)
-    at_posture = begin(plan)
-
-    async def body(pilot):
-        await stage.tell(pilot, *SESSION_EVENTS, prompted(at_posture))
-        told = " Brakes on. Bolt 2.5 kg to wrist, its centre at 0, 10, 100 mm."
-        assert told in stage.text()
-        await stage.tell(pilot, prompted(posture_reached(at_posture)))
-        assert f"At its posture, held.{told} Look" in stage.text()
-
-    play(stage, body)
+    play(stage, body, (columns, 24))
 
 
-def test_angles_by_hand_are_confirmed_or_typed(tmp_path):
-    stage = Stage(tmp_path, told_rad=np.radians(0.2))
-
-    async def body(pilot):
-        await stage.tell(pilot, *LAB_EVENTS, reading(None))
-        assert "none: you tell the joint angles, to 0.2°" in stage.text()
-        assert "Are these sensors mounted" in stage.text()  # no controller is waited for
-        await stage.tell(pilot, *SESSION_EVENTS[len(LAB_EVENTS) :], reading(None))
-        assert "Enter: it stands as wanted, by your reading to 0.2°, and is held" in stage.text()
-        await pilot.press("enter")
-        assert stage.sent == [ToldPosture()]
-        await pilot.press("e")
-        await pilot.pause()
-        await pilot.press(*"-25 90 0 0", "enter")
-        await pilot.pause()
-        assert len(stage.sent) == 1  # two are missing
-        await pilot.press(*" 90 0.1", "enter")
-        await stage.settle(pilot)
-        assert np.degrees(stage.sent[1].joints_rad) == pytest.approx([-25, 90, 0, 0, 90, 0.1])
-        await stage.tell(pilot, prompted(AT_POINT), reading())
-        assert "At its posture, held as you said." in stage.text()
-        await pilot.press("e", "enter")
-        await stage.settle(pilot)
-        assert stage.app.state.safe
-        assert isinstance(stage.sent[2], Note)
-
-    play(stage, body)
+def test_long_names_of_joints_are_told_apart(tmp_path):
+    parts = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    names = [f"{part}_joint" for part in parts]
+    arm = replace(
+        ARM, joints=tuple(replace(j, name=n) for j, n in zip(ARM.joints, names, strict=True))
+    )
+    state = replace(after(fresh(), *SESSION_EVENTS), arm=arm)
+    text = joints_text(state, 78, 20).plain
+    assert all(f"{part} " in text for part in parts)
 
 
-def test_measured_angles_are_not_asked_for(tmp_path):
+def test_frf_and_coherence_share_an_axis_of_frequency_from_the_first_hit_on(tmp_path):
     stage = Stage(tmp_path)
 
     async def body(pilot):
-        await stage.tell(pilot, *SESSION_EVENTS)
-        await pilot.press("e", "enter")
+        await stage.tell(pilot, *HIT_EVENTS, judged(1))
+        await stage.tell(pilot, prompted(hit_judged(AT_HIT, accepted=True)))
         await stage.settle(pilot)
-        assert stage.sent == []
+        rows = stage.app.screen.query_one("#frf", Pane).plain.split("\n")
+        assert any("coherence: needs a second hit" in row for row in rows)
+        edges = {row.index(mark) for row in rows for mark in "│┤" if mark in row}
+        assert len(edges) == 1
+        assert rows[-1].split()[-1] == "Hz"
 
-    play(stage, body)
+    play(stage, body, (80, 24))
+
+
+def test_losses_of_a_simulator_that_runs_fast_are_told_as_its_own():
+    lost = LossNoted(loss=Loss(kind="can", count=3, first_sample=None, host_s=0.0, note=""))
+    state = replace(after(fresh(), *SESSION_EVENTS, lost), simulated=True)
+    assert losses_text(state, 80).plain == "! lost: can 3"
+    fast = replace(state, time_scale=8.0)
+    assert losses_text(fast, 80).plain.endswith("(by the simulator, 8 times as fast as real time)")

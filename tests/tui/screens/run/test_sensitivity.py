@@ -12,6 +12,7 @@ from armodal.daq.commands import Note
 from armodal.hil_sim.board_dictionary import board_dictionary
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.errors import SessionError
+from armodal.protocols.sensor_memory import KnownSensor
 from armodal.tui.commands.run import run_app
 from armodal.tui.screens.run.happenings import LabWanted, SensorsConfirmed, SessionWanted
 from armodal.tui.screens.run.sensitivity import sensitivity_words
@@ -58,6 +59,18 @@ def test_every_sensor_shows_its_sensitivity_to_be_confirmed(tmp_path, size, wide
         assert any("hammer S-hammer of 0.596 mV/N" in text for text in kept)
 
     play(stage, body, size)
+
+
+def test_a_sensor_with_another_sensitivity_than_before_is_shown_before_it_is_confirmed(tmp_path):
+    before = KnownSensor(sensitivity_mv=2.25, calibration_date="2026-03-02", used="2026-10-05")
+    stage = Stage(tmp_path, known_sensors={"force S-hammer hammer": before})
+
+    async def body(pilot):
+        await stage.tell(pilot, LAB_EVENTS[0], IN_MV, *LAB_EVENTS[2:])
+        assert "✗ hammer: 0.596 mV per N, and sensor S-hammer had 2.25 when it was" in stage.text()
+        assert "with these sensitivities? Enter: yes" in stage.text()
+
+    play(stage, body, (160, 45))
 
 
 def test_without_an_input_range_the_screen_says_how_it_is_given(tmp_path):

@@ -47,7 +47,7 @@ class HitScreen(StepScreen):
 
     def draw_pictures(self, state: RunState) -> None:
         """Draw what takes longer than words."""
-        self.pane("craft").show(self._pictures.craft(state, *self.pane("craft").room))
+        self.pane("craft").show(self._pictures.craft(state, *self.pane("craft").room, state.here))
         self.pane("pulse").show(self._pictures.pulse(state, *self.pane("pulse").room))
         self.pane("frf").show(self._pictures.frf(state, *self.pane("frf").room, state.here))
         for name in ("force", "acceleration"):

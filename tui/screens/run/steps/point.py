@@ -44,10 +44,12 @@ class PointScreen(StepScreen):
                 yield Pane(id="instructions")
                 yield Pane(id="last-verdict")
                 yield Pane(id="last-frf")
+        yield Pane(id="last-craft")
 
     def draw(self, state: RunState) -> None:
         """Fill the panes."""
         beside = self.widget("beside").content_size.width
+        self.widget("last-craft").styles.height = 0 if state.last_hit is None else 1
         self.pane("instructions").show(point_text(state, beside))
         self.pane("last-verdict").show(last_verdict_text(state, beside))
         self.pictures_later()
@@ -60,6 +62,8 @@ class PointScreen(StepScreen):
         place = None if judged is None else roving_place(state, judged.hit)
         frf = self.pane("last-frf")
         frf.show(self._pictures.frf(state, *frf.room, place))
+        craft = self.pane("last-craft")
+        craft.show(self._pictures.craft(state, *craft.room, place))
 
     def action_turn(self, way: int) -> None:
         """Walk around the arm in the picture."""

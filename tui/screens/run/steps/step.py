@@ -107,12 +107,15 @@ class StepScreen(Screen[None]):
         small = self.size.width < LEAST_COLUMNS or self.size.height < LEAST_ROWS
         self.set_class(small, "small")
         self.pane("title").show(title(state, self.size.width))
-        self.pane("safety").show(safety_text(state))
-        self.pane("losses").show(losses_text(state))
+        safety = safety_text(state)
+        self.pane("safety").show(safety)
+        self.pane("losses").show(losses_text(state, self.size.width - safety.cell_len - 4))
         if small:
             wanted = f"wanted {LEAST_COLUMNS} x {LEAST_ROWS}"
             here = f"it is {self.size.width} x {self.size.height}"
-            words = f"The window is too small: {wanted}, {here}. Nothing stops meanwhile.\n"
+            words = (
+                f"The window is too small: {wanted}, {here}. The measurement goes on meanwhile.\n"
+            )
             self.pane("too-small").show(Text(words) + self.brief(state))
             return
         self.draw(state)

@@ -9,7 +9,14 @@ from armodal.analyzer.modal.usable_band import UsableBand
 from armodal.tui.screens.run.craft import Moved, Scatter
 from armodal.tui.screens.run.views.parts import BAD, DIM, WARN
 
-__all__ = ["craft_text", "drift_line", "driving_line", "scatter_line", "tip_line"]
+__all__ = [
+    "craft_text",
+    "drift_line",
+    "driving_line",
+    "reciprocity_line",
+    "scatter_line",
+    "tip_line",
+]
 
 _ORDER = (BAD, WARN, "", DIM)
 _BETWEEN = " · "
@@ -38,10 +45,10 @@ def tip_line(band: UsableBand) -> Text:
 def driving_line(found: Finding) -> Text:
     """Say what the FRF says of the point where hammer and sensor are together."""
     if found.fault is Fault.SIGN_FLIPPED:
-        words = "energy is given: a sign of sensor or hammer is flipped"
+        words = "it gives energy: the sign of sensor or hammer is flipped"
         return Text(f"driving point: {words}", style=BAD)
     if found.fault is not None:
-        words = "point, axis or direction of the hit is not as said"
+        words = "point, sensor axis or direction of the hit is not as stated"
         return Text(f"driving point: {words}", style=BAD)
     return Text("driving point: every clear resonance takes energy", style=DIM)
 
@@ -50,17 +57,37 @@ def drift_line(moved: Moved, before: str) -> Text:
     """Say whether resonances stand where they stood at the point before."""
     if moved.clear:
         words = f"{moved.now_hz:.1f} Hz was {moved.before_hz:.1f} Hz at point {before}"
-        return Text(f"{words}: look at mounting, drives, warmth", style=WARN)
+        return Text(f"{words}: check mounting, drives, temperature", style=WARN)
     far = abs(moved.now_hz - moved.before_hz)
     return Text(f"resonances as at point {before}, at most {far:.1f} Hz off", style=DIM)
 
 
-def scatter_line(found: Scatter | None, n_left: int) -> Text:
+def reciprocity_line(found: Finding) -> Text:
+    """Say whether a path is the same in both directions."""
+    pair = f"points {' and '.join(found.points)}"
+    if found.fault is Fault.SIGN_FLIPPED:
+        return Text(f"reciprocity of {pair}: the sign of sensor or hammer is flipped", style=BAD)
+    if found.fault is Fault.GAIN:
+        return Text(f"reciprocity of {pair}: a sensitivity differs from the other day's", style=BAD)
+    if found.fault is not None:
+        return Text(f"reciprocity of {pair}: a point or an axis is not as stated", style=BAD)
+    return Text(f"reciprocity of {pair} holds", style=DIM)
+
+
+def scatter_line(found: Scatter | None, n_left: int, std_wanted: float | None = None) -> Text:
     """Say how well the FRF is known, and what the hits still wanted will do to it."""
     more = f"{n_left} more hit{'' if n_left == 1 else 's'} wanted"
     if found is None:
-        return Text(more if n_left else "")
+        return Text(more) if n_left else Text("scatter is not known of one hit", style=DIM)
     words = f"FRF at {found.f_hz:.1f} Hz: ± {_percent(found.relative_std)} of {found.n_hits} hits"
+    if std_wanted is not None:
+        lacking = max(found.hits_for(std_wanted) - found.n_hits, 0)
+        wanted = f"± {_percent(std_wanted)} "
+        if not lacking:
+            return Text(f"{words}, {wanted}is reached")
+        beyond = f", {lacking - n_left} beyond the plan (t)" if lacking > n_left else ""
+        hits = f"{lacking} more hit{'' if lacking == 1 else 's'}"
+        return Text(f"{words}, {wanted}wants {hits}{beyond}", style=WARN if beyond else "")
     if not n_left:
         return Text(words)
     return Text(f"{words}, {more}: ± {_percent(found.after(found.n_hits + n_left))}")

@@ -18,7 +18,7 @@ def verdict_text(state: RunState, width: int, height: int) -> Text:
     large = 5 if height >= 8 else 3
     if state.last_taken_back is not None:
         text = big("TAKEN BACK", WARN, width=width, height=large)
-        return text.append(f"\nHit {state.last_taken_back} counts no more. Hit again.", style="")
+        return text.append(f"\nHit {state.last_taken_back} no longer counts. Hit again.", style="")
     if judged is None or not _of_this_point(state, judged):
         text = big("HIT NOW", "bold", width=width, height=large)
         return text.append(f"\n{what_to_do(state)}", style="")

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
 from armodal.protocols.board.records import Channel, IepeState
+from armodal.protocols.sensor_memory import unlike_before
 from armodal.protocols.teds import contradictions
 from armodal.tui.screens.run.measured import active_channels
 from armodal.tui.screens.run.sensitivity import sensitivity_words
@@ -42,7 +43,7 @@ def next_step(state: RunState) -> tuple[str, str]:
 
 def _next_with_ports(state: RunState) -> tuple[str, str]:
     if state.board is None:
-        return "Waiting for the board. Look at its cable and power.", BAD
+        return "Waiting for the board. Check its cable and power.", BAD
     if not state.angles_will_come:
         return "Waiting for the controller's joint angles. Is it on, and its CAN cable in?", BAD
     if state.mass_kg is not None:
@@ -158,7 +159,9 @@ def levels_text(state: RunState, width: int) -> Text:
         word, colour = ("TOO HIGH", BAD) if share > HIGH else ("", "")
         text.append("█" * filled + "·" * (bar - filled), style=colour)
         text.append(f" {100 * share:5.2f} % {word}\n", style=colour)
-    for said in (s for c in channels for s in contradictions(c, state.input_range_v)):
+    contradicted = [s for c in channels for s in contradictions(c, state.input_range_v)]
+    contradicted += unlike_before(channels, state.input_range_v, state.known_sensors)
+    for said in contradicted:
         text.append(f" ✗ {said}\n", style=BAD)
     return text
 
@@ -204,7 +207,7 @@ def trials_text(state: RunState) -> Text:
         off = abs(state.ratio.ratio - 1.0)
         text.append(f"{ratio_words(state.ratio)}\n", style=WARN if off > RATIO_OFF else GOOD)
         if off > RATIO_OFF:
-            text.append(f" {off_words(state.ratio)}: look at both certificates\n")
+            text.append(f" {off_words(state.ratio)}: check both certificates\n")
     for trial in (state.trials if state.mass_kg is None else state.mass_hits)[-4:]:
         verdict = trial.verdict
         word = "good" if verdict.accepted else reason_word(verdict.reasons[0]).lower()

@@ -67,9 +67,12 @@ def safety_text(state: RunState) -> Text:
     return Text().append(f"{mark} {words}", style=style)
 
 
-def losses_text(state: RunState) -> Text:
-    """Return the loss counters: always there, also when nothing was lost."""
+def losses_text(state: RunState, room: int) -> Text:
+    """Return the loss counters, in so many columns: only that nothing was lost gives way."""
     if not state.losses:
-        return Text().append("lost: nothing", style="bright_green")
+        nothing = Text("lost: nothing", style="bright_green")
+        return nothing if nothing.cell_len <= room else Text("")
     words = ", ".join(f"{kind} {count}" for kind, count in sorted(state.losses))
-    return Text().append(f"! lost: {words}", style=WARN)
+    if state.simulated and state.time_scale > 1.0:
+        words += f" (by the simulator, {state.time_scale:g} times as fast as real time)"
+    return Text(f"! lost: {words}", style=WARN, no_wrap=True, overflow="ellipsis")

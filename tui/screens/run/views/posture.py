@@ -8,6 +8,7 @@ import numpy as np
 from rich.text import Text
 
 from armodal.protocols.plan_records import PlannedPosture
+from armodal.tui.drawing import short_names
 from armodal.tui.screens.run.big_text import big_lines
 from armodal.tui.screens.run.state import RunState
 from armodal.tui.screens.run.views.hit import last_hit_text
@@ -16,7 +17,7 @@ from armodal.tui.screens.run.words import conditions
 
 __all__ = ["joints_text", "posture_word", "word_text"]
 
-LABEL, MARK = 9, 15
+LABEL, MARK = 15, 12  # most columns of a name, columns of what stands behind
 
 
 def posture_word(state: RunState) -> tuple[str, str, str]:
@@ -38,7 +39,7 @@ def posture_word(state: RunState) -> tuple[str, str, str]:
         return (
             "UNKNOWN",
             BAD,
-            "No joint angles come. Stay away from the arm; look at the controller's CAN cable.",
+            "No joint angles arrive. Stay away from the arm; check the controller's CAN cable.",
         )
     if state.held is False:
         return "NOT HELD", BAD, "The drives do not hold the arm. Stay away; let it come to rest."
@@ -99,14 +100,16 @@ def joints_text(state: RunState, width: int, height: int) -> Text:
     n = len(target)
     rows = next((r for r in (6, 5, 4, 3) if n * r <= height - 1), 1)
     text = Text(no_wrap=True)
-    column = max((width - LABEL - MARK) // 2, 8)
-    head = f"{'joint':<{LABEL}}{'now':<{column}}{'wanted':<{column}}within {tolerance:g}°"
+    names = short_names([joint.name for joint in state.arm.joints], LABEL - 2)
+    label = max(len(name) for name in ("joint", *names)) + 2
+    column = max((width - label - MARK) // 2, 8)
+    head = f"{'joint':<{label}}{'now':<{column}}{'wanted':<{column}}within {tolerance:g}°"
     text.append(head[:width] + "\n", style=DIM)
-    for i, joint in enumerate(state.arm.joints):
+    for i, name in enumerate(names):
         there = "?" if now is None else f"{round(now[i], digits) + 0.0:+.{digits}f}"
         wanted = f"{target[i]:+.{digits}f}"
         mark, style = _mark(None if now is None else float(now[i] - target[i]), tolerance, digits)
-        _row(text, joint.name, there, wanted, mark, style, column, rows)
+        _row(text, name.ljust(label), there, wanted, mark, style, column, rows)
     return text
 
 
@@ -126,7 +129,7 @@ def _row(
     right = big_lines(wanted, width=column - 2, height=lines)
     middle = (max(len(left), len(right)) - 1) // 2
     for row in range(max(len(left), len(right))):
-        text.append(f"{name if row == middle else '':<{LABEL}}"[:LABEL], style="bold")
+        text.append(name if row == middle else " " * len(name), style="bold")
         text.append(_cell(left, row, middle, column), style=style)
         text.append(_cell(right, row, middle, column))
         text.append((mark if row == middle else "") + "\n", style=style)

@@ -1,0 +1,54 @@
+"""A file format of another program: how it is recognised, and what reads it."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from armodal.protocols.foreign import formats
+from armodal.protocols.foreign.meaning import content_of
+from armodal.protocols.foreign.measured import Content, Hints
+from armodal.protocols.foreign.variables import Variables
+
+__all__ = ["HEAD_BYTES", "FileFormat", "every_format", "of_variables"]
+
+HEAD_BYTES = 2048  # as much of a file as its format is recognised by
+
+Read = Callable[[Path, bytes, Hints], Content]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileFormat:
+    """A format that a module of `protocols.foreign.formats` offers as `FORMAT`.
+
+    name
+        As people know it.
+    endings
+        Of file names, lower case; they tell where the first bytes are damaged.
+    is_it
+        Whether the first `HEAD_BYTES` of a file are of this format.
+    read
+        From path, all bytes and what is told beside them to the measurements in the file.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    is_it: Callable[[bytes], bool]
+    read: Read
+
+
+def of_variables(read: Callable[[bytes, str], Sequence[Variables]]) -> Read:
+    """Return a reader by one of named arrays: what they mean is found for every format alike."""
+    return lambda path, data, hints: content_of(read(data, path.name), hints, path.name)
+
+
+@lru_cache(maxsize=1)
+def every_format() -> tuple[FileFormat, ...]:
+    """Return what the modules of `protocols.foreign.formats` offer, by name."""
+    found = pkgutil.iter_modules(formats.__path__)
+    modules = [importlib.import_module(f"{formats.__name__}.{module.name}") for module in found]
+    return tuple(sorted((module.FORMAT for module in modules), key=lambda own: str(own.name)))

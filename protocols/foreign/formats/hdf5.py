@@ -1,0 +1,16 @@
+"""HDF5 files, and MATLAB's of version 7.3, which put 512 bytes of their own before."""
+
+from armodal.protocols.foreign.file_format import FileFormat
+from armodal.protocols.foreign.hdf5_variables import hdf5_variables
+from armodal.protocols.foreign.meaning import content_of
+
+__all__ = ["FORMAT"]
+
+_SIGN = b"\x89HDF\r\n\x1a\n"
+
+FORMAT = FileFormat(
+    name="HDF5",
+    endings=(".h5", ".hdf5", ".nc", ".nc4"),
+    is_it=lambda head: head.startswith(_SIGN) or head[512:520] == _SIGN,
+    read=lambda path, _, hints: content_of(hdf5_variables(path), hints, path.name),
+)

@@ -1,0 +1,13 @@
+"""LabVIEW measurement files."""
+
+from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.lvm import LVM_SIGN, lvm_variables
+
+__all__ = ["FORMAT"]
+
+FORMAT = FileFormat(
+    name="LabVIEW measurement",
+    endings=(".lvm",),
+    is_it=lambda head: head.startswith(LVM_SIGN.encode()),
+    read=of_variables(lvm_variables),
+)

@@ -1,0 +1,20 @@
+"""Universal files (UFF)."""
+
+from armodal.protocols.foreign.file_format import FileFormat
+from armodal.protocols.foreign.uff_measured import uff_content
+from armodal.protocols.foreign.uff_read import uff_from_bytes
+
+__all__ = ["FORMAT"]
+
+
+def _is_it(head: bytes) -> bool:
+    first = next((line for line in head.splitlines() if line.strip()), b"")
+    return first.rstrip() == b"    -1"
+
+
+FORMAT = FileFormat(
+    name="universal",
+    endings=(".uff", ".unv", ".uf", ".bunv", ".ufb", ".uff58"),
+    is_it=_is_it,
+    read=lambda path, data, hints: uff_content(uff_from_bytes(data, path.name), hints, path.name),
+)

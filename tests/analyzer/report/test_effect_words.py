@@ -1,0 +1,60 @@
+"""A named effect in the words of mechanics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.model.lines_in_links import LineInLink
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.records import Interval
+from armodal.analyzer.report.effect_words import mechanics
+from armodal.protocols.arm.files import load_arm
+
+COMPLIANCE = Interval(unit="rad/(N m)", value=1e-5, std=1e-7, low=9.8e-6, high=1.02e-5)
+LOSS = Interval(unit="s", value=2e-4, std=4e-6, low=1.9e-4, high=2.1e-4)
+TILT = Interval(unit="", value=0.01, std=0.001, low=0.008, high=0.012)
+AXIS = {"link": "shoulder", "direction": [0.96, 0.0, 0.28], "point_m": [-0.052, 0.018, 0.18]}
+
+
+def words_of(parameters, description, **changes):
+    given = {"size": "gamma", "place": "shoulder", "confused_with": (), "told_by": ""}
+    told = mechanics(parameters=parameters, description=description, **{**given, **changes})
+    return {name: words.replace("\N{NARROW NO-BREAK SPACE}", " ") for name, words in told}
+
+
+def test_an_axis_is_told_by_stiffness_damping_direction_point_and_place():
+    told = words_of({"gamma": COMPLIANCE, "loss": LOSS, "tilt": TILT}, AXIS)
+    assert told["k"] == "100 000 ± 1 000 N m/rad (95 %: 98 000 to 102 000 N m/rad)"
+    # c = k tau = 20; relative deviations of 1 % and 2 % add in squares.
+    assert told["c"] == "20.00 ± 0.45 N m s/rad"
+    assert told["axis"] == "direction +0.96 +0.00 +0.28, through -52 18 180 mm"
+    assert told["place"].startswith("shoulder (its frame")
+    assert "tilt" not in told  # where the fit began is nobody's business
+
+
+def test_what_an_effect_was_confused_with_is_told_and_that_there_is_nothing_too():
+    told = words_of({"gamma": COMPLIANCE}, {}, confused_with=("A", "B"), told_by="a hit across")
+    assert told["could be confused with"] == "A; B"
+    assert told["told apart by"] == "a hit across"
+    assert "no other effect" in words_of({"gamma": COMPLIANCE}, {})["could be confused with"]
+
+
+def test_an_effect_without_an_axis_has_every_parameter_told():
+    told = words_of({"gamma": COMPLIANCE, "tilt": TILT}, {"points": ["1", "2"]})
+    assert told["tilt"] == "0.0100 ± 0.0010 (95 %: 0.00800 to 0.0120)"
+    assert told["points"] == "1, 2"
+    assert told["place"] == "shoulder"
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_moved_axis_is_given_by_its_point_nearest_the_origin_of_its_link(seed):
+    random = np.random.default_rng(seed)
+    begun = random.normal(size=3)
+    begun /= np.linalg.norm(begun)
+    ordinary = Ordinary(superset=Superset(load_arm("bench57")), postures=("p",))
+    line = LineInLink(ordinary, 1, begun, random.normal(size=3), of="axis")
+    direction, point = line.at(dict(zip(line.moves, random.normal(size=4), strict=True)))
+    assert np.linalg.norm(direction) == pytest.approx(1.0)
+    assert direction @ point == pytest.approx(0.0, abs=1e-12)  # rounding of products near 1
