@@ -99,7 +99,7 @@ def about_modes(
         both = np.concatenate([fit.residues[:, others], fit.residues[:, others].conj()], axis=1)
         p = np.concatenate([fit.poles[others], fit.poles[others].conj()])
         values = values - both @ (1.0 / (s - p[:, None]))
-    variance = data.variance[:, lines]
+    variance = data.variance_on(lines)
     return AboutModes(
         data=modal_data(data.form, s, values, variance),
         variance=variance,

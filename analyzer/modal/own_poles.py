@@ -100,7 +100,8 @@ def _own_fits(
     fits: dict[int, Regression] = {}
     left = np.zeros(poles.size)
     for g in np.argsort(-shown):
-        data, few = local.of(group == g), local.of(group == g, every=every)
+        data = local.of(group == g)
+        few = local.of(group == g, every=every) if every > 1 else data
         costs = [regress(few, start, pole_terms=False).cost.sum() for start in starts]
         best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
         ends = [refine_poles(few, start) for start in best]

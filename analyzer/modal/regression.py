@@ -56,8 +56,12 @@ class ModalData:
     @property
     def variance(self) -> npt.NDArray[np.float64]:
         """Variance of every line: (n_frf, n_freq), infinite where an FRF was not measured."""
-        both = self.row_weight[:, None] * self.weight
-        whole = np.full(self.values.shape, np.inf)
+        return self.variance_on(slice(None))
+
+    def variance_on(self, lines: npt.NDArray[np.bool_] | slice) -> npt.NDArray[np.float64]:
+        """Variance on some of the lines: (n_frf, n_lines)."""
+        both = self.row_weight[:, None] * self.weight[:, lines]
+        whole = np.full(both.shape, np.inf)
         np.divide(1.0, both, out=whole, where=both > 0.0)
         return whole
 

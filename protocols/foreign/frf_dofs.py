@@ -13,8 +13,8 @@ from armodal.protocols.foreign.variables import Variables
 
 __all__ = ["reference_dofs", "response_dofs"]
 
-# "3Z:1Z", "H(3z,1z)", "+3X/-1Y": response, then reference.
-_ONE = r"([+-]?)(\d{1,8})\s?([+-]?)([XYZ])"
+# "3Z:1Z", "H(3z,1z)", "+3X/-1Y", "Tool:3:+Z/Tool:1:-Z" (Testlab): response, then reference.
+_ONE = r"(?:[^\W\d]\w*:)?([+-]?)(\d{1,8})[\s:]?([+-]?)([XYZ])"
 _NAMED = re.compile(rf"(?<![\w.]){_ONE}\s*[:,/;]\s*{_ONE}(?![\w.])", re.IGNORECASE)
 _UNIT_LENGTH = 1e-3
 

@@ -121,6 +121,8 @@ def role_of(name: str, label: str, *, is_complex: bool) -> Role:
     """Return what an array is by its name, else by its unit."""
     if name.lower() in _OWN:
         return Role.OTHER
+    if not is_complex and len(name) > 2 and name[0] == name[-1] == "|":
+        return Role.MAGNITUDE
     words = tokens(name)
     for role, known in _WORD_SETS:
         found = bool(words & known)

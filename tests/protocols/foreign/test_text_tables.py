@@ -119,8 +119,9 @@ def test_a_header_may_be_a_comment(tmp_path, comment, ends):
         (("Frequency (Hz)", "Magnitude (g/N)", "Phase (deg)"), (np.abs(FRF), DEGREES)),
         (("Frequency (Hz)", "Mag (g/N)", "Phase (rad)"), (np.abs(FRF), np.angle(FRF))),
         (("Freq Hz", "Betrag [g/N]", "Phase [°]"), (np.abs(FRF), DEGREES)),
+        (("f_Hz", "|H| (g/N)", "phase (rad)"), (np.abs(FRF), np.angle(FRF))),
     ],
-    ids=["re im", "german", "degrees", "radians", "degree sign"],
+    ids=["re im", "german", "degrees", "radians", "degree sign", "bars"],
 )  # fmt: skip
 def test_parts_are_found_by_name(tmp_path, names, columns):
     text = ";".join(names) + "\n" + table([FREQ, *columns], ";")
@@ -170,6 +171,10 @@ def test_several_frfs_of_a_table_need_names_or_have_them(tmp_path):
     content = read(tmp_path, text("H({}Z,1Z)"))
     assert [frf.response.node for frf in content.frfs] == ["1", "2", "3"]
     assert [frf.response.label for frf in content.frfs] == ["z", "z", "z"]
+    content = read(tmp_path, text("Tool:{}:-Z/Tool:7:+X"))  # as Testlab writes them
+    assert [frf.response.node for frf in content.frfs] == ["1", "2", "3"]
+    assert {tuple(frf.response.direction) for frf in content.frfs} == {(0.0, 0.0, -1.0)}
+    assert {(frf.reference.node, frf.reference.label) for frf in content.frfs} == {("7", "x")}
     with pytest.raises(NotToldError, match="names for 3 responses") as caught:
         read(tmp_path, text("H{}"))
     assert caught.value.key == "responses 3"
