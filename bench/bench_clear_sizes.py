@@ -17,11 +17,11 @@ import sys
 import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.inference.annealing import stages_of
 from armodal.analyzer.gap.inference.compare import posture_gap
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
-from armodal.analyzer.gap.inference.stages import stages_of
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.identification.identify import estimate_frfs

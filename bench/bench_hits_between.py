@@ -17,7 +17,7 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects.slips_or_softens import bow_of, told_by_bow
-from armodal.analyzer.gap.inference.stages import at_three_levels
+from armodal.analyzer.gap.inference.annealing import at_three_levels
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import LIBRARY, CaseSpec, draw_study, sealed
 
@@ -33,7 +33,7 @@ def measured(spec: CaseSpec) -> dict[str, object]:
     }
     fit = next(iter(outcome.standing), outcome.final)
     fit = outcome.final if outcome.result.effects else fit
-    if not fit.hypothesis.instances or not fit.hypothesis.instances[-1].by_level:
+    if not fit.hypothesis.instances or not fit.hypothesis.instances[-1].level_dependent:
         return found
     joint = fit.hypothesis.instances[-1].place
     superset = Superset(session.header.arm)

@@ -50,9 +50,11 @@ def ready_for_export(arm: Arm, *, level: float = 0.0) -> Ready:
             f"frequencies differ by at most {100 * found.f_error:.2f} %, damping ratios by "
             f"{100 * found.damping_error:.2f} points of a hundred"
         )
-    by_level = [i.title for i in correction.hypothesis.instances if i.by_level]
-    if by_level:
-        notes.append(f"linear springs at one level of motion instead of: {'; '.join(by_level)}")
+    level_dependent = [i.title for i in correction.hypothesis.instances if i.level_dependent]
+    if level_dependent:
+        notes.append(
+            f"linear springs at one level of motion instead of: {'; '.join(level_dependent)}"
+        )
     if chain.offset_rad.any():
         moved = [
             f"{joint.name} {offset:+.5f} rad"

@@ -3,8 +3,8 @@
 A module may offer, each found by its name,
 
     instances(ordinary)                       the effect at every place of an arm
-    look(stage, fit, instances)               candidates by a linear look of its own
-    look_at_channels(stage, hypothesis, values)   likewise, of what was measured
+    linear_candidates(stage, fit, instances)  candidates by a linear look of its own
+    channel_candidates(stage, hypothesis, values)  likewise, of what was measured
     of_file(ordinary, description)            the instance an arm file describes
     at_line(ordinary, link, direction, point) the instance along a line of a link; of a file, too
     together(ordinary, one, other)            the one instance that two are

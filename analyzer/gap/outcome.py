@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from armodal.analyzer.confidence import ONE_SIDED_95, TWO_SIDED_95
+from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
-from armodal.analyzer.gap.decision.named_step import Step
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.decision.without_levels import titles
-from armodal.analyzer.gap.inference.aims import notes_on_aims
+from armodal.analyzer.gap.inference.aim_notes import notes_on_aims
 from armodal.analyzer.gap.inference.compare import disagreement_map, posture_gap
 from armodal.analyzer.gap.inference.dispersion import dispersion
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
@@ -34,9 +34,9 @@ from armodal.analyzer.gap.records import (
     StiffnessRange,
     Verdict,
 )
-from armodal.analyzer.gap.search.believable import believable
+from armodal.analyzer.gap.search.candidates import other_candidates
+from armodal.analyzer.gap.search.hidden_size import largest_hidden_size
 from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
-from armodal.analyzer.gap.search.looks import look_at_others
 from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.analyzer.gap.search.scan import Candidate
 from armodal.analyzer.modal.fit import fit_modes
@@ -109,7 +109,7 @@ def conclude(
     if effects and len(standing) > 1:
         notes.append(f"something more is there that cannot be told: {titles(standing)}")
     alive = standing or (final,)
-    others = found.others if found.others is not None else look_at_others(sharp, final)
+    others = found.others if found.others is not None else other_candidates(sharp, final)
     hiding = [c for c in others if c.instance.size and np.isfinite(c.size_std)]
     advice = Advice()
     if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
@@ -295,7 +295,7 @@ def _ranges(
                 size = linear
                 if abs(c.follow.get(name, 0.0) * linear) > half:
                     if (number, linear) not in held:
-                        held[number, linear] = believable(stage, there, c, linear, phi)
+                        held[number, linear] = largest_hidden_size(stage, there, c, linear, phi)
                     size = held[number, linear]
                 # Beyond a factor of two the linear look says nothing but "very wide".
                 shift = float(np.clip(c.follow.get(name, 0.0) * size, -_WIDEST, _WIDEST))

@@ -9,8 +9,13 @@ from functools import partial
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.decision.added_effect import Step, with_step
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibrations
-from armodal.analyzer.gap.decision.enough import check_enough, check_tests, notes_on
+from armodal.analyzer.gap.decision.data_requirements import (
+    check_data_requirements,
+    check_tests,
+    notes_on,
+)
 from armodal.analyzer.gap.decision.judge import (
     SURELY_BY_LEVEL,
     Judged,
@@ -19,14 +24,13 @@ from armodal.analyzer.gap.decision.judge import (
     follows_no_level,
     one_mechanism,
 )
-from armodal.analyzer.gap.decision.named_step import Step, with_step
 from armodal.analyzer.gap.decision.naming import judge_round, step_to
 from armodal.analyzer.gap.decision.without_levels import first_with_levels
 from armodal.analyzer.gap.gates import gates_of
+from armodal.analyzer.gap.inference.annealing import at_three_levels, of_test, stages_of, with_tests
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
-from armodal.analyzer.gap.inference.stages import at_three_levels, of_test, stages_of, with_tests
 from armodal.analyzer.gap.model.hit_levels import has_hits_between, has_levels, middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -86,7 +90,7 @@ def find_gap(
     limits = Thresholds(false_name=false_name)
     session, more, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
-    check_enough(session)
+    check_data_requirements(session)
     check_tests(session, more)
     single_hits = bool(session.hits)
     frfs = estimate_frfs(session, superset) if single_hits else session.frfs

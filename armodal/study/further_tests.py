@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from armodal.analyzer.gap.inference.annealing import with_test
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.inference.stages import with_test
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.next_test.advice import NARROWS, plan_text

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.records import Calibrated
-from armodal.analyzer.gap.search.looks import others_beside
+from armodal.analyzer.gap.search.candidates import others_beside
 from armodal.analyzer.gap.search.replicas import replica_gains
 
 __all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate"]

@@ -15,7 +15,7 @@ from itertools import zip_longest
 import numpy as np
 
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
-from armodal.analyzer.gap.decision.shared import is_shared
+from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -129,7 +129,7 @@ def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> floa
     """
     *others, added = fit.hypothesis.instances
     limit = calibration.limit(added.effect.name)
-    if any(other.by_level for other in others):
+    if any(other.level_dependent for other in others):
         return max(limit, thresholds.beside_level * calibration.inflation)
     return limit
 
@@ -200,7 +200,7 @@ def one_mechanism(
 
 def follows_no_level(hypothesis: Hypothesis) -> bool:
     """Whether the hits' level surely tells something, and no effect follows it."""
-    return hypothesis.ordinary.level_gain > SURELY_BY_LEVEL and not hypothesis.by_level
+    return hypothesis.ordinary.level_gain > SURELY_BY_LEVEL and not hypothesis.level_dependent
 
 
 def _same(one: Fit, other: Fit) -> bool:

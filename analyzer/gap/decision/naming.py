@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.calibration import Calibration
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds, judge
-from armodal.analyzer.gap.decision.named_step import Step
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.held_out import held_out

@@ -87,7 +87,7 @@ def _one_mechanism(final: Fit, found: Rivals, judged: Judged) -> tuple[Instance,
     likely = [
         fit.last
         for fit in found.rivals
-        if fit.last.by_level and found.present.evidence - fit.evidence > sure
+        if fit.last.level_dependent and found.present.evidence - fit.evidence > sure
     ]
     hypothesis = final.hypothesis
     return one_mechanism([*hypothesis.instances, *likely], hypothesis.ordinary.arm.joints)
@@ -97,7 +97,7 @@ def _is_unplaced(
     final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
 ) -> bool:
     """Whether much is told by what is too small to matter, or of uncertain size."""
-    beside = named or final.hypothesis.by_level
+    beside = named or final.hypothesis.level_dependent
     beyond_doubt = limits.beside_name if beside else limits.unplaced
     return not judged.standing and any(
         found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
@@ -132,10 +132,10 @@ def _is_unfollowed(
     where hits are apart and much is left.
     """
     hypothesis = final.hypothesis
-    apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.by_level
+    apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.level_dependent
     if named and apart and is_much:
         return True
     if not follows_no_level(hypothesis):
         return False
     likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
-    return named or not any(f.hypothesis.by_level for f in (*standing, *likely))
+    return named or not any(f.hypothesis.level_dependent for f in (*standing, *likely))

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.arm.same_parts import check_same_parts
-from armodal.analyzer.gap.decision.enough import check_enough
+from armodal.analyzer.gap.decision.data_requirements import check_data_requirements
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import has_levels
@@ -39,7 +39,7 @@ def is_alike(fit: Fit) -> bool:
     told_of = {
         name
         for instance in all_instances(replace(hypothesis.ordinary, level_span=1.0))
-        if instance.by_level
+        if instance.level_dependent
         for name in instance.effect.covers
     }
     return hypothesis.instances[-1].effect.name in told_of
@@ -99,7 +99,7 @@ def hits_at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> NextTes
 
 def _is_enough(session: Session) -> bool:
     try:
-        check_enough(session)
+        check_data_requirements(session)
     except EstimateError:
         return False
     return True

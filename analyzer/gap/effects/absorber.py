@@ -53,6 +53,6 @@ def at_line(ordinary: Ordinary, link: int, direction: Array, point_m: Array) -> 
     return line.instance(WORDS, own, build, material=_MATERIAL * std)
 
 
-def look(stage: Stage, fit: Fit, _: object) -> list[Candidate]:
+def linear_candidates(stage: Stage, fit: Fit, _: object) -> list[Candidate]:
     """Return one along the most promising line of each link, best first."""
     return pulls_along_lines(stage, fit, at_line, lambda s, w: s**2 / (1.0 + (s / w) ** 2))

@@ -34,7 +34,7 @@ WORDS = EffectWords(
     confused_with=("coupling", "servo", "encoder_offset"),
     covers=("gravity_compensator",),  # an arm has one; what its law leaves looks like another
     told_by="three postures that differ in that joint's angle alone; or the cylinder taken off",
-    own_look=True,
+    own_candidates=True,
     several_starts=True,
     remedy="put the cylinder's ends and stiffness into the model, or test with its valve open",
 )

@@ -106,7 +106,7 @@ def level_instances(
                 builder=build,
                 size=names[size],
                 material=material,
-                by_level=True,
+                level_dependent=True,
                 reaches={f"ln k {joint}": (names["k"], _REACH * ordinary.level_span)},
             )
         )
@@ -157,5 +157,5 @@ def any_bow(joint: str, span: float) -> tuple[Instance, tuple[str, str, str]]:
         ),
         builder=build,
         size=by_k,
-        by_level=True,
+        level_dependent=True,
     ), (by_k, by_c, bow_c)

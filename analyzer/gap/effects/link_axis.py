@@ -252,6 +252,6 @@ def _even_length(ordinary: Ordinary, link: int) -> Array:
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """None by itself: a scan of every interface proposes lines (`link_axis_look`)."""
+    """None by itself: a scan of every interface proposes lines (`link_axis_candidates`)."""
     del ordinary
     return ()

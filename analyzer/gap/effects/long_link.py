@@ -76,7 +76,7 @@ def given_way(
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
         ),
         builder=build,
-        starts=starts,
+        initial_values=starts,
         size=gamma,
         shapes=(spread,),
         pieces=f"hinges {line.name}",

@@ -32,7 +32,7 @@ WORDS = EffectWords(
     confused_with=("load_damping", "coupling", "friction"),
     covers=("nonproportional",),  # what one leaves looks like more, chains of them like anything
     ends_alike=True,  # floor and first link differ by a turn about the vertical
-    own_look=True,
+    own_candidates=True,
     told_by="postures that turn the line between both ends; the hose or pack taken off",
     remedy="look for a hose, a dress pack, a damper or a seal that reaches over several joints",
 )

@@ -36,7 +36,7 @@ SWAPPED = EffectWords(
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """None by itself: a scan in closed form proposes permutations (`sensor_look`)."""
+    """None by itself: a scan in closed form proposes permutations (`sensor_candidates`)."""
     del ordinary
     return ()
 

@@ -109,7 +109,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     ),
                 ),
                 builder=build,
-                starts=starts,
+                initial_values=starts,
                 size=soft,
                 shapes=(inertia,),
                 material=_MATERIAL * gamma,

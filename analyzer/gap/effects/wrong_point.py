@@ -27,7 +27,7 @@ _FAR_M, _MATERIAL_M = 0.1, 0.02
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """None by itself: a scan of all points proposes them (`sensor_look`)."""
+    """None by itself: a scan of all points proposes them (`sensor_candidates`)."""
     del ordinary
     return ()
 

@@ -20,7 +20,7 @@ from armodal.analyzer.gap.model.assembly import BASE
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.off_place import off_place
+from armodal.analyzer.gap.model.mounting_errors import mounting_error_columns
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
@@ -147,7 +147,9 @@ class Stage:
         """
         places: list[ComplexArray] = [np.zeros((), dtype=np.complex128)] * len(self.lines)
         for rows, together in self.once(hypothesis, range(len(self.lines))):
-            found = off_place(together.response(hypothesis, values), self._superset.arm.tolerances)
+            found = mounting_error_columns(
+                together.response(hypothesis, values), self._superset.arm.tolerances
+            )
             for p, i in rows:
                 places[p] = found[i]
         return Stage(
@@ -225,7 +227,7 @@ class Stage:
 
         Soft and hard hits of a posture share one while nothing follows the level.
         """
-        first_of = range(len(self.lines)) if hypothesis.by_level else self._first_of
+        first_of = range(len(self.lines)) if hypothesis.level_dependent else self._first_of
         for own, together in self.together(tuple(dict.fromkeys(first_of[p] for p in postures))):
             yield [(p, own.index(first_of[p])) for p in postures if first_of[p] in own], together
 

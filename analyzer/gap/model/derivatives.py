@@ -18,7 +18,7 @@ from armodal.analyzer.gap.model.assembly import BASE, Assembly
 from armodal.analyzer.gap.model.change import Change, by_change
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.moved_otherwise import by_motion, by_slopes
+from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.response import Response, as_single, real_times, respond
 from armodal.analyzer.gap.model.space import Space

@@ -11,7 +11,15 @@ from armodal.analyzer.gap.model.space import Parameter, Space
 if TYPE_CHECKING:
     from armodal.analyzer.gap.model.assembly import Assembly
 
-__all__ = ["Alternatives", "Builder", "Describer", "EffectWords", "Instance", "IsAlso", "Starts"]
+__all__ = [
+    "Alternatives",
+    "Builder",
+    "Describer",
+    "EffectWords",
+    "InitialValues",
+    "Instance",
+    "IsAlso",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +38,7 @@ class EffectWords:
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
     least_shared: float = 0.0  # mountings that must bring it: fewer may be badly aimed hits
-    own_look: bool = False  # a look of its own seeks it: the common one finds it too late
+    own_candidates: bool = False  # a look of its own seeks it: the common one finds it too late
     several_starts: bool = False  # each candidate of a place is a place to begin of its own
     ends_alike: bool = False  # of the two places it reaches between the tests tell the second
     told_by: str = ""  # which further test tells
@@ -54,7 +62,7 @@ class Describer(Protocol):
         ...
 
 
-class Starts(Protocol):
+class InitialValues(Protocol):
     """Where else a fit with an instance begins, from the values of a model without it."""
 
     def __call__(self, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
@@ -90,7 +98,7 @@ class Instance:
     relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
     builder: Builder | None = None
     describe: Describer | None = None
-    starts: Starts | None = None
+    initial_values: InitialValues | None = None
     alternatives: Alternatives | None = None
     is_also: IsAlso | None = None
     at_its_ends: tuple[tuple[str, str], ...] = ()  # keys of instances that patch it there
@@ -106,7 +114,7 @@ class Instance:
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     last: bool = False  # built after the others: reads every coordinate they bring
     is_term: bool = False  # of the equations, though it only widens priors
-    by_level: bool = False  # soft and hard hits of a posture are answered otherwise
+    level_dependent: bool = False  # soft and hard hits of a posture are answered otherwise
     is_line: bool = False  # a single hinge inside a link, and nothing else
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 

@@ -26,9 +26,9 @@ class Hypothesis:
         return " + ".join(instance.title for instance in self.instances) or "nothing missing"
 
     @property
-    def by_level(self) -> bool:
+    def level_dependent(self) -> bool:
         """Return whether soft and hard hits of a posture are answered otherwise."""
-        return any(instance.by_level for instance in self.instances)
+        return any(instance.level_dependent for instance in self.instances)
 
     def space(self) -> Space:
         """Return all parameters."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, better_start, fit_hypothesis
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.looks import goes_with, look_at_all, look_at_others
+from armodal.analyzer.gap.search.candidates import all_candidates, goes_with, other_candidates
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["PATIENCE", "Rivals", "find_rivals"]
@@ -91,8 +91,10 @@ def find_rivals(
     start = dict(start or {})
     tell("the arm as believed" if not present.instances else present.name)
     base = _annealed(stages, present, start, fitted)
-    others = look_at_others(sharp, base[-1])
-    looked = look_at_all(sharp, base[-1], start, from_start=False, others=others, without=without)
+    others = other_candidates(sharp, base[-1])
+    looked = all_candidates(
+        sharp, base[-1], start, from_start=False, others=others, without=without
+    )
     promising = [c for c in looked if c.gain > _LOOK][:_NEAR]
     finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
     if needs_more(base[-1], finals):
@@ -142,7 +144,7 @@ def _far(
     unfitted = fit_hypothesis(widest, present, start=begin, max_iterations=0)
     pool: list[tuple[float, Fit, Candidate]] = []
     for about in (unfitted, base[0]):
-        looked = look_at_all(widest, about, begin, from_start=about is unfitted, without=without)
+        looked = all_candidates(widest, about, begin, from_start=about is unfitted, without=without)
         pool += [(c.gain, about, c) for c in looked]
     tell(f"{len(pool)} candidates fitted on wide lines")
     fits = _one_each(
@@ -190,8 +192,8 @@ def _begun(
     for base in [values] if also is None else [values, also.values]:
         if candidate.begin:
             starts += [_part_of_the_way(base, candidate, part) for part in _PARTS]
-        if candidate.instance.starts is not None:
-            starts += candidate.instance.starts(base)
+        if candidate.instance.initial_values is not None:
+            starts += candidate.instance.initial_values(base)
     begin = better_start(stage, richer, starts)
     return fit_hypothesis(stage, richer, start=begin, max_iterations=steps)
 

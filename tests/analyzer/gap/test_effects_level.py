@@ -17,8 +17,8 @@ from armodal.analyzer.gap.model.lines import Annealing, PostureLines, own_lines
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.candidates import goes_with
 from armodal.analyzer.gap.search.levels import told_apart
-from armodal.analyzer.gap.search.looks import goes_with
 from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import exponential_window, hit_direction, wrong_point
-from armodal.analyzer.gap.effects.sensor_look import look_at_channels
+from armodal.analyzer.gap.effects.sensor_candidates import channel_candidates
 from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -149,7 +149,7 @@ def looked_at(ordinary, lines, posed, instance, **changes):
     data = replace(lines, values=predicted(posed, ordinary, lines, (instance,), **changes))
     stage = Stage(ordinary.superset, [data], Discrepancy(), models=[posed])
     space = Hypothesis(ordinary=ordinary).space()
-    return look_at_channels(stage, Hypothesis(ordinary=ordinary), space.values(space.start()))[0]
+    return channel_candidates(stage, Hypothesis(ordinary=ordinary), space.values(space.start()))[0]
 
 
 def test_the_scan_finds_exchanged_points(ordinary, lines, posed):

@@ -20,7 +20,9 @@ EFFECTS = {
 OWN = {
     name
     for name, module in EFFECTS.items()
-    if any(hasattr(module, hook) for hook in ("instances", "look", "look_at_channels"))
+    if any(
+        hasattr(module, hook) for hook in ("instances", "linear_candidates", "channel_candidates")
+    )
     or name == "slips_or_softens"
 }
 NAMES = {

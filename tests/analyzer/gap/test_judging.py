@@ -257,19 +257,23 @@ def test_much_evidence_for_an_axis_of_uncertain_size_is_no_patch(gain, is_named)
 def after_a_change_with_level(present, fit):
     """The same effects, the present one following the hits' level."""
     (slip,) = present.hypothesis.instances
-    both = (replace(slip, by_level=True), *fit.hypothesis.instances)
+    both = (replace(slip, level_dependent=True), *fit.hypothesis.instances)
     return replace(fit, hypothesis=replace(fit.hypothesis, instances=both))
 
 
 @pytest.mark.parametrize(
-    ("by_level", "gain", "is_named"),
+    ("level_dependent", "gain", "is_named"),
     [(False, 207.0, False), (False, 280.0, True), (True, 207.0, False), (True, 280.0, True)],
 )
-def test_beside_an_effect_of_the_level_a_name_takes_more_than_alone(by_level, gain, is_named):
+def test_beside_an_effect_of_the_level_a_name_takes_more_than_alone(
+    level_dependent, gain, is_named
+):
     # 207 nats: what friction at a joint left for an axis in the link beside it. And what a spring
     # and a damper at each level do not tell looks like a second effect of the level.
     present = rival(friction.WORDS, "j1", 400.0)
-    alone = with_changed(rival(link_axis.WORDS, "l1", 400.0 - gain), by_level=by_level)
+    alone = with_changed(
+        rival(link_axis.WORDS, "l1", 400.0 - gain), level_dependent=level_dependent
+    )
     beside = after_a_change_with_level(present, alone)
     assert judge(OF_1000, present, [alone], INDEPENDENT, Thresholds()).named is alone
     assert (

@@ -10,9 +10,9 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds, follows_no_level
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects import friction
-from armodal.analyzer.gap.effects.sensor_look import look_at_channels
+from armodal.analyzer.gap.effects.sensor_candidates import channel_candidates
+from armodal.analyzer.gap.inference.annealing import stages_of, with_test
 from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
-from armodal.analyzer.gap.inference.stages import stages_of, with_test
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -181,7 +181,7 @@ def test_much_that_is_told_beside_a_name_and_has_none_is_outside(apart, nats, na
 def test_the_look_at_places_knows_postures_hit_at_two_levels(apart):
     hypothesis = of_session(apart)
     space = hypothesis.space()
-    found = look_at_channels(apart[0], hypothesis, space.values(space.start()))
+    found = channel_candidates(apart[0], hypothesis, space.values(space.start()))
     places = [c.instance.place for c in found if c.instance.effect.name == "wrong_point"]
     known = hypothesis.ordinary.postures
     assert places

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.inference.annealing import stages_of
 from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
-from armodal.analyzer.gap.inference.stages import stages_of
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary

@@ -12,7 +12,7 @@ from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import coupling, friction, microslip, slips_or_softens, softening
 from armodal.analyzer.gap.effects.level import any_bow
 from armodal.analyzer.gap.effects.slips_or_softens import Bow, told_by_bow, told_by_hits_between
-from armodal.analyzer.gap.inference.stages import at_three_levels, stages_of, with_test
+from armodal.analyzer.gap.inference.annealing import at_three_levels, stages_of, with_test
 from armodal.analyzer.gap.model.hit_levels import at_levels, has_hits_between, middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from armodal.analyzer.gap.decision.enough import notes_on
+from armodal.analyzer.gap.decision.data_requirements import notes_on
 from armodal.analyzer.merge_sessions import merge_sessions
 from armodal.protocols.errors import EstimateError
 

@@ -89,7 +89,7 @@ def test_a_named_axis_is_none_where_the_level_surely_tells_of_a_joint_of_its_lin
     final = made_fit(Hypothesis(ordinary=ordinary, instances=(axis,)), cost=300.0)
 
     def told(place, gain):
-        slips = Instance(effect=softening.WORDS, place=place, by_level=True)
+        slips = Instance(effect=softening.WORDS, place=place, level_dependent=True)
         rival = made_fit(
             Hypothesis(ordinary=ordinary, instances=(axis, slips)), cost=final.cost - gain
         )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.small_case import FourPostures, small_case
 
-from armodal.analyzer.gap.decision.enough import notes_on
+from armodal.analyzer.gap.decision.data_requirements import notes_on
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.workflow import find_gap

@@ -5,9 +5,9 @@ import pytest
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.inference.aims import notes_on_aims
+from armodal.analyzer.gap.inference.aim_notes import notes_on_aims
+from armodal.analyzer.gap.inference.annealing import stages_of, with_test
 from armodal.analyzer.gap.inference.fit import fit_hypothesis
-from armodal.analyzer.gap.inference.stages import stages_of, with_test
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.next_test.advice import plan_text

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from armodal.analyzer.gap.decision.shared import is_shared, mountings_worth
+from armodal.analyzer.gap.decision.mounting_share import is_shared, mountings_worth
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import make_case

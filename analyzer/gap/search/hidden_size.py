@@ -14,14 +14,14 @@ import numpy as np
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["believable"]
+__all__ = ["largest_hidden_size"]
 
 _STEPS = 2
 _TRIALS = 4  # each of half the size
 _TOLD = 1.92  # of cost: 95 % of a single parameter's
 
 
-def believable(
+def largest_hidden_size(
     stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
 ) -> float:
     """Return the size, or the least of its halves that the data still speak against.

@@ -25,7 +25,7 @@ from armodal.analyzer.gap.model.geometry import PostureGeometry
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["look"]
+__all__ = ["linear_candidates"]
 
 Array = npt.NDArray[np.float64]
 
@@ -34,7 +34,7 @@ _STEP_M = 0.1
 _KEEP = 1
 
 
-def look(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
+def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """The most promising ends of a damper for each two links, best first."""
     here = {i.place: i for i in instances if i.effect is nonproportional.WORDS}
     ordinary = fit.hypothesis.ordinary

@@ -23,7 +23,7 @@ from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["look_at_channels"]
+__all__ = ["channel_candidates"]
 
 Array = npt.NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _KEEP_PLACES = 2
 _SHIFT_STD_M, _LEAST_SHIFT_M = 0.1, 0.01
 
 
-def look_at_channels(
+def channel_candidates(
     stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
 ) -> list[Candidate]:
     """Faults of axes, single gains and places that would lower the cost, best first."""

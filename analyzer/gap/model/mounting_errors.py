@@ -17,12 +17,12 @@ from armodal.analyzer.gap.model.priors import PLACE_STD_M
 from armodal.analyzer.gap.model.response import Response
 from armodal.protocols.arm.records import Tolerances
 
-__all__ = ["off_place"]
+__all__ = ["mounting_error_columns"]
 
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 
-def off_place(found: Response, tolerances: Tolerances) -> ComplexArray:
+def mounting_error_columns(found: Response, tolerances: Tolerances) -> ComplexArray:
     """Change (P, m, 3, k, L) of each channel by a deviation of each of k errors."""
     shifts = found.by_shift() * PLACE_STD_M  # (3, P, m, 3, L)
     columns = [*shifts]

@@ -16,7 +16,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["look"]
+__all__ = ["linear_candidates"]
 
 
 _ANGLES = np.linspace(-np.pi, np.pi, 36, endpoint=False)
@@ -24,7 +24,7 @@ _RATIOS = (1.2, 1.5, 2.2)
 _KEPT = 2  # angles at each joint
 
 
-def look(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
+def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """The most promising angles of a compensator at every joint that lifts, best first."""
     here = [i for i in instances if i.effect is gravity_compensator.WORDS]
     if not here:

@@ -10,7 +10,7 @@ from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.scan import Candidate, scan_instances
 
-__all__ = ["goes_with", "look_at_all", "look_at_others", "others_beside"]
+__all__ = ["all_candidates", "goes_with", "other_candidates", "others_beside"]
 
 
 def others_beside(base: Fit) -> list[Instance]:
@@ -21,14 +21,14 @@ def others_beside(base: Fit) -> list[Instance]:
     return [i for i in every if i.key not in taken and goes_with(i, present)]
 
 
-def look_at_others(stage: Stage, base: Fit) -> list[Candidate]:
+def other_candidates(stage: Stage, base: Fit) -> list[Candidate]:
     """Every effect at every place that a hypothesis has not, as it stands, best first."""
     taken = {instance.key for instance in base.hypothesis.instances}
     every = all_instances(base.hypothesis.ordinary)
     return scan_instances(stage, base, [i for i in every if i.key not in taken])
 
 
-def look_at_all(
+def all_candidates(
     stage: Stage,
     base: Fit,
     start: Mapping[str, float],
@@ -39,7 +39,7 @@ def look_at_all(
 ) -> list[Candidate]:
     """Every effect at every place by its linear gain; sensors also beside the first guess.
 
-    `others` is what `look_at_others` saw, if that is at hand; `without` are keys of instances that
+    `others` is what `other_candidates` saw, if that is at hand; `without` are keys of instances that
     are not looked at.
     """
     hypothesis = base.hypothesis
@@ -49,19 +49,19 @@ def look_at_all(
         for i in all_instances(hypothesis.ordinary)
         if i.key not in taken and goes_with(i, hypothesis)
     ]
-    plain = [i for i in instances if not i.effect.own_look]
+    plain = [i for i in instances if not i.effect.own_candidates]
     if others is None:
         found = scan_instances(stage, base, plain)
     else:
         keys = {i.key for i in plain}
         found = [c for c in others if c.instance.key in keys]
-    found += [c for look in hooks("look") for c in look(stage, base, instances)]
+    found += [c for find in hooks("linear_candidates") for c in find(stage, base, instances)]
     guesses: list[Mapping[str, float]] = [base.values]
     if from_start:
         first = hypothesis.space()
         guesses.append(first.values(first.start(start)))
-    for look in hooks("look_at_channels"):
-        found += [c for guess in guesses for c in look(stage, hypothesis, guess)]
+    for find in hooks("channel_candidates"):
+        found += [c for guess in guesses for c in find(stage, hypothesis, guess)]
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])

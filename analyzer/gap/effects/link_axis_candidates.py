@@ -10,10 +10,10 @@ from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["look"]
+__all__ = ["linear_candidates"]
 
 
-def look(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
+def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
     """Return an axis along the most promising lines of every link without one, best first."""
     del instances
     present = fit.hypothesis.instances

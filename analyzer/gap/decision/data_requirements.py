@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from armodal.analyzer.gap.inference.stages import FEWEST_POSTURES
+from armodal.analyzer.gap.inference.annealing import FEWEST_POSTURES
 from armodal.analyzer.gap.model.hit_levels import has_levels
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Mode
 from armodal.protocols.session.records import Hit, Session
 from armodal.protocols.session.told import told_by_hand
 
-__all__ = ["check_enough", "check_tests", "notes_on"]
+__all__ = ["check_data_requirements", "check_tests", "notes_on"]
 
 _FEWEST_POINTS = 4
 _MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
 
 
-def check_enough(session: Session) -> None:
+def check_data_requirements(session: Session) -> None:
     """Check that a session can carry a judgement.
 
     Raises
