@@ -39,8 +39,8 @@ def all_candidates(
 ) -> list[Candidate]:
     """Every effect at every place by its linear gain; sensors also beside the first guess.
 
-    `others` is what `other_candidates` saw, if that is at hand; `without` are keys of instances that
-    are not looked at.
+    `others` is what `other_candidates` saw, if that is at hand; `without` are keys of instances
+    that are not looked at.
     """
     hypothesis = base.hypothesis
     taken = {*without, *(instance.key for instance in hypothesis.instances)}
