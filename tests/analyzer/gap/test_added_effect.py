@@ -48,7 +48,7 @@ def plain(monkeypatch):
     def fitted(stage, hypothesis, **_):
         return fit_to(hypothesis, 100.0 if len(hypothesis.instances) > 1 else 1e6)
 
-    monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
+    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
 
 
 def test_a_turn_that_joins_one_of_the_arm_file_is_still_named(plain, monkeypatch):
@@ -113,7 +113,7 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_be
         begun.append((stage, start))
         return fit_to(hypothesis, again)
 
-    monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
+    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
     payload, rotor = (
         Instance(effect=SimpleNamespace(name=name, title=""), place="")
         for name in ("body", "rotor")
@@ -141,7 +141,7 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
     def fitted(stage, hypothesis, **_):
         return fit_to(hypothesis, 100.0 + gain * made_calibration().limit("one"))
 
-    monkeypatch.setattr(named_step, "fit_hypothesis", fitted)
+    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
     one, two = (
         Instance(effect=SimpleNamespace(name=name, title=name), place="") for name in ("one", "two")
     )
