@@ -8,6 +8,7 @@ import pytest
 from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
+from armodal.analyzer.gap.decision import added_effect
 from armodal.analyzer.gap.decision.added_effect import Step, with_step
 from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
