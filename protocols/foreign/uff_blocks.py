@@ -50,12 +50,16 @@ class Block:
 def read_foreign_bytes(path: Path, *, limit: int = LARGEST_FILE) -> bytes:
     """Read a file whole, if it is a plain file of at most `limit` bytes; else ForeignFileError."""
     try:
-        if not path.is_file():
-            raise ForeignFileError(f"{path}: wanted a readable file, found none; check the path")
+        there = path.is_file()
+    except ValueError:  # a name that no file can have
+        there = False
+    if not there:
+        raise ForeignFileError(f"{path}: wanted a readable file, found none; check the path")
+    try:
         with path.open("rb") as file:
             size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
             data = file.read(min(size, limit) + 1)
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise ForeignFileError(
             f"{path}: cannot be read ({os_words(error)}); check the path"
         ) from error
