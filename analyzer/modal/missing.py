@@ -29,7 +29,7 @@ class MissingModeHint:
     f_hz: float
     ratio: float  # weighted misfit there over its median along the band
     share: float  # RMS misfit over RMS of the FRFs there
-    # A mode of the model within its bandwidth, or within what lines tell: that mode fits worse than the rest.
+    # A mode of the model within its bandwidth, or within what lines tell: it fits worse than most.
     beside_hz: float | None
 
 
@@ -38,8 +38,9 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
 
     The misfit over its standard deviation, squared, is averaged over all FRFs and over lines one
     bandwidth wide. A hint is given where that exceeds 1.5 times its median, and its median by six
-    times the scatter that noise would give it, and where it is no rounding of the numbers. Within a bandwidth of the band's edges none is
-    given: there no peak can be told from the slope of what lies outside.
+    times the scatter that noise would give it, and where it is more than rounding of the numbers.
+    Within a bandwidth of the band's edges none is given: there no peak can be told from the slope
+    of what lies outside.
 
     Parameters
     ----------
