@@ -198,3 +198,35 @@ def test_an_analyser_s_matlab_file_needs_its_form_alone(tmp_path):
     assert np.isfinite(frf.coherence).all()
     # published 192.594 Hz, lines 0.3125 Hz apart
     assert abs(frf.freq_hz[np.argmax(np.abs(frf.values[0, 0]))] - 192.594) < 0.3125
+
+
+# Two files ---------------------------------------------------------------------------------------
+
+
+def two_files(folder, *, slower=1.0):
+    t, force, (response,) = hit_signals()
+    (folder / "hit force.txt").write_text(table([slower * t, force]))
+    (folder / "hit acc.txt").write_text(table([t, response]))
+    return folder / "hit force.txt", folder / "hit acc.txt"
+
+
+def test_force_and_response_in_two_files_are_shown_and_imported_as_one(tmp_path):
+    files = two_files(tmp_path)
+    code, out, _ = armodal("inspect", *files, "--json")
+    assert code == 0
+    (shown,) = json.loads(out)["files"]
+    assert (shown["file"], shown["force"]) == (str(files[1]), str(files[0]))
+    code, out, err = armodal("import", *files, "--out", tmp_path / "s.h5", "--json")
+    assert code == 0, err
+    assert json.loads(out)["postures"][0]["hits"] == 1
+    assert 'force = "hit force.txt"' in (tmp_path / "s.toml").read_text()
+
+
+def test_two_files_of_other_rates_are_one_message(tmp_path):
+    files = two_files(tmp_path, slower=2.0)
+    code, out, err = armodal("import", *files, "--out", tmp_path / "s.h5")
+    assert code == 2
+    assert "Traceback" not in out + err
+    assert err.count("wanted one sampling rate") == 1
+    assert not (tmp_path / "s.h5").exists()
+    assert not (tmp_path / "s.toml").exists()
