@@ -50,7 +50,11 @@ def content_of_two(
         If the files do not belong together, or one holds no signals; the message ends with what was
         found in both.
     """
-    listed = tuple(one for part in (*force, *responses) for one in part.listed)
+    listed = tuple(
+        replace(one, name=f"{one.name[:20]} of {part.origin}")
+        for part in (*force, *responses)
+        for one in part.listed
+    )
     said: list[str] = []
     try:
         hits = _hits(force, responses, hints, said)

@@ -161,6 +161,39 @@ def test_any_table_is_a_session_or_one_message(
     assert err.count("armodal:") == (code == 2)
 
 
+@given(
+    head=st.sampled_from(
+        ["", "time [s]{0}force [N]{0}acc [m/s^2]\n", "f [Hz]{0}Re{0}Im\n", "a{0}b\n"]
+    ),
+    delimiter=st.sampled_from(["\t", ";", " "]),
+    decimal=st.sampled_from([".", ","]),
+    hit=st.booleans(),
+    end=st.floats(0.0, 1.0),
+    change=st.none() | st.tuples(st.floats(0.0, 1.0, exclude_max=True), st.integers(0, 255)),
+)
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_a_good_table_cut_or_changed_anywhere_is_a_session_or_one_message(
+    tmp_path, head, delimiter, decimal, hit, end, change
+):
+    """All the way to the judge of hits: three columns of an FRF once ended there."""
+    t, force, (response,) = hit_signals(n=512)
+    H = accelerance(FREQ, 0, 0)
+    columns = [t, force, response] if hit else [FREQ, H.real, H.imag]
+    data = bytearray((head.format(delimiter) + table(columns, delimiter, decimal)).encode())
+    if change is not None:
+        data[int(change[0] * len(data))] = change[1]
+    (tmp_path / "a.txt").write_bytes(data[: round(end * len(data))])
+    for made in ("s.toml", "s.h5"):
+        (tmp_path / made).unlink(missing_ok=True)
+    code, out, err = armodal("import", tmp_path / "a.txt", "--out", tmp_path / "s.h5")
+    assert code in {0, 2}
+    assert "Traceback" not in out + err
+    assert err.count("armodal:") == (code == 2)
+    assert (tmp_path / "s.h5").exists() == (code == 0)
+
+
 # Real measurements -------------------------------------------------------------------------------
 
 
