@@ -7,6 +7,7 @@ from pathlib import Path
 from armodal.daq.journal_writer import JournalWriter
 from armodal.protocols.errors import JournalError
 from armodal.protocols.file_layer import DISK, FileLayer, write_all
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.journal import Journal, decode_journal, read_journal, scan
 from armodal.protocols.session.records import SessionHeader
 
@@ -141,8 +142,8 @@ def _make_missing(path: Path, copy: Path, files: FileLayer) -> None:
                     files.close(fd)
             except OSError as error:
                 raise JournalError(
-                    f"cannot copy the journal {source} to {target}: {error.strerror}; check rights "
-                    "and free space"
+                    f"cannot copy the journal {source} to {target}: {os_words(error)}; check "
+                    "rights and free space"
                 ) from error
 
 

@@ -11,6 +11,7 @@ from armodal.daq.journal_watch import rescue, what_happened_to
 from armodal.daq.session_lock import SessionLock, lock_journal, lock_open_journal
 from armodal.protocols.errors import JournalError
 from armodal.protocols.file_layer import DISK, FileLayer, write_all
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.journal import (
     Journal,
     Record,
@@ -280,6 +281,4 @@ _WAYS_BACK = {
 
 
 def _cannot(what: str, path: Path, error: OSError) -> JournalError:
-    return JournalError(
-        f"cannot {what} the journal {path}: {error.strerror or error}; {_WAYS_BACK[what]}"
-    )
+    return JournalError(f"cannot {what} the journal {path}: {os_words(error)}; {_WAYS_BACK[what]}")

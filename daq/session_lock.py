@@ -18,6 +18,7 @@ from pathlib import Path
 
 from armodal.daq.holder import Holder, Life, read_holder, this_process
 from armodal.protocols.errors import JournalError, PortError
+from armodal.protocols.os_words import os_words
 
 if sys.platform != "win32":
     import fcntl
@@ -148,7 +149,7 @@ def lock_port(name: str) -> SessionLock:
         raise PortError(f"port {name} is in use by {error}") from None
     except OSError as error:
         raise PortError(
-            f"cannot lock port {name} with {path}: {error.strerror}; check rights and free space"
+            f"cannot lock port {name} with {path}: {os_words(error)}; check rights and free space"
         ) from error
 
 
@@ -171,7 +172,7 @@ def lock_folder() -> Path:
         found = folder.lstat()
     except OSError as error:
         raise PortError(
-            f"cannot make {folder}, where ports in use are noted: {error.strerror}; set "
+            f"cannot make {folder}, where ports in use are noted: {os_words(error)}; set "
             "XDG_RUNTIME_DIR to a folder of your own"
         ) from error
     private = stat.S_ISDIR(found.st_mode) and not stat.S_IMODE(found.st_mode) & 0o077

@@ -14,6 +14,7 @@ from typing import Any
 from armodal.hil_sim.clock import LabClock
 from armodal.hil_sim.operator import Action
 from armodal.protocols.errors import PlantError
+from armodal.protocols.os_words import os_words
 
 __all__ = ["OperatorSocket", "check_free"]
 
@@ -62,7 +63,7 @@ class OperatorSocket:
         except OSError as error:
             self._listener.close()
             raise PlantError(
-                f"cannot listen at {path}: {error.strerror}; give the laboratory another directory"
+                f"cannot listen at {path}: {os_words(error)}; give the laboratory another directory"
             ) from error
         self._listener.listen(4)
         self._listener.setblocking(False)

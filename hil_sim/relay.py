@@ -16,6 +16,7 @@ from typing import Protocol
 
 from armodal.hil_sim.pty_port import PtyPort
 from armodal.protocols.errors import PortError
+from armodal.protocols.os_words import os_words
 
 __all__ = ["Alteration", "Relay", "relayed"]
 
@@ -54,7 +55,7 @@ class Relay:
         try:
             self._device = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         except OSError as error:
-            raise PortError(f"cannot open port {device}: {error.strerror}") from error
+            raise PortError(f"cannot open port {device}: {os_words(error)}") from error
         try:
             tty.setraw(self._device)
             self.port = PtyPort()

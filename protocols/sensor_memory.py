@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from armodal.protocols.board.records import Channel
 from armodal.protocols.errors import SessionError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.teds import ALIKE
 
 __all__ = ["KnownSensor", "load_sensors", "remember_sensors", "unlike_before"]
@@ -136,6 +137,6 @@ def remember_sensors(
         made.replace(path)
     except OSError as error:
         raise SessionError(
-            f"{path}: what is remembered of sensors cannot be written ({error.strerror}); check "
+            f"{path}: what is remembered of sensors cannot be written ({os_words(error)}); check "
             "rights and free space"
         ) from error

@@ -23,6 +23,7 @@ from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.told_joints import told_refusal
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.plan_records import Plan, PlannedPosture
 
 __all__ = [
@@ -169,7 +170,7 @@ class ScriptedOperator:
         except OSError as error:
             self._socket.close()
             raise DeviceLostError(
-                f"no operator listens at {path} ({error.strerror}); start one with armodal sim"
+                f"no operator listens at {path} ({os_words(error)}); start one with armodal sim"
             ) from error
         self._lines = self._socket.makefile("r", encoding="utf-8")
 

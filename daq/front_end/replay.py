@@ -12,6 +12,7 @@ from armodal.daq.front_end.source import Chunk, to_counts
 from armodal.protocols.errors import DeviceLostError, FrontEndError
 from armodal.protocols.foreign.wav import wav_variables
 from armodal.protocols.front_end import FrontEnd
+from armodal.protocols.os_words import os_words
 
 __all__ = ["Replay"]
 
@@ -81,7 +82,7 @@ def _read(path: Path, inputs: tuple[int | str, ...]) -> tuple[npt.NDArray[np.int
     except OSError as error:
         raise FrontEndError(
             f"{path.name}: wanted a sound file beside the front-end file, it cannot be read "
-            f"({error.strerror}); check its name"
+            f"({os_words(error)}); check its name"
         ) from error
     if size > LARGEST_BYTES:
         raise FrontEndError(f"{path.name}: wanted at most 1 GiB, got {size} bytes; cut the file")

@@ -50,24 +50,24 @@ class Block:
 def read_foreign_bytes(path: Path, *, limit: int = LARGEST_FILE) -> bytes:
     """Read a file whole, if it is a plain file of at most `limit` bytes; else ForeignFileError."""
     try:
-        data = _start_of(path, limit + 1) if path.is_file() else None
-    except (OSError, ValueError) as error:
+        there = path.is_file()
+    except ValueError:  # a name that no file can have
+        there = False
+    if not there:
+        raise ForeignFileError(f"{path}: wanted a readable file, found none; check the path")
+    try:
+        with path.open("rb") as file:
+            size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
+            data = file.read(min(size, limit) + 1)
+    except OSError as error:
         raise ForeignFileError(
             f"{path}: cannot be read ({os_words(error)}); check the path"
         ) from error
-    if data is None:
-        raise ForeignFileError(f"{path}: wanted a readable file, found none; check the path")
     if len(data) > limit:
         raise ForeignFileError(
             f"{path.name}: wanted at most {limit} bytes, got more; split the file"
         )
     return data
-
-
-def _start_of(path: Path, most: int) -> bytes:
-    with path.open("rb") as file:
-        size = os.fstat(file.fileno()).st_size  # read() takes room for what it is told
-        return file.read(min(size + 1, most))
 
 
 def split_blocks(data: bytes, origin: str) -> tuple[list[Block], list[str]]:

@@ -20,7 +20,7 @@ def test_no_announced_hit_is_lost(seed):
 
 
 def test_no_clock_of_the_wall_decides_anything():
-    """What jumps when somebody sets the clock is written into headers and locks only."""
+    """What jumps when somebody sets the clock is written into headers, locks and notes only."""
     said = [
         f"{path.name}: {line.strip()}"
         for path in sorted(Path(armodal.daq.__path__[0]).glob("**/*.py"))
@@ -28,6 +28,8 @@ def test_no_clock_of_the_wall_decides_anything():
         if re.search(r"time\.time\(|datetime\.now|CLOCK_REALTIME|localtime|\.today\(", line)
     ]
     assert said == [
+        # The day on which a sensor was last used, in the memory of sensors.
+        "acquisition.py: today = datetime.now(UTC).date().isoformat()",
         'acquisition.py: created=datetime.now(UTC).isoformat(timespec="seconds"),',
         'holder.py: since=datetime.now(UTC).isoformat(timespec="seconds"),',
     ]

@@ -108,7 +108,7 @@ def test_a_full_disk_is_said_and_the_record_does_not_count(header, path, monkeyp
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("armodal.protocols.file_layer.os.write", full)
-    with pytest.raises(JournalError, match="No space left"):
+    with pytest.raises(JournalError, match="no space is left"):
         writer.append(mark("one"))
     monkeypatch.undo()
     writer.close()
@@ -128,7 +128,7 @@ def test_a_record_torn_by_a_full_disk_is_cut_off_and_nothing_follows_it(header, 
         return write(fd, data[:5])
 
     monkeypatch.setattr("armodal.protocols.file_layer.os.write", fills_up)
-    with pytest.raises(JournalError, match="No space left"):
+    with pytest.raises(JournalError, match="no space is left"):
         writer.append(mark("two"))
     monkeypatch.undo()
     assert path.read_bytes() == good

@@ -108,9 +108,9 @@ def test_a_disk_that_refuses_a_change_is_named_and_loses_nothing(
 @pytest.mark.parametrize(
     ("code", "words"),
     [
-        (errno.ENOSPC, "No space left on device"),
-        pytest.param(errno.EIO, "Input/output error", marks=pytest.mark.long),
-        pytest.param(errno.EROFS, "Read-only file system", marks=pytest.mark.long),
+        (errno.ENOSPC, "no space is left on the disk"),
+        pytest.param(errno.EIO, "the disk does not answer", marks=pytest.mark.long),
+        pytest.param(errno.EROFS, "the disk can only be read", marks=pytest.mark.long),
     ],
 )
 def test_acquisition_says_that_the_disk_refuses_and_goes_on_after_it(

@@ -13,6 +13,7 @@ from support.recorded_disk import Point, RecordingDisk, power_cuts
 
 from armodal.daq.journal_writer import JournalWriter
 from armodal.protocols.errors import JournalError, SessionError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.session.journal import decode_journal, encode_hit, read_journal
 from armodal.protocols.session.records import Session
@@ -30,7 +31,7 @@ class FaultyDisk(RecordingDisk):
     def __init__(self, at: int, code: int, *, lasting: bool) -> None:
         super().__init__()
         self._left = at
-        self.words = os.strerror(code)  # that its refusals say
+        self.words = os_words(OSError(code, os.strerror(code)))  # that its refusals say
         self._code = code
         self._lasting = lasting
         self.healthy = False
@@ -45,7 +46,7 @@ class FaultyDisk(RecordingDisk):
         due = self._left < 0 if self._lasting else self._left == -1
         if due and not self.healthy:
             self.refused.append(kind)
-            raise OSError(self._code, self.words)
+            raise OSError(self._code, os.strerror(self._code))
         return change()
 
     def create(self, path: Path) -> int:

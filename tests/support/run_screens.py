@@ -22,7 +22,7 @@ from armodal.tui.screens.run.happenings import SafeConfirmed, SensorsConfirmed
 __all__ = ["SCREENS", "go_to"]
 
 STOPPED = Failed(
-    message="cannot write the journal: No space left on device",
+    message="cannot write the journal: no space is left on the disk",
     kind="JournalError",
     journal="s.journal",
 )

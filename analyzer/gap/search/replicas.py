@@ -70,7 +70,8 @@ def replica_gains(
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **best.values}
     parts = sensitivities(stage, wide, space, values)
-    instances = (*added, *others)
+    # Exchanged axes and points have neither: nothing of them is linear.
+    instances = tuple(i for i in (*added, *others) if i.parameters or i.relaxes)
     apart = {p.name for i in instances for p in i.parameters}
     relaxed = {name for i in instances for name in i.relaxes}
     moved = {n for n, f in zip(best.space.index, best.free, strict=True) if f}

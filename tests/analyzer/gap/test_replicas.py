@@ -117,3 +117,12 @@ def test_dispersion_counts_errors_of_all_postures_alike(linear):
     # Residuals of unit variance, as many modes as channels and lines allow: a slope's variance is
     # that of independent ones times the postures, within what a few modes of one draw make of it.
     assert found.dispersion == pytest.approx(POSTURES, rel=0.5)
+
+
+@pytest.mark.usefixtures("linear")
+def test_what_has_no_column_has_no_gains_and_disturbs_none():
+    exchanged = Instance(effect=SimpleNamespace(name="exchanged"), place="test 1")
+    found = replica_gains(None, null(), [exchanged], [EITHER_WAY, exchanged])
+    alone = replica_gains(None, null(), (), [EITHER_WAY])
+    assert found.instances == (EITHER_WAY,)
+    np.testing.assert_array_equal(found.replicas, alone.replicas)

@@ -85,7 +85,7 @@ def advice_for(reason: str) -> str:
 
 def error_advice(kind: str, message: str = "") -> tuple[str, str]:
     """Return what an error means, and what to do, in the operator's words."""
-    if "No space left" in message:
+    if "no space is left" in message:
         return "The disk is full", "Make room on it; nothing that was accepted is lost."
     return _ERRORS.get(kind, ("The measurement cannot go on", "Read the message below."))
 

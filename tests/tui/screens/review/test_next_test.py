@@ -103,7 +103,7 @@ def test_the_same_key_once_more_leaves_to_measure_the_plan(drive_proposing, sess
     assert app.return_code == 0
     assert app.next_run.plan == app.path.with_name("s-next-test.toml")
     assert app.next_run.journal == app.path.with_name("s-next-test.journal")
-    assert app.next_run.arm is session.header.arm
+    assert app.next_run.arm.sha256 == session.header.arm.sha256
     assert app.next_run.simulated
 
 
@@ -158,9 +158,10 @@ def test_the_plan_is_measured_after_the_review_has_been_left(session, tmp_path):
         0,
         Measure(
             journal=tmp_path / "p.journal",
-            arm=session.header.arm,
+            arm=wanted.arm,
             plan=str(tmp_path / "p.toml"),
             simulated=True,
+            earlier=Path("s.h5"),
         ),
     )
 

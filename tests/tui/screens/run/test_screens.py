@@ -119,7 +119,7 @@ def test_a_resize_in_the_middle_of_a_hit_loses_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("kind", "message", "words"),
     [
-        ("JournalError", "cannot write the journal: No space left on device", "disk is full"),
+        ("JournalError", "cannot write the journal: no space is left on the disk", "disk is full"),
         ("DeviceLostError", "the board on /dev/ttyACM0 is gone", "Plug it in again"),
         ("CanError", "no frame came on /dev/ttyACM1", "controller is silent"),
         ("SomethingElse", "what nobody has thought of", "cannot go on"),
