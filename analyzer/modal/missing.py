@@ -19,6 +19,7 @@ _DAMPING = 0.02  # of the resonance looked for: sets the width, three half bandw
 _LEAST_LINES = 3
 _LEAST_Z = 6.0  # standard deviations of the noise's own scatter
 _LEAST_RATIO = 1.5
+_LEAST_SHARE = 1e-5  # RMS of the FRFs: six printed digits leave up to 5e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +29,7 @@ class MissingModeHint:
     f_hz: float
     ratio: float  # weighted misfit there over its median along the band
     share: float  # RMS misfit over RMS of the FRFs there
-    # A mode of the model within its bandwidth, or within what lines tell: that mode fits badly.
+    # A mode of the model within its bandwidth, or within what lines tell: it fits worse than most.
     beside_hz: float | None
 
 
@@ -37,8 +38,9 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
 
     The misfit over its standard deviation, squared, is averaged over all FRFs and over lines one
     bandwidth wide. A hint is given where that exceeds 1.5 times its median, and its median by six
-    times the scatter that noise would give it. Within a bandwidth of the band's edges none is
-    given: there no peak can be told from the slope of what lies outside.
+    times the scatter that noise would give it, and where it is more than rounding of the numbers.
+    Within a bandwidth of the band's edges none is given: there no peak can be told from the slope
+    of what lies outside.
 
     Parameters
     ----------
@@ -92,12 +94,14 @@ def missing_mode_hints(frf: FrequencyResponse, model: ModalModel) -> tuple[Missi
         peak = int(low[k]) + int(np.argmax(power[own]))
         at_edge = peak < high[0] or peak >= low[-1]
         beside = _beside(model, float(freq[peak]), float(np.median(np.diff(freq))))
-        if not at_edge:  # what rises towards an edge is a mode outside the band, if any
+        left = float(np.sqrt(power[own].sum() / max(size[own].sum(), 1e-300)))
+        # What rises towards an edge is a mode outside the band, if any.
+        if not at_edge and left >= _LEAST_SHARE:
             hints.append(
                 MissingModeHint(
                     f_hz=float(freq[peak]),
                     ratio=float(ratio[k]),
-                    share=float(np.sqrt(power[own].sum() / max(size[own].sum(), 1e-300))),
+                    share=left,
                     beside_hz=beside,
                 )
             )

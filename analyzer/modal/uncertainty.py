@@ -95,7 +95,13 @@ def white_covariance(
 
 
 def _inverse(A: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
+    """Inverse of an information matrix; zero for parameters without information.
+
+    What is left after a projection may be zero, or below by rounding.
+    """
+    own = np.diag(A)
+    seen = own > np.finfo(float).tiny
+    scale = np.where(seen, 1.0 / np.sqrt(np.where(seen, own, 1.0)), 0.0)
     inner = np.linalg.pinv(A * scale[:, None] * scale[None, :], hermitian=True)
     return np.asarray(inner * scale[:, None] * scale[None, :], dtype=np.float64)
 
@@ -157,6 +163,8 @@ def pole_covariance(
     A_g, s_g = _cluster_parts(fit, clusters)
     # Scaled so that A is the identity: every expression below is then in units of information.
     A = A_g.sum(axis=0)
+    if np.min(np.diag(A)) <= np.finfo(float).tiny:
+        return fallback
     value, vector = np.linalg.eigh(A * _outer_scale(A))
     if value[0] <= 1e-12 * value[-1]:
         return fallback

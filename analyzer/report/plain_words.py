@@ -111,7 +111,7 @@ def _misfits(frf: FrequencyResponse, model: ModalModel) -> list[str]:
             beside[hint.beside_hz] = max(hint.share, beside.get(hint.beside_hz, 0.0))
         else:
             said.append(
-                f"a mode may be missing near {hint.f_hz:.5g} Hz: {100.0 * hint.share:.0f} % of "
+                f"a mode may be missing near {hint.f_hz:.5g} Hz: {100.0 * hint.share:.2g} % of "
                 "the FRFs there are not explained"
             )
     if beside:

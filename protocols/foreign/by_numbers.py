@@ -58,7 +58,8 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
             f"{part.origin}: wanted rows of time, force and at least one acceleration, or of "
             "frequency, real and imaginary part, the first rising evenly, got "
             f'{len(part.variables)} columns that are neither; say `kind` ("hit" or "frf") and '
-            "`rate_hz` or `line_spacing_hz`, or `variables`, in the manifest",
+            "`rate_hz` or `line_spacing_hz`, or `variables`, in the manifest, or `force`, where "
+            "that is in a file of its own",
             key="kind",
         )
     axis, rest = columns[0], columns[1:]

@@ -7,6 +7,7 @@ from pathlib import Path
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.file_format import HEAD_BYTES, FileFormat, every_format
 from armodal.protocols.foreign.measured import Content, Hints
+from armodal.protocols.foreign.two_files import content_of_two
 from armodal.protocols.foreign.uff_blocks import read_foreign_bytes
 from armodal.protocols.session.hdf5 import DEFINITION
 from armodal.protocols.session.journal_framing import MAGIC
@@ -34,10 +35,20 @@ def read_content(path: Path, hints: Hints) -> Content:
     ForeignFileError
         If the file cannot be read, or is no measurement; the message ends with what was found.
     """
+    own, data = _opened(path)
+    if hints.force_file is None:
+        return own.read(path, data, hints)
+    responses = own.variables(path, data)
+    own, data = _opened(hints.force_file)
+    return content_of_two(own.variables(hints.force_file, data), responses, hints)
+
+
+def _opened(path: Path) -> tuple[FileFormat, bytes]:
+    """Return a file's format and all its bytes."""
     data = read_foreign_bytes(path)
     own = format_of(data[:HEAD_BYTES], path.suffix)
     _refuse_own(data, own, path)
-    return own.read(path, data, hints)
+    return own, data
 
 
 def _refuse_own(data: bytes, own: FileFormat, path: Path) -> None:

@@ -14,11 +14,12 @@ from armodal.protocols.foreign.meaning import content_of
 from armodal.protocols.foreign.measured import Content, Hints
 from armodal.protocols.foreign.variables import Variables
 
-__all__ = ["HEAD_BYTES", "FileFormat", "every_format", "of_variables"]
+__all__ = ["HEAD_BYTES", "FileFormat", "every_format", "of_bytes"]
 
 HEAD_BYTES = 2048  # as much of a file as its format is recognised by
 
 Read = Callable[[Path, bytes, Hints], Content]
+Arrays = Callable[[Path, bytes], Sequence[Variables]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,19 +32,29 @@ class FileFormat:
         Of file names, lower case; they tell where the first bytes are damaged.
     is_it
         Whether the first `HEAD_BYTES` of a file are of this format.
-    read
-        From path, all bytes and what is told beside them to the measurements in the file.
+    variables
+        From path and all bytes to the named arrays in the file.
+    own_read
+        From path, all bytes and what is told beside them to the measurements in the file, where the
+        format says itself what its arrays mean; else that is found as for every format.
     """
 
     name: str
     endings: tuple[str, ...]
     is_it: Callable[[bytes], bool]
-    read: Read
+    variables: Arrays
+    own_read: Read | None = None
+
+    def read(self, path: Path, data: bytes, hints: Hints) -> Content:
+        """Return the measurements in a file of this format."""
+        if self.own_read is not None:
+            return self.own_read(path, data, hints)
+        return content_of(self.variables(path, data), hints, path.name)
 
 
-def of_variables(read: Callable[[bytes, str], Sequence[Variables]]) -> Read:
-    """Return a reader by one of named arrays: what they mean is found for every format alike."""
-    return lambda path, data, hints: content_of(read(data, path.name), hints, path.name)
+def of_bytes(read: Callable[[bytes, str], Sequence[Variables]]) -> Arrays:
+    """Return a reader of named arrays by one that takes bytes and the file's name."""
+    return lambda path, data: read(data, path.name)
 
 
 @lru_cache(maxsize=1)

@@ -52,6 +52,10 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
     if len(kinds) == 1:
         files = [_like_the_others(file, *kinds) for file in files]
     for file in files:
+        if file.force is not None:
+            guesses.append(
+                f"{file.path.name}: its force is in {file.force.name}, as both are named"
+            )
         guesses += [f"{file.path.name}: {text}" for text in file.guesses]
         doubts += [Doubt(key=one.key, why=one.why) for one in file.doubts]
     if len(kinds) > 1:
@@ -74,7 +78,7 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
 
 def _like_the_others(file: LookedAt, kind: str) -> LookedAt:
     """The file, looked at again as what those beside it are if it does not tell itself."""
-    return look_at(file.path, kind=kind) if "kind" in file.keys else file
+    return look_at(file.path, kind=kind, force=file.force) if "kind" in file.keys else file
 
 
 def _kind(file: LookedAt) -> str:
@@ -201,6 +205,8 @@ def _text(
     ]
     for file, told in zip(files, keys, strict=True):
         entry = {"path": _path(file.path, folder), **told}
+        if file.force is not None:
+            entry["force"] = _path(file.force, folder)
         lines.append(f"    {_inline(entry)},")
     lines.append("]")
     if any(_kind(file) == "frf" for file in files):

@@ -26,7 +26,7 @@ from armodal.protocols.foreign.uff_records import DataKind
 from armodal.protocols.foreign.units import SI, seconds, signal_scale, unit
 from armodal.protocols.foreign.variables import Axis, Variable, Variables
 
-__all__ = ["MOST_TRIMMED", "hits_in"]
+__all__ = ["MOST_TRIMMED", "hits_in", "sampling_rate"]
 
 MOST_TRIMMED = 8  # samples: what channels and blocks are apart that one device recorded
 _MOST_CHANNELS = 64
@@ -111,7 +111,7 @@ def _hits_of_rows(
             f"{part.origin}: wanted at most {_MOST_CHANNELS} channels, got {len(responses) + 1}; "
             "name those to read in `variables` in the manifest"
         )
-    rate = _rate(part, found, length, hints, said)
+    rate = sampling_rate(part, found, length, hints, said)
     kinds = [DataKind.EXCITATION_FORCE] * len(forces) + [DataKind.ACCELERATION] * len(responses)
     signals = np.stack(
         [
@@ -194,7 +194,18 @@ def _common_length(
     return length, alike
 
 
-def _rate(part: Variables, found: Found, length: int, hints: Hints, said: list[str]) -> Fraction:
+def sampling_rate(
+    part: Variables, found: Found, length: int, hints: Hints, said: list[str]
+) -> Fraction:
+    """Return the rate in Hz of signals of some length, by their times, their axis or the manifest.
+
+    Raises
+    ------
+    NotToldError
+        If none of them tells it.
+    ForeignFileError
+        If they contradict one another, or the times do not rise evenly.
+    """
     rates = []
     for time in found.get(Role.TIME, ()):
         times = np.asarray(np.real(time.values), dtype=np.float64).reshape(-1)

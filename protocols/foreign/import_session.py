@@ -187,6 +187,8 @@ def _gathered(said: list[str]) -> tuple[str, ...]:
 def _session_id(manifest: Manifest) -> str:
     digest = hashlib.sha256(manifest.text.encode())
     for posture in manifest.file.postures:
-        for path, _ in manifest.files(posture):
-            digest.update(hashlib.sha256(path.read_bytes()).digest())
+        for path, hints in manifest.files(posture):
+            for one in (path, hints.force_file):
+                if one is not None:
+                    digest.update(hashlib.sha256(one.read_bytes()).digest())
     return digest.hexdigest()[:32]

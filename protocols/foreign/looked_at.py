@@ -33,6 +33,7 @@ class LookedAt:
 
     path: Path
     format: str
+    force: Path | None = None  # file of the force, where that is another one
     content: Content | None  # None where it cannot be read before a doubt is settled
     found: tuple[Listed, ...] = ()
     keys: Mapping[str, Any] = field(default_factory=dict)
@@ -40,7 +41,7 @@ class LookedAt:
     doubts: tuple[Doubt, ...] = ()
 
 
-def look_at(path: Path, *, kind: str | None = None) -> LookedAt:
+def look_at(path: Path, *, kind: str | None = None, force: Path | None = None) -> LookedAt:
     """Read a file with nothing told about it, guessing what can be guessed.
 
     Parameters
@@ -49,13 +50,15 @@ def look_at(path: Path, *, kind: str | None = None) -> LookedAt:
         The file.
     kind
         "frf" or "hit", where those beside it tell.
+    force
+        File of the force, where that is another one.
 
     Raises
     ------
     ForeignFileError
         If it cannot be read, whatever a manifest might say.
     """
-    hints = Hints(kind=kind)
+    hints = Hints(kind=kind, force_file=force)
     keys: dict[str, Any] = {} if kind is None else {"kind": kind}
     guesses: list[str] = []
     doubts: list[Doubt] = []
@@ -78,6 +81,7 @@ def look_at(path: Path, *, kind: str | None = None) -> LookedAt:
     return LookedAt(
         path=path,
         format=name,
+        force=force,
         content=content,
         found=found,
         keys=keys,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -105,6 +105,7 @@ class FileTable(Reading):
     """A file with what holds for it alone."""
 
     path: PathText
+    force: PathText | None = None
     responses: Annotated[list[Dof], Field(max_length=1000)] | None = None
     reference: Dof | None = None
     references: Annotated[list[Dof], Field(max_length=100)] | None = None
@@ -173,10 +174,12 @@ class Manifest:
 
     def files(self, posture: PostureTable) -> list[tuple[Path, Hints]]:
         """Return each file of a posture with what the manifest says about it."""
-        return [
-            (self.folder / table.path, _hints(table, self.file, self.origin))
-            for table in posture.files
-        ]
+        found = []
+        for table in posture.files:
+            hints = _hints(table, self.file, self.origin)
+            force = None if table.force is None else self.folder / table.force
+            found.append((self.folder / table.path, replace(hints, force_file=force)))
+        return found
 
 
 def _hints(table: FileTable, general: Reading, origin: str) -> Hints:

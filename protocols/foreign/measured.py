@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -157,6 +158,7 @@ class Hints:
     force_scale: float | None = None  # N per unit of the file's numbers
     response_scale: float | None = None  # SI per unit of the file's numbers
     cut: Cut = Cut()
+    force_file: Path | None = None  # where the force is not in the file of its responses
 
     @property
     def reference(self) -> ToldDof | None:

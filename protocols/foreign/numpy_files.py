@@ -47,7 +47,7 @@ _ZIP_ERRORS = (
 
 
 def npy_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
-    """Return the rows (or columns) of a plain table, or complex FRFs.
+    """Return the rows (or columns) of a plain table, one signal, or complex FRFs.
 
     Raises
     ------
@@ -59,7 +59,9 @@ def npy_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
         if array.ndim > 3 or array.size < 2:
             raise _shape(array, origin)
         return (_part(origin, "NPY", [Variable(name="array", values=array)], named=True),)
-    if array.ndim != 2 or min(array.shape) < 2 or min(array.shape) > _MOST_ROWS:
+    if array.ndim == 1 and array.size > 1:
+        array = array[None]  # one signal: of a force beside its responses
+    elif array.ndim != 2 or min(array.shape) < 2 or min(array.shape) > _MOST_ROWS:
         raise _shape(array, origin)
     rows = array if array.shape[0] <= array.shape[1] else array.T
     columns = [

@@ -44,7 +44,8 @@ _WORDS = (
     (Role.FORCE, "force hammer impact excitation kraft hammerkraft marteau"),
     (
         Role.RESPONSE,
-        "acceleration acc accel accelerometer beschleunigung accélération response antwort",
+        """acceleration acc accel accelerometer beschleunigung accélération response responses resp
+        antwort""",
     ),
     (Role.TIME, "time zeit temps t timestamp"),
     (Role.FREQUENCY, "frequency freq frequencies frequenz fréquence hz omega"),

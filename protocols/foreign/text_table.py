@@ -170,8 +170,9 @@ def numbers_of_rows(
             ndmin=2,
         )
     except (ValueError, IndexError) as error:
+        said = _first_line(error).partition(";")[0]  # behind it, advice for those who program
         raise ForeignFileError(
-            f"{origin}: wanted a table of numbers ({_first_line(error)}); truncated or damaged?"
+            f"{origin}: wanted a table of numbers ({said}); truncated or damaged?"
         ) from error
     return table
 

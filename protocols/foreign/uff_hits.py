@@ -12,9 +12,9 @@ from armodal.protocols.foreign.uff_identification import response_dof
 from armodal.protocols.foreign.uff_records import DataKind, UffFunction, UffUnits
 from armodal.protocols.foreign.units import Scale, signal_scale, unit
 
-__all__ = ["hits_of", "say_assumed"]
+__all__ = ["SIX_DIGITS", "hits_of", "say_assumed"]
 
-_SIX_DIGITS = 5e-6  # relative: E13.5
+SIX_DIGITS = 5e-6  # relative: E13.5
 _FORCES = {DataKind.EXCITATION_FORCE, DataKind.REACTION_FORCE}
 
 
@@ -87,7 +87,7 @@ def _recording(
         )
     return Recording(
         origin=where,
-        rate_hz=exact_rate(np.asarray(first.abscissa)[:length], where, rounding=_SIX_DIGITS),
+        rate_hz=exact_rate(np.asarray(first.abscissa)[:length], where, rounding=SIX_DIGITS),
         forces_n=signals[0][None],
         acceleration_m_s2=np.stack(signals[1:]),
         hammers=(hints.reference or response_dof(first),),

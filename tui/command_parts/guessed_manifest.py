@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.file_pairs import with_forces
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.looked_at import look_at
 from armodal.protocols.os_words import os_words
@@ -28,7 +29,8 @@ def manifest_beside(files: Sequence[Path], output: Path) -> tuple[Path, Guess]:
         If a file cannot be read, or another manifest is there already.
     """
     path = output.with_suffix(".toml")
-    guess = guess_manifest([look_at(file) for file in files], path.parent)
+    looked = [look_at(file, force=force) for file, force in with_forces(files)]
+    guess = guess_manifest(looked, path.parent)
     if path.exists() and path.read_text(encoding="utf-8", errors="replace") != guess.text:
         raise ForeignFileError(
             f"{path}: wanted a place for a manifest, there is one; import that, or remove it"

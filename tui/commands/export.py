@@ -60,20 +60,33 @@ def export_session(
     if not frfs:
         raise EstimateError("the session has no accepted hits and no FRFs: nothing to export")
     files: list[dict[str, Any]] = []
+    left_out: list[str] = []
     for i, frf in enumerate(frfs):
         numbered = output.with_name(f"{output.stem}-{i + 1}{output.suffix}")
         path = output if len(frfs) == 1 else numbered
         said: tuple[str, ...] = ()
+        fitted_hz: tuple[float, float] | None = None
         if output.suffix.lower() in _ARRAYS:
             _ARRAYS[output.suffix.lower()](frf, path)
         else:
-            band = proposed_band(frf)[0] if band_hz is None else band_hz
-            found = _exported(fit_modes(frf, band_hz=band)) if modes else []
+            found: list[ExportedMode] = []
+            if modes:
+                band, why = proposed_band(frf) if band_hz is None else (band_hz, ())
+                model = fit_modes(frf, band_hz=band)
+                found, fitted_hz = _exported(model), model.band_hz
+                left_out += why
             content, said = posture_uff(frf, arm, modes=found, software=software)
             write_uff(content, path, binary=binary)
-        files.append({"posture": frf.posture, "file": str(path), "notes": list(said)})
+        files.append(
+            {
+                "posture": frf.posture,
+                "file": str(path),
+                "modes_fitted_hz": fitted_hz,
+                "notes": list(said),
+            }
+        )
     notes = [note for f in frfs for note in record_notes(session, f.posture, band_hz=band_hz)]
-    return {"files": files, "warnings": [*session.warnings, *notes]}
+    return {"files": files, "warnings": [*session.warnings, *left_out, *notes]}
 
 
 def _exported(model: ModalModel) -> list[ExportedMode]:
@@ -196,7 +209,11 @@ def export_command(
         print_json(summary)
         return
     for file in summary["files"]:
-        out.print(f"{file['posture']}: {file['file']}")
+        line = f"{file['posture']}: {file['file']}"
+        if file["modes_fitted_hz"] is not None:
+            low, high = file["modes_fitted_hz"]
+            line += f", modes fitted from {low:.4g} to {high:.5g} Hz"
+        out.print(line)
         for note in file["notes"]:
             out.print(f"  note: {note}")
     for text in summary["warnings"]:

@@ -77,7 +77,7 @@ def _lines(value: dict[str, Any]) -> list[str]:
         ]
         lines += [f"  moves: {told['words']}" for told in made["drift"]]
         lines += [
-            f"  {_hinted(hint)}: {100.0 * hint['misfit_share']:.0f} % of the FRFs there are not "
+            f"  {_hinted(hint)}: {100.0 * hint['misfit_share']:.2g} % of the FRFs there are not "
             "explained"
             for hint in made["missing_mode_hints"]
         ]
@@ -86,7 +86,7 @@ def _lines(value: dict[str, Any]) -> list[str]:
 
 def _hinted(hint: dict[str, Any]) -> str:
     if hint["beside_hz"] is not None:
-        return f"the mode at {hint['beside_hz']:.5g} Hz fits badly"
+        return f"the mode at {hint['beside_hz']:.5g} Hz fits worse than the rest"
     return f"a mode may be missing near {hint['f_hz']:.5g} Hz"
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.file_pairs import with_forces
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.looked_at import LookedAt, look_at
 from armodal.tui.command_parts.guessed_manifest import guess_json
@@ -32,10 +33,10 @@ def inspect_command(
     """
     looked: list[LookedAt] = []
     errors: dict[str, str] = {}
-    for path in files:
-        say(f"reading {path}")
+    for path, force in with_forces(files):
+        say(f"reading {path}" if force is None else f"reading {path} with {force}")
         try:
-            looked.append(look_at(path))
+            looked.append(look_at(path, force=force))
         except ForeignFileError as error:
             errors[str(path)] = str(error)
     manifest, question = "", ""
@@ -70,6 +71,7 @@ def _file_json(looked: LookedAt) -> dict[str, Any]:
     content = looked.content
     return {
         "file": str(looked.path),
+        "force": None if looked.force is None else str(looked.force),
         "format": looked.format,
         "contents": [_row_json(row) for row in looked.found],
         "holds": _holds(looked),
@@ -111,7 +113,8 @@ def _asks(looked: LookedAt, key: str) -> bool:
 
 
 def _show(looked: LookedAt) -> None:
-    out.print(f"{looked.path}: {looked.format}, {_holds(looked)}")
+    force = "" if looked.force is None else f" with {looked.force}"
+    out.print(f"{looked.path}{force}: {looked.format}, {_holds(looked)}")
     content = looked.content
     for row in looked.found[:_MOST_ROWS]:
         out.print(f"  {row.words}")

@@ -2,7 +2,6 @@
 
 from armodal.protocols.foreign.file_format import FileFormat
 from armodal.protocols.foreign.hdf5_variables import hdf5_variables
-from armodal.protocols.foreign.meaning import content_of
 
 __all__ = ["FORMAT"]
 
@@ -12,5 +11,5 @@ FORMAT = FileFormat(
     name="HDF5",
     endings=(".h5", ".hdf5", ".nc", ".nc4"),
     is_it=lambda head: head.startswith(_SIGN) or head[512:520] == _SIGN,
-    read=lambda path, _, hints: content_of(hdf5_variables(path), hints, path.name),
+    variables=lambda path, _: hdf5_variables(path),
 )

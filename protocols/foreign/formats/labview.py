@@ -1,6 +1,6 @@
 """LabVIEW measurement files."""
 
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.file_format import FileFormat, of_bytes
 from armodal.protocols.foreign.lvm import LVM_SIGN, lvm_variables
 
 __all__ = ["FORMAT"]
@@ -9,5 +9,5 @@ FORMAT = FileFormat(
     name="LabVIEW measurement",
     endings=(".lvm",),
     is_it=lambda head: head.startswith(LVM_SIGN.encode()),
-    read=of_variables(lvm_variables),
+    variables=of_bytes(lvm_variables),
 )

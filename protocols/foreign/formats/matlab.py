@@ -1,6 +1,6 @@
 """MATLAB files up to version 7; those of 7.3 are HDF5."""
 
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.file_format import FileFormat, of_bytes
 from armodal.protocols.foreign.mat import mat_variables
 
 __all__ = ["FORMAT"]
@@ -11,5 +11,5 @@ def _is_it(head: bytes) -> bool:
 
 
 FORMAT = FileFormat(
-    name="MATLAB", endings=(".mat",), is_it=_is_it, read=of_variables(mat_variables)
+    name="MATLAB", endings=(".mat",), is_it=_is_it, variables=of_bytes(mat_variables)
 )

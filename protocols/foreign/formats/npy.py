@@ -1,6 +1,6 @@
 """NumPy files of one array."""
 
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.file_format import FileFormat, of_bytes
 from armodal.protocols.foreign.numpy_files import npy_variables
 
 __all__ = ["FORMAT"]
@@ -9,5 +9,5 @@ FORMAT = FileFormat(
     name="NPY",
     endings=(".npy",),
     is_it=lambda head: head.startswith(b"\x93NUMPY"),
-    read=of_variables(npy_variables),
+    variables=of_bytes(npy_variables),
 )

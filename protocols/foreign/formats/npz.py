@@ -1,6 +1,6 @@
 """NumPy files of several arrays."""
 
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.file_format import FileFormat, of_bytes
 from armodal.protocols.foreign.numpy_files import npz_variables
 
 __all__ = ["FORMAT"]
@@ -9,5 +9,5 @@ FORMAT = FileFormat(
     name="NPZ",
     endings=(),  # a damaged archive has nothing to read
     is_it=lambda head: head.startswith((b"PK\x03\x04", b"PK\x05\x06")),
-    read=of_variables(npz_variables),
+    variables=of_bytes(npz_variables),
 )

@@ -1,6 +1,6 @@
 """TDMS files of National Instruments."""
 
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.file_format import FileFormat, of_bytes
 from armodal.protocols.foreign.tdms import tdms_variables
 
 __all__ = ["FORMAT"]
@@ -9,5 +9,5 @@ FORMAT = FileFormat(
     name="TDMS",
     endings=(".tdms",),
     is_it=lambda head: head.startswith(b"TDSm"),
-    read=of_variables(tdms_variables),
+    variables=of_bytes(tdms_variables),
 )

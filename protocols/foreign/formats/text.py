@@ -1,26 +1,25 @@
 """Text tables of any analyser: what no other format claims."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
-from armodal.protocols.foreign.measured import Content, Hints
+from armodal.protocols.foreign.file_format import FileFormat
 from armodal.protocols.foreign.text_table import text_variables
+from armodal.protocols.foreign.variables import Variables
 
 __all__ = ["FORMAT"]
 
 _MOST_BYTES = 512 * 2**20
 
-_read = of_variables(text_variables)
 
-
-def _bounded(path: Path, data: bytes, hints: Hints) -> Content:
+def _bounded(path: Path, data: bytes) -> Sequence[Variables]:
     if len(data) > _MOST_BYTES:
         raise ForeignFileError(
             f"{path.name}: wanted at most {_MOST_BYTES} bytes of text, got {len(data)}; export it "
             "in binary, or split it"
         )
-    return _read(path, data, hints)
+    return text_variables(data, path.name)
 
 
-FORMAT = FileFormat(name="text", endings=(), is_it=lambda _: False, read=_bounded)
+FORMAT = FileFormat(name="text", endings=(), is_it=lambda _: False, variables=_bounded)

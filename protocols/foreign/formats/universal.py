@@ -3,6 +3,7 @@
 from armodal.protocols.foreign.file_format import FileFormat
 from armodal.protocols.foreign.uff_measured import uff_content
 from armodal.protocols.foreign.uff_read import uff_from_bytes
+from armodal.protocols.foreign.uff_signals import uff_signals
 
 __all__ = ["FORMAT"]
 
@@ -16,5 +17,8 @@ FORMAT = FileFormat(
     name="universal",
     endings=(".uff", ".unv", ".uf", ".bunv", ".ufb", ".uff58"),
     is_it=_is_it,
-    read=lambda path, data, hints: uff_content(uff_from_bytes(data, path.name), hints, path.name),
+    variables=lambda path, data: uff_signals(uff_from_bytes(data, path.name), path.name),
+    own_read=lambda path, data, hints: uff_content(
+        uff_from_bytes(data, path.name), hints, path.name
+    ),
 )

@@ -197,6 +197,18 @@ def test_a_misfit_that_rises_to_the_band_s_edge_is_no_missing_mode(seed):
         assert found == pytest.approx(places, abs=2.0)  # half the added peak's width
 
 
+@pytest.mark.parametrize("digits", [6, 16])
+def test_what_rounding_leaves_of_an_exact_fit_is_no_misfit(digits):
+    rng = np.random.default_rng(0)
+    residues = rng.standard_normal((3, 5, 1)) / (2j * POLES.imag[:, None, None])
+    exact = modal_frf(POLES, residues, FREQ, FrfForm.RECEPTANCE)
+    printed = [complex(f"{value:.{digits}g}") for value in exact.ravel()]
+    frf = record(np.reshape(printed, exact.shape), FREQ, form=FrfForm.RECEPTANCE)
+    model = fit_modes(frf)
+    assert len(model.modes) == 3
+    assert missing_mode_hints(frf, model) == ()
+
+
 def test_amplitude_at_every_resonance_survives_the_round_trip_from_hits():
     rng = np.random.default_rng(8)
     shapes = unit_mass_shapes(rng, 7)

@@ -7,6 +7,7 @@ import pytest
 from support.simulated_frfs import modal_frf, poles_of, record
 
 from armodal.analyzer.modal import fit_modes
+from armodal.analyzer.modal.uncertainty import white_covariance
 from armodal.protocols.frf_records import FrfForm
 
 FREQ_HZ = np.arange(5.0, 60.0, 0.5)
@@ -65,3 +66,21 @@ def test_dead_points_beside_one_that_moves_leave_the_std_as_it_is():
             # averaged over all, so that the std falls by a factor of up to sqrt(3).
             assert own.f_std_hz / 1.8 < mode.f_std_hz < 1.8 * own.f_std_hz
             assert np.isfinite(mode.shape_std).all()
+
+
+@pytest.mark.parametrize("left", [0.0, -1e-17, 1e-320])
+def test_a_parameter_without_information_leaves_the_others_as_they_are(left):
+    """What rounding leaves of it after a projection is scaled by nothing: no overflow."""
+    rng = np.random.default_rng(3)
+    root = rng.standard_normal((3, 3)) * np.array([1e-6, 1.0, 1e6])
+    known = root.T @ root
+    information = np.zeros((4, 4))
+    information[1:, 1:] = known
+    information[0, 0] = left
+    information[0, 2] = information[2, 0] = left
+    covariance = white_covariance(information, 0.5, 1.0)
+    own = np.sqrt(np.diag(known))
+    unit = np.linalg.inv(known / np.outer(own, own)) / np.outer(own, own)
+    # An inverse is good to machine epsilon times the condition, below 1e3 once scaled.
+    np.testing.assert_allclose(covariance[1:, 1:], 0.5 * unit, rtol=1e-10)
+    assert np.all(covariance[0] == 0.0)

@@ -15,7 +15,7 @@ from armodal.protocols.foreign.measured import Hints
 # A made-up format: two columns of doubles behind a sign.
 ANOTHER = """
 import numpy as np
-from armodal.protocols.foreign.file_format import FileFormat, of_variables
+from armodal.protocols.foreign.file_format import FileFormat, of_bytes
 from armodal.protocols.foreign.text_table import text_variables
 
 def _read(data, origin):
@@ -26,7 +26,7 @@ def _read(data, origin):
 
 FORMAT = FileFormat(
     name="another", endings=(".ano",), is_it=lambda head: head.startswith(b"ANO1"),
-    read=of_variables(_read),
+    variables=of_bytes(_read),
 )
 """
 

@@ -301,3 +301,11 @@ def test_a_cell_that_is_no_number_is_refused_with_its_row(tmp_path):
 def test_binary_under_the_name_of_a_text_is_refused(tmp_path):
     with pytest.raises(ForeignFileError, match="control characters"):
         read(tmp_path, b"abc\x00\x01\x02" * 40)
+
+
+def test_a_table_cut_within_a_row_is_refused_with_that_row_and_no_library_s_advice(tmp_path):
+    whole = table([FREQ, FRF.real, FRF.imag])
+    cut = "".join(whole.splitlines(keepends=True)[:50]) + "12.75\t0.1\n"
+    with pytest.raises(ForeignFileError, match=r"changed from 3 to 2 at row 51\); trunc") as caught:
+        read(tmp_path, cut)
+    assert "usecols" not in str(caught.value)

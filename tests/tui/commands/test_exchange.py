@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,11 @@ def plain(folder, files):
     return path
 
 
+def flat(text):
+    """Printed text without the line breaks of a narrow terminal."""
+    return " ".join(text.split())
+
+
 def test_a_plain_structure_is_imported_fitted_and_exported(tmp_path):
     uff(tmp_path / "a.uff")
     session = tmp_path / "s.h5"
@@ -100,6 +106,38 @@ def test_a_plain_structure_is_imported_fitted_and_exported(tmp_path):
     # accelerance residues psi_i psi_1 with psi the shape: the second point over the first
     ratio = back.shapes[0].shape[1, 2] / back.shapes[0].shape[0, 2]
     assert abs(ratio - 0.6) < 0.01
+
+
+def test_export_says_the_band_of_its_modes_in_one_line(tmp_path):
+    uff(tmp_path / "a.uff")
+    armodal("import", plain(tmp_path, '["a.uff"]'), "--out", tmp_path / "s.h5")
+    session = read_session(tmp_path / "s.h5")
+    (frf,) = session.frfs
+    rng = np.random.default_rng(4)
+    # `uff` adds a hundredth of the RMS everywhere; a soft tip leaves noise alone above 90 Hz.
+    size = np.sqrt(np.mean(np.abs(frf.values) ** 2)) * np.where(frf.freq_hz > 90.0, 2.0, 0.01)
+    noise = size * rng.standard_normal((2, *frf.values.shape))
+    faded = replace(
+        frf,
+        values=np.where(frf.freq_hz > 90.0, noise[0] + 1j * noise[1], frf.values),
+        variance=np.broadcast_to(2.0 * size**2, frf.values.shape),
+    )
+    write_session(replace(session, frfs=(faded,)), tmp_path / "t.h5")
+    export = ("export", tmp_path / "t.h5", "--out", tmp_path / "b.uff")
+    (file,) = json.loads(armodal(*export, "--json")[1])["files"]
+    low, high = file["modes_fitted_hz"]
+    assert low < 30.0
+    # Both modes, and of the noise no more than the 16 lines kept as a last mode's flank.
+    assert 75.0 < high < 100.0
+    _, out, _ = armodal(*export)
+    assert f"chain: {file['file']}, modes fitted from {low:.4g} to {high:.5g} Hz" in flat(out)
+    assert f"above {high:.5g} Hz are noise" in flat(out)
+    asked = json.loads(armodal(*export, "--json", "--band", "20", "60")[1])
+    assert asked["files"][0]["modes_fitted_hz"][0] >= 20.0
+    assert asked["files"][0]["modes_fitted_hz"][1] <= 60.0
+    assert not any("are noise" in text for text in asked["warnings"])
+    without = json.loads(armodal(*export, "--json", "--no-modes")[1])
+    assert without["files"][0]["modes_fitted_hz"] is None
 
 
 def test_modal_a_scales_the_exported_shapes(tmp_path):

@@ -161,6 +161,39 @@ def test_any_table_is_a_session_or_one_message(
     assert err.count("armodal:") == (code == 2)
 
 
+@given(
+    head=st.sampled_from(
+        ["", "time [s]{0}force [N]{0}acc [m/s^2]\n", "f [Hz]{0}Re{0}Im\n", "a{0}b\n"]
+    ),
+    delimiter=st.sampled_from(["\t", ";", " "]),
+    decimal=st.sampled_from([".", ","]),
+    hit=st.booleans(),
+    end=st.floats(0.0, 1.0),
+    change=st.none() | st.tuples(st.floats(0.0, 1.0, exclude_max=True), st.integers(0, 255)),
+)
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_a_good_table_cut_or_changed_anywhere_is_a_session_or_one_message(
+    tmp_path, head, delimiter, decimal, hit, end, change
+):
+    """All the way to the judge of hits: three columns of an FRF once ended there."""
+    t, force, (response,) = hit_signals(n=512)
+    H = accelerance(FREQ, 0, 0)
+    columns = [t, force, response] if hit else [FREQ, H.real, H.imag]
+    data = bytearray((head.format(delimiter) + table(columns, delimiter, decimal)).encode())
+    if change is not None:
+        data[int(change[0] * len(data))] = change[1]
+    (tmp_path / "a.txt").write_bytes(data[: round(end * len(data))])
+    for made in ("s.toml", "s.h5"):
+        (tmp_path / made).unlink(missing_ok=True)
+    code, out, err = armodal("import", tmp_path / "a.txt", "--out", tmp_path / "s.h5")
+    assert code in {0, 2}
+    assert "Traceback" not in out + err
+    assert err.count("armodal:") == (code == 2)
+    assert (tmp_path / "s.h5").exists() == (code == 0)
+
+
 # Real measurements -------------------------------------------------------------------------------
 
 
@@ -198,3 +231,35 @@ def test_an_analyser_s_matlab_file_needs_its_form_alone(tmp_path):
     assert np.isfinite(frf.coherence).all()
     # published 192.594 Hz, lines 0.3125 Hz apart
     assert abs(frf.freq_hz[np.argmax(np.abs(frf.values[0, 0]))] - 192.594) < 0.3125
+
+
+# Two files ---------------------------------------------------------------------------------------
+
+
+def two_files(folder, *, slower=1.0):
+    t, force, (response,) = hit_signals()
+    (folder / "hit force.txt").write_text(table([slower * t, force]))
+    (folder / "hit acc.txt").write_text(table([t, response]))
+    return folder / "hit force.txt", folder / "hit acc.txt"
+
+
+def test_force_and_response_in_two_files_are_shown_and_imported_as_one(tmp_path):
+    files = two_files(tmp_path)
+    code, out, _ = armodal("inspect", *files, "--json")
+    assert code == 0
+    (shown,) = json.loads(out)["files"]
+    assert (shown["file"], shown["force"]) == (str(files[1]), str(files[0]))
+    code, out, err = armodal("import", *files, "--out", tmp_path / "s.h5", "--json")
+    assert code == 0, err
+    assert json.loads(out)["postures"][0]["hits"] == 1
+    assert 'force = "hit force.txt"' in (tmp_path / "s.toml").read_text()
+
+
+def test_two_files_of_other_rates_are_one_message(tmp_path):
+    files = two_files(tmp_path, slower=2.0)
+    code, out, err = armodal("import", *files, "--out", tmp_path / "s.h5")
+    assert code == 2
+    assert "Traceback" not in out + err
+    assert err.count("wanted one sampling rate") == 1
+    assert not (tmp_path / "s.h5").exists()
+    assert not (tmp_path / "s.toml").exists()
