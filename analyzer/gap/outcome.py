@@ -23,7 +23,6 @@ from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per
 from armodal.analyzer.gap.library import title_of
 from armodal.analyzer.gap.next_test.advice import Advice, advise
 from armodal.analyzer.gap.records import (
-    Disagreement,
     EffectFound,
     GapResult,
     Gate,
@@ -39,6 +38,7 @@ from armodal.analyzer.gap.search.hidden_size import largest_hidden_size
 from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
 from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.analyzer.gap.search.scan import Candidate
+from armodal.analyzer.gap.summary import summary_words
 from armodal.analyzer.modal.fit import fit_modes
 from armodal.analyzer.modal.modes import ModalModel
 from armodal.protocols.errors import EstimateError
@@ -133,7 +133,7 @@ def conclude(
     last = held_out(sharp, final, test) if named else first
     result = GapResult(
         verdict=verdict,
-        summary=_summary(verdict, effects, standing, misfit, left),
+        summary=summary_words(verdict, effects, standing, misfit, left),
         effects=effects if verdict is Verdict.NAMED else (),
         rivals=_rivals(found, judged, _COMMON * spread),
         hidden=_hidden(hiding, spread),
@@ -391,25 +391,3 @@ def notes_on_its_end(final: Fit) -> list[str]:
         "steps brought next to nothing; sizes and stiffnesses may be off by more than is stated"
     )
     return [words]
-
-
-def _summary(
-    verdict: Verdict,
-    effects: Sequence[EffectFound],
-    standing: Sequence[Fit],
-    misfit: float,
-    left: Sequence[Disagreement],
-) -> str:
-    if verdict is Verdict.NAMED:
-        words = "; ".join(f"{e.title} ({e.place})" if e.place else e.title for e in effects)
-        return f"Missing in the model: {words}."
-    if verdict is Verdict.AMBIGUOUS:
-        return f"Something is missing, but it cannot be told which: {titles(standing)}"
-    if verdict is Verdict.OUTSIDE_LIBRARY:
-        worst = max(left, key=lambda d: d.ratio)
-        return (
-            "Something is missing that the library does not know: a misfit of "
-            f"{misfit:.1f} is left, most at point {worst.point} {worst.axis} in posture "
-            f"'{worst.posture}' at {worst.band_hz[0]:.0f}-{worst.band_hz[1]:.0f} Hz."
-        )
-    return "Model and measurement agree within scatter and ordinary errors."

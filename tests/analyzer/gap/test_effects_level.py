@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.bench_effects import JOINTS
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
@@ -13,7 +14,7 @@ from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import has_levels, middle_level, weight_factors
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.lines import Annealing, PostureLines, own_lines
+from armodal.analyzer.gap.model.lines import Annealing, own_lines
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
@@ -22,27 +23,12 @@ from armodal.analyzer.gap.search.levels import told_apart
 from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
-JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 KINDS = (backlash, friction, microslip, softening)
 
 
 @pytest.fixture(scope="module")
-def hard(superset):
-    n_points = len(superset.arm.points)
-    s = 2 * np.pi * (2.0 + 1j * np.array([8.0, 13.0, 31.0, 64.0, 110.0]))
-    return PostureLines(
-        name="p",
-        joints_rad=JOINTS,
-        s_rad_s=s,
-        sensor_point=np.arange(n_points),
-        hit=np.zeros(n_points, dtype=int),
-        hit_point=np.array([0]),
-        hit_direction=np.array([[-0.45, -0.62, -0.6427]]),
-        values=np.ones((n_points, 3, s.size), dtype=complex),
-        variance=np.ones((n_points, 3, s.size)),
-        sensor_mass_kg=0.0093,
-        level=1.1,
-    )
+def hard(lines):
+    return replace(lines, level=1.1)
 
 
 @pytest.fixture(scope="module")

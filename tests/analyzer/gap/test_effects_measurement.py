@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from support.bench_effects import JOINTS
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
@@ -12,31 +13,15 @@ from armodal.analyzer.gap.effects import exponential_window, hit_direction, wron
 from armodal.analyzer.gap.effects.sensor_candidates import channel_candidates
 from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
-JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
-
 
 @pytest.fixture(scope="module")
-def lines(superset):
-    n_points = len(superset.arm.points)
-    s = 2 * np.pi * (2.0 + 1j * np.array([8.0, 13.0, 31.0, 64.0, 110.0]))
-    return PostureLines(
-        name="p",
-        joints_rad=JOINTS,
-        s_rad_s=s,
-        sensor_point=np.arange(n_points),
-        hit=np.zeros(n_points, dtype=int),
-        hit_point=np.array([0]),
-        hit_direction=np.array([[-0.45, -0.62, -0.6427]]),
-        values=np.ones((n_points, 3, s.size), dtype=complex),
-        variance=np.full((n_points, 3, s.size), 1e-12),
-        sensor_mass_kg=0.0,
-    )
+def lines(lines):
+    return replace(lines, variance=np.full_like(lines.variance, 1e-12), sensor_mass_kg=0.0)
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from support.bench_effects import at_both_ends
+from support.bench_effects import JOINTS, at_both_ends
 from support.without_errors import without_errors, without_soft_parts
 
 from armodal.analyzer.arm.reduced import reduce_model
@@ -12,40 +11,9 @@ from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.posed import Postures
 
-JOINTS = np.deg2rad([10.0, -35.0, 20.0, 15.0, 40.0, 20.0])
 AXIS = np.array([0.6, 0.0, 0.8])
-
-
-@pytest.fixture(scope="module")
-def lines(superset):
-    n_points = len(superset.arm.points)
-    s = 2 * np.pi * (2.0 + 1j * np.array([8.0, 13.0, 31.0, 64.0, 110.0]))
-    return PostureLines(
-        name="p",
-        joints_rad=JOINTS,
-        s_rad_s=s,
-        sensor_point=np.arange(n_points),
-        hit=np.zeros(n_points, dtype=int),
-        hit_point=np.array([0]),
-        hit_direction=np.array([[-0.45, -0.62, -0.6427]]),
-        values=np.ones((n_points, 3, s.size), dtype=complex),
-        variance=np.ones((n_points, 3, s.size)),
-        sensor_mass_kg=0.0093,
-    )
-
-
-@pytest.fixture(scope="module")
-def ordinary(superset):
-    return Ordinary(superset=superset, postures=("p",))
-
-
-@pytest.fixture(scope="module")
-def posed(superset):
-    return PosedModel(superset, JOINTS)
 
 
 def test_without_errors_it_is_the_reduced_model_mounting_by_mounting(
