@@ -37,3 +37,12 @@ def hit_signals(n=2048, channels=1, seed=0):
     ring = np.where(t > t0, np.exp(-8 * (t - t0)) * np.sin(2 * np.pi * 60 * (t - t0)), 0.0)
     responses = np.array([(k + 1) * ring for k in range(channels)])
     return t, force + 0.01 * rng.standard_normal(n), responses
+
+
+def plain(folder, files):
+    """Write the manifest of a plain structure in one posture, `files` as TOML."""
+    path = folder / "manifest.toml"
+    path.write_text(
+        f'arm = "none"\nmode = "roving-response"\n[[postures]]\nname = "chain"\nfiles = {files}\n'
+    )
+    return path

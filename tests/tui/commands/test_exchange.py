@@ -1,15 +1,14 @@
-"""`armodal import` and `armodal export` as a user runs them, and both real measurements."""
+"""`armodal import` and `armodal export` as a user runs them."""
 
 import json
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import pyuff
 from support import foreign_samples as chain
 from support.command import armodal
+from support.manifests import plain
 from typer.testing import CliRunner
 
 from armodal.analyzer.corrected.prediction import predict_arm
@@ -63,14 +62,6 @@ def uff(path, *, drive=0, noise=0.01):
             orddenom_spec_data_type=13,
         )
         file.write_sets([content], mode="add")
-    return path
-
-
-def plain(folder, files):
-    path = folder / "manifest.toml"
-    path.write_text(
-        f'arm = "none"\nmode = "roving-response"\n[[postures]]\nname = "chain"\nfiles = {files}\n'
-    )
     return path
 
 
@@ -372,42 +363,3 @@ def test_the_identified_model_is_an_arm_file_with_the_values_found(tmp_path, ses
     model = json.loads((tmp_path / "model.json").read_text())
     assert len(model["joints"]) == 3
     assert len(model["structural"]) == 1
-
-
-# Real measurements -------------------------------------------------------------------------------
-
-_ROOT = Path(__file__).resolve().parents[3]
-DATA = Path(os.environ.get("ARMODAL_DATA", _ROOT.parent / "shared" / "data"))
-real = pytest.mark.skipif(
-    not (DATA / "hammer_hits_5").is_dir(), reason="real measurements are not here (ARMODAL_DATA)"
-)
-
-
-@real
-def test_three_measured_accelerances_fit_as_the_reference_does(tmp_path):
-    files = ", ".join(
-        f'{{ path = "{DATA}/accelerance_3pt/p{i}.txt", responses = ["{i}:z"], '
-        'reference = "1:z", form = "accelerance", line_spacing_hz = 1.0, units = "SI" }'
-        for i in (1, 2, 3)
-    )
-    armodal("import", plain(tmp_path, f"[{files}]"), "--out", tmp_path / "s.h5")
-    code, out, err = armodal("fit", tmp_path / "s.h5", "--json")
-    assert code == 0, err
-    modes = [mode["f_hz"] for mode in json.loads(out)["modes"]]
-    # The reference is printed to 0.01 Hz; a fiftieth of the line spacing of 1 Hz on top.
-    reference = [51.52, 142.18, 278.66, 460.40, 687.17, 958.54]
-    assert np.allclose(modes, reference, atol=0.025)
-
-
-@real
-def test_five_measured_hits_are_all_kept_and_coherent(tmp_path):
-    files = json.dumps([str(DATA / "hammer_hits_5" / f"m{i}.npy") for i in range(1, 6)])
-    armodal("import", plain(tmp_path, files), "--out", tmp_path / "s.h5")
-    session = read_session(tmp_path / "s.h5")
-    assert len(session.accepted("chain")) == 5
-    code, out, err = armodal("fit", tmp_path / "s.h5", "--band", "700", "4600", "--json")
-    assert code == 0, err
-    modes = np.array([mode["f_hz"] for mode in json.loads(out)["modes"]])
-    # docs/real-measurements.md: where the reference has one mode of a close pair, 0.3 Hz off.
-    for f_hz in (900.05, 1518.13, 2640.20, 3668.7, 4127.8, 4391.7):
-        assert np.min(np.abs(modes - f_hz)) < 0.4
