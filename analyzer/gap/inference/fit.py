@@ -211,9 +211,9 @@ class Stage:
         curvature = np.zeros((len(space), len(space)))
         cost_of: dict[int, float] = {}
         for rows, together in self.once(hypothesis, postures):
-            y, dy = together.derivatives(hypothesis, space, values)
+            y, columns = together.columns(hypothesis, space, values)
             own, at = zip(*rows, strict=True)
-            part, costs = summed([self.weighings[p] for p in own], y, dy, at)
+            part, costs = summed([self.weighings[p] for p in own], y, columns, at)
             gradient += part.gradient
             curvature += part.curvature
             cost_of |= dict(zip(own, costs, strict=True))
