@@ -283,10 +283,11 @@ def _products(
         alone = J_own @ J_own.swapaxes(1, 2) - E_own @ E_own.swapaxes(1, 2)
         slope = E_own @ slopes.reshape(P * m, -1, 1) - J_own @ pull.reshape(P * m, -1, 1)
         at = columns.own_rows.reshape(j, -1).T  # (P m, j)
-        beside = np.zeros((columns.n, len(columns.rows)))
-        np.add.at(beside, at, across)
-        curvature[:, columns.rows] += beside
-        curvature[columns.rows] += beside.T
+        each_once, of_each = np.unique(at, return_inverse=True)
+        is_of = of_each.reshape(-1) == np.arange(len(each_once))[:, None]
+        beside = is_of.astype(np.float64) @ across.reshape(at.size, -1)  # sums over mountings
+        curvature[np.ix_(each_once, columns.rows)] += beside
+        curvature[np.ix_(columns.rows, each_once)] += beside.T
         np.add.at(curvature, (at[:, :, None], at[:, None]), alone)
         np.add.at(gradient, at, slope[..., 0])
     return gradient, curvature
