@@ -318,7 +318,7 @@ def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequenc
         if (inside := assemblies[0].inside.get(coordinate)) is not None:
             by_it = motion[..., column]
             turns = by_it[:, inside.points]
-            turns[..., :3] += np.cross(turns[..., 3:], _shifts(assemblies, inside))
+            turns[..., :3] -= _times(_arms(assemblies, inside), turns[..., 3:])
             by_it[:, inside.points] = inside.part[:, None] * turns
     for own, moved in zip(assemblies, motion, strict=True):
         for point, shift in own.shifts_m.items():
@@ -327,10 +327,15 @@ def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequenc
     return motion
 
 
-def _shifts(assemblies: Sequence[Assembly], inside: Inside) -> Array:
-    """(P, k, 3) by which a hinge is from where each point turns about, base axes."""
+def _times(M: Array, v: Array) -> Array:
+    """Matrices (..., 3, 3) times vectors (..., 3)."""
+    return np.asarray(np.matmul(M, v[..., None])[..., 0])
+
+
+def _arms(assemblies: Sequence[Assembly], inside: Inside) -> Array:
+    """(P, k, 3, 3) cross products of hinges from what each point turns about, base axes."""
     R = np.array([own.geometry.point_rotation[inside.points] for own in assemblies])
-    return np.asarray((R @ inside.shift_m[..., None])[..., 0])
+    return skew((R @ inside.shift_m[..., None])[..., 0])
 
 
 def _point_slopes(
@@ -343,10 +348,10 @@ def _point_slopes(
     for at, inside in assemblies[0].inside.items():
         by_it = found[..., at]
         turns = by_it[:, :, inside.points]
-        turns[..., :3] += np.cross(turns[..., 3:], _shifts(assemblies, inside)[:, None])
+        turns[..., :3] -= _times(_arms(assemblies, inside)[:, None], turns[..., 3:])
         turns *= inside.part[:, None]
         shift = geometry.point_rotation[:, :, inside.points] @ inside.shift_m[..., None]
-        turns[..., :3] += np.cross(motion[..., 3:, at][:, None, inside.points], shift[..., 0])
+        turns[..., :3] -= _times(skew(shift[..., 0]), motion[..., 3:, at][:, None, inside.points])
         by_it[:, :, inside.points] = turns
     for p, own in enumerate(assemblies):
         for point, shift in own.shifts_m.items():

@@ -120,10 +120,15 @@ def test_several_references_reach_the_bound_of_all_of_them(n_ref):
     assert np.sqrt(np.mean(np.square(scaled))) < 1.3
 
 
-def test_stated_shape_deviations_cover():
+# Of n draws 46 n and 6 n intervals of nominal 95 %: four deviations of a quarter's smaller share.
+@pytest.mark.parametrize(
+    ("draws", "low", "high"),
+    [(25, 0.88, 0.99), pytest.param(100, 0.9, 0.98, marks=pytest.mark.long)],
+)
+def test_stated_shape_deviations_cover(draws, low, high):
     poles = poles_of([12.0, 14.0], [0.03, 0.03])
     inside, sides = [], []
-    for seed in range(100):
+    for seed in range(draws):
         rng = np.random.default_rng(seed)
         shapes = rng.standard_normal((2, 12, 1))
         participation = rng.uniform(0.3, 1.0, (2, 1, 2)) * [[[1.0, 1.0]], [[1.0, -1.0]]]
@@ -148,9 +153,8 @@ def test_stated_shape_deviations_cover():
             other = np.abs(turned) < 1.0 - 1e-9
             sides.append(np.abs(error.real[other]) < reach * std.real[other])
             sides.append(np.abs(error.imag) < reach * std.imag)
-    assert 0.90 <= np.mean(np.concatenate(inside)) <= 0.98
-    # 4600 and 600 intervals of nominal 95 %: the issue's own band.
-    assert 0.90 <= np.mean(np.concatenate(sides)) <= 0.98
+    assert low <= np.mean(np.concatenate(inside)) <= high
+    assert low <= np.mean(np.concatenate(sides)) <= high
 
 
 def test_orders_beyond_a_hundred_give_the_same_modes():
