@@ -129,8 +129,8 @@ def conclude(
     is_outside = verdict is Verdict.OUTSIDE_LIBRARY
     left = disagreement_map(sharp, final, points) if is_outside else where
     measured = _measured_modes(modes_of, sharp)
-    first = held_out(sharp, before, test)
-    last = held_out(sharp, final, test) if named else first
+    first = _foretold(sharp, before, test, named)
+    last = _foretold(sharp, final, test, named) if named else first
     result = GapResult(
         verdict=verdict,
         summary=summary_words(verdict, effects, standing, misfit, left),
@@ -279,7 +279,9 @@ def _ranges(
     hiding = [candidate for candidate in hiding if candidate.instance.key not in known]
     rows = []
     # Fewer lines than the sharp ones tell less, and at half the cost.
-    there = fit_hypothesis(stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS)
+    there = fit_hypothesis(
+        stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS, closing=False
+    )
     held: dict[tuple[int, float], float] = {}
     for i in best.hypothesis.ordinary.elastic:
         joint = best.hypothesis.ordinary.arm.joints[i].name
@@ -366,6 +368,17 @@ def _gaps(
         )
         for p, lines in enumerate(stage.lines)
     )
+
+
+def _foretold(stage: Stage, fit: Fit, test: tuple[int, ...], named: Sequence[Step]) -> HeldOut:
+    """What a model foretells; as it was when a step was judged, where it is the same."""
+    for step in named:
+        if step.foretold_without.postures == test:
+            if step.without is fit:
+                return step.foretold_without
+            if step.fit is fit:
+                return step.foretold_with
+    return held_out(stage, fit, test)
 
 
 def _interface(stage: Stage, before: Fit, least: float) -> str:

@@ -244,7 +244,9 @@ def _with_places(
     found: list[Stage] = []
     values = dict(start)
     for stage in stages:
-        near = fit_hypothesis(stage, present, start=values, max_iterations=_NEAR_STEPS)
+        near = fit_hypothesis(
+            stage, present, start=values, max_iterations=_NEAR_STEPS, closing=False
+        )
         values = near.values
         found.append(stage.with_places(present, values))
     return tuple(found)

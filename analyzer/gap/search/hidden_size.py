@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["largest_hidden_size"]
@@ -64,6 +64,9 @@ def _has_room(
     followed = {
         name: value + candidate.follow.get(name, 0.0) * size for name, value in final.values.items()
     }
+    enough = final.cost + _TOLD * inflation
+    if cost_at(stage, hypothesis, followed) < enough:
+        return True
     try:
         fit = fit_hypothesis(
             stage,
@@ -71,8 +74,8 @@ def _has_room(
             start=followed,
             max_iterations=_STEPS,
             closing=False,
-            enough=final.cost + _TOLD * inflation,
+            enough=enough,
         )
     except np.linalg.LinAlgError:  # so large that nothing holds the arm
         return False
-    return fit.cost - final.cost < _TOLD * inflation
+    return fit.cost < enough

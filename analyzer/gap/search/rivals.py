@@ -124,7 +124,10 @@ def _annealed(
     found: list[Fit] = []
     for stage, steps in zip(stages, _NULL_STEPS, strict=True):
         values = found[-1].values if found else start
-        found.append(fit_hypothesis(stage, present, start=values, max_iterations=steps))
+        # Of those between only the end is asked for.
+        closing = stage in (stages[0], stages[-1])
+        fit = fit_hypothesis(stage, present, start=values, max_iterations=steps, closing=closing)
+        found.append(fit)
     return found
 
 
