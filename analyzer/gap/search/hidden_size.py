@@ -14,36 +14,48 @@ import numpy as np
 from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["largest_hidden_size"]
+__all__ = ["HiddenSize"]
 
 _STEPS = 2
 _TRIALS = 4  # each of half the size
 _TOLD = 1.92  # of cost: 95 % of a single parameter's
 
 
-def largest_hidden_size(
-    stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
-) -> float:
-    """Return the size, or the least of its halves that the data still speak against.
+class HiddenSize:
+    """How large a hidden effect may be, known as closely as was looked.
 
-    What they leave room for lies below, by less than half: a range is rather too wide than too
-    narrow.
+    The size by the linear look, or the least of its halves that the data still speak against. What
+    they leave room for lies below, by less than half: a range is rather too wide than too narrow.
 
     Parameters
     ----------
     stage, final
         Lines, and the final model fitted to them.
-    size
-        By a linear look, at its 95 % limit.
+    linear
+        Size by a linear look, at its 95 % limit.
     inflation
         Of the data's variance.
     """
-    if not candidate.instance.parameters:
-        return size  # an ordinary error with a wider prior: it is in the model already
-    for trial in range(_TRIALS):
-        if _has_room(stage, final, candidate, size / 2.0**trial, inflation):
-            return size / 2.0 ** max(trial - 1, 0)
-    return size / 2.0 ** (_TRIALS - 1)
+
+    def __init__(
+        self, stage: Stage, final: Fit, candidate: Candidate, linear: float, inflation: float
+    ) -> None:
+        self.candidate, self.linear = candidate, linear
+        self._stage, self._final, self._inflation = stage, final, inflation
+        self._trial = 0
+        self.at_most = linear
+        # An ordinary error with a wider prior is in the model already.
+        self.is_known = not candidate.instance.parameters
+
+    def look_closer(self) -> None:
+        """Hold the next size against the data."""
+        size = self.linear / 2.0**self._trial
+        if _has_room(self._stage, self._final, self.candidate, size, self._inflation):
+            self.is_known = True
+            return
+        self.at_most = size
+        self._trial += 1
+        self.is_known = self._trial == _TRIALS
 
 
 def _has_room(
