@@ -38,7 +38,7 @@ _FELT = 0.03  # damping after a step that failed: less hardly changes the next
 _POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
-_TOGETHER = 256  # lines of postures solved together: more outgrow the processor's cache
+_TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
