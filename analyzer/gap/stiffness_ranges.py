@@ -112,7 +112,7 @@ def _most(sizes: Sequence[HiddenSize], name: str, side: float, half: float) -> f
         if farthest.is_known or shift(farthest, farthest.at_most) <= least:
             least = max(least, shift(farthest, farthest.at_most))
             break
-        farthest.look_closer()
+        farthest.hold_against_data()
     return least
 
 

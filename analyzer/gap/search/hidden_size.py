@@ -22,10 +22,10 @@ _TOLD = 1.92  # of cost: 95 % of a single parameter's
 
 
 class HiddenSize:
-    """How large a hidden effect may be, known as closely as was looked.
+    """How large a hidden effect may be: as a linear look says, until it is held against data.
 
-    The size by the linear look, or the least of its halves that the data still speak against. What
-    they leave room for lies below, by less than half: a range is rather too wide than too narrow.
+    Then it is the least of that size's halves that the data speak against, if they do. What they
+    leave room for lies below, by less than half: a range is rather too wide than too narrow.
 
     Parameters
     ----------
@@ -42,52 +42,53 @@ class HiddenSize:
     ) -> None:
         self.candidate, self.linear = candidate, linear
         self._stage, self._final, self._inflation = stage, final, inflation
-        self._trial = 0
         self.at_most = linear
         # An ordinary error with a wider prior is in the model already.
         self.is_known = not candidate.instance.parameters
 
-    def look_closer(self) -> None:
-        """Hold the next size against the data."""
-        size = self.linear / 2.0**self._trial
-        if _has_room(self._stage, self._final, self.candidate, size, self._inflation):
-            self.is_known = True
+    def hold_against_data(self) -> None:
+        """Hold it against the data, the smallest size first: that is the soonest fitted."""
+        self.is_known = True
+        if self._has_room(self.linear, steps=0):
             return
-        self.at_most = size
-        self._trial += 1
-        self.is_known = self._trial == _TRIALS
+        for halves in reversed(range(_TRIALS)):
+            size = self.linear / 2.0**halves
+            if not self._has_room(size, steps=_STEPS):
+                self.at_most = size
+                return
 
-
-def _has_room(
-    stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
-) -> bool:
-    """Whether a model with the effect at that size costs hardly more."""
-    instance = candidate.instance
-    firm = replace(
-        instance,
-        parameters=tuple(
-            replace(p, mean=size, std=1e-3 * abs(size), start=size)
-            if p.name == instance.size
-            else p
-            for p in instance.parameters
-        ),
-    )
-    hypothesis = replace(final.hypothesis, instances=(*final.hypothesis.instances, firm))
-    followed = {
-        name: value + candidate.follow.get(name, 0.0) * size for name, value in final.values.items()
-    }
-    enough = final.cost + _TOLD * inflation
-    if cost_at(stage, hypothesis, followed) < enough:
-        return True
-    try:
-        fit = fit_hypothesis(
-            stage,
-            hypothesis,
-            start=followed,
-            max_iterations=_STEPS,
-            closing=False,
-            enough=enough,
+    def _has_room(self, size: float, steps: int) -> bool:
+        """Whether a model with the effect at that size costs hardly more."""
+        stage, final, candidate = self._stage, self._final, self.candidate
+        instance = candidate.instance
+        firm = replace(
+            instance,
+            parameters=tuple(
+                replace(p, mean=size, std=1e-3 * abs(size), start=size)
+                if p.name == instance.size
+                else p
+                for p in instance.parameters
+            ),
         )
-    except np.linalg.LinAlgError:  # so large that nothing holds the arm
-        return False
-    return fit.cost < enough
+        hypothesis = replace(final.hypothesis, instances=(*final.hypothesis.instances, firm))
+        followed = {
+            name: value + candidate.follow.get(name, 0.0) * size
+            for name, value in final.values.items()
+        }
+        enough = final.cost + _TOLD * self._inflation
+        if cost_at(stage, hypothesis, followed) < enough:
+            return True
+        if steps == 0:
+            return False
+        try:
+            fit = fit_hypothesis(
+                stage,
+                hypothesis,
+                start=followed,
+                max_iterations=steps,
+                closing=False,
+                enough=enough,
+            )
+        except np.linalg.LinAlgError:  # so large that nothing holds the arm
+            return False
+        return fit.cost < enough
