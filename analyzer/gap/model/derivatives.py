@@ -15,12 +15,12 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import BASE, Assembly
-from armodal.analyzer.gap.model.change import Change, by_change
+from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.response import Response, as_single, real_times, respond
+from armodal.analyzer.gap.model.response import Response, as_single, real_times
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.systems import angle_slopes, motion_slopes, systems
 
@@ -224,9 +224,7 @@ class Solved:
         for name in self.assemblies[0].sensor_mass_of:
             yield name, self.found.by_sensor_mass()
 
-    def by_differences(
-        self, space: Space, s_rad_s: ComplexArray
-    ) -> Iterator[tuple[str, ComplexArray]]:
+    def by_differences(self, space: Space) -> Iterator[tuple[str, ComplexArray]]:
         """What is left of effects, by differences of the equations."""
         first = self.assemblies[0]
         known = {
@@ -250,12 +248,12 @@ class Solved:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
                 other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
-                if not np.array_equal(other.decay_rad_s, self.exact.system.decay_rad_s):
-                    there = respond(other, s_rad_s, self.exact.hit)
-                    yield parameter.name, (there.values - self.exact.values) / step
-                    continue
-                change = Change.between(self.exact.system, other, step)
-                yield parameter.name, by_change(self.exact, change)
+                found = by_change(self.found, Change.between(self.exact.system, other, step))
+                decay = (other.decay_rad_s - self.exact.system.decay_rad_s) / step
+                if decay.any():
+                    by_line = by_decay(self.found)
+                    found += decay.astype(found.real.dtype)[:, None, None, None] * by_line
+                yield parameter.name, found
 
 
 def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArray:

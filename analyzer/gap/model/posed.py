@@ -148,7 +148,7 @@ class Postures:
             posed.by_turns(),
             posed.by_motions(),
             posed.by_sensor_mass(),
-            posed.by_differences(space, self._s_rad_s),
+            posed.by_differences(space),
         ):
             if name not in at:
                 continue
