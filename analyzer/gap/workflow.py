@@ -101,7 +101,7 @@ def find_gap(
     notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
-    apart = cache(partial(_levels_apart, session, more, superset, frfs, of_first[-1].models))
+    apart = cache(partial(_level_apart, session, more, superset, frfs, of_first[-1].models))
     levels = partial(_by_level, apart, superset, tell)
     stages, present = levels(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
@@ -289,21 +289,22 @@ def _frfs_of_tests(superset: Superset, more: Sequence[Session]) -> list[Frequenc
     ]
 
 
-def _levels_apart(
+def _level_apart(
     session: Session,
     more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
     models: Sequence[PosedModel],
-) -> tuple[Stage, ...]:
-    """Lines of soft and of hard hits; `models` of the session's own postures."""
+    number: int,
+) -> Stage:
+    """Lines of soft and of hard hits of one stage; `models` of the session's own postures."""
     about = middle_level(session)
-    apart = stages_of(superset, session, frfs, models=models, level_about=about)
-    return with_tests(apart, superset, more, about)
+    (apart,) = stages_of(superset, session, frfs, models=models, level_about=about, only=[number])
+    return with_tests((apart,), superset, more, about, [number])[0]
 
 
 def _by_level(
-    levels_apart: Callable[[], tuple[Stage, ...]],
+    level_apart: Callable[[int], Stage],
     superset: Superset,
     tell: Tell,
     stages: tuple[Stage, ...],
@@ -317,8 +318,8 @@ def _by_level(
 
     Parameters
     ----------
-    levels_apart
-        Gives the stages with soft and hard hits apart.
+    level_apart
+        Gives a stage with soft and hard hits apart, by its number.
     surely
         Only if it tells more than chance does: of a model with a name.
     """
@@ -326,17 +327,16 @@ def _by_level(
     if ordinary.level_span or not ordinary.levels_hit:
         return stages, present
     tell("soft hits compared with hard ones")
-    apart = levels_apart()
-    span = max(lines.level for lines in apart[-1].lines)
+    span = max(lines.level for lines in level_apart(1).lines)
     levelled = replace(present, ordinary=replace(ordinary, level_span=span))
-    found = told_apart(superset, apart, levelled, start, Discrepancy())
+    found = told_apart(superset, level_apart, levelled, start, Discrepancy())
     if found is None or (surely and found[1] < SURELY_BY_LEVEL):
         return stages, present
     notes.append("the response depends on the hits' level: soft and hard were kept apart")
     anew, gain = found
     told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
-    return (stages[0], *anew[1:]), told
+    return (stages[0], *anew), told
 
 
 def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:

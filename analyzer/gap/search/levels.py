@@ -7,7 +7,7 @@ what ordinary errors leave is even in it: much smaller changes are seen.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,7 @@ _LEAST_GAIN = 12.0  # of cost by the linear look
 
 def told_apart(
     superset: Superset,
-    stages: Sequence[Stage],
+    level_apart: Callable[[int], Stage],
     present: Hypothesis,
     start: Mapping[str, float],
     discrepancy: Discrepancy,
@@ -40,17 +40,19 @@ def told_apart(
 
     Parameters
     ----------
-    stages
-        Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
+    level_apart
+        Gives a stage by its number, soft and hard hits in turn (`lines.own_lines`). All but the
+        widest, 0, are asked for.
     present
         A hypothesis about levelled lines (`Ordinary.level_span`).
 
     Returns
     -------
-    The stages with soft and hard hits weighed anew, and the nats of cost that a common change of
-    one joint with the level promises; None where those are too few to tell anything.
+    The stages but the widest with soft and hard hits weighed anew, and the nats of cost that a
+    common change of one joint with the level promises; None where those are too few to tell
+    anything.
     """
-    _, broad, middle, _ = stages
+    broad, middle = level_apart(1), level_apart(2)
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7, closing=False)
     fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
     changes = any_change(present.ordinary)
@@ -60,7 +62,7 @@ def told_apart(
     free = any_level(middle, present, fit.values)
     anew = tuple(
         Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
-        for stage in stages
+        for stage in (broad, middle, level_apart(3))
     )
     return anew, gain
 
