@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
@@ -101,7 +101,8 @@ def find_gap(
     notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
-    levels = partial(_by_level, session, more, superset, frfs, of_first[-1].models, tell)
+    apart = cache(partial(_levels_apart, session, more, superset, frfs, of_first[-1].models))
+    levels = partial(_by_level, apart, superset, tell)
     stages, present = levels(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
@@ -244,7 +245,9 @@ def _with_places(
     found: list[Stage] = []
     values = dict(start)
     for stage in stages:
-        near = fit_hypothesis(stage, present, start=values, max_iterations=_NEAR_STEPS)
+        near = fit_hypothesis(
+            stage, present, start=values, max_iterations=_NEAR_STEPS, closing=False
+        )
         values = near.values
         found.append(stage.with_places(present, values))
     return tuple(found)
@@ -286,12 +289,22 @@ def _frfs_of_tests(superset: Superset, more: Sequence[Session]) -> list[Frequenc
     ]
 
 
-def _by_level(
+def _levels_apart(
     session: Session,
     more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
     models: Sequence[PosedModel],
+) -> tuple[Stage, ...]:
+    """Lines of soft and of hard hits; `models` of the session's own postures."""
+    about = middle_level(session)
+    apart = stages_of(superset, session, frfs, models=models, level_about=about)
+    return with_tests(apart, superset, more, about)
+
+
+def _by_level(
+    levels_apart: Callable[[], tuple[Stage, ...]],
+    superset: Superset,
     tell: Tell,
     stages: tuple[Stage, ...],
     present: Hypothesis,
@@ -304,8 +317,8 @@ def _by_level(
 
     Parameters
     ----------
-    models
-        Of the session's own postures.
+    levels_apart
+        Gives the stages with soft and hard hits apart.
     surely
         Only if it tells more than chance does: of a model with a name.
     """
@@ -313,9 +326,7 @@ def _by_level(
     if ordinary.level_span or not ordinary.levels_hit:
         return stages, present
     tell("soft hits compared with hard ones")
-    about = middle_level(session)
-    apart = stages_of(superset, session, frfs, models=models, level_about=about)
-    apart = with_tests(apart, superset, more, about)
+    apart = levels_apart()
     span = max(lines.level for lines in apart[-1].lines)
     levelled = replace(present, ordinary=replace(ordinary, level_span=span))
     found = told_apart(superset, apart, levelled, start, Discrepancy())

@@ -25,7 +25,7 @@ from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
 
-__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
+__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "cost_at", "fit_hypothesis", "models_of"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -40,7 +40,7 @@ _FELT = 0.1  # damping after a step that failed: less hardly changes the next
 _POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
-_TOGETHER = 256  # lines of postures solved together: more outgrow the processor's cache
+_TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,8 +198,9 @@ class Stage:
         """Misfit, gradient and curvature of each posture."""
         found: dict[int, Quadratic] = {}
         for rows, together in self.once(hypothesis, postures):
-            y, dy = together.derivatives(hypothesis, space, values)
-            found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for p, i in rows}
+            y, columns = together.columns(hypothesis, space, values)
+            for p, i in rows:
+                found[p], _ = summed([self.weighings[p]], y[[i]], columns.of_posture(i), [0])
         return [found[p] for p in postures]
 
     def whole_quadratic(
@@ -349,9 +350,13 @@ def better_start(
     stage: Stage, hypothesis: Hypothesis, starts: Sequence[Mapping[str, float]]
 ) -> Mapping[str, float]:
     """Return the start of least cost."""
+    return min(starts, key=lambda start: cost_at(stage, hypothesis, start))
+
+
+def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) -> float:
+    """Return the cost where a fit to all postures would begin; infinite where there is none."""
     space = hypothesis.space()
-    every = range(len(stage.lines))
-    return min(starts, key=lambda s: _cost(stage, hypothesis, space, space.start(s), every))
+    return _cost(stage, hypothesis, space, space.start(start), range(len(stage.lines)))
 
 
 def _cost(

@@ -50,6 +50,17 @@ class Columns:
             own=self.own,
         )
 
+    def of_posture(self, at: int) -> Columns:
+        """Return those of one of the P postures alone."""
+        here = slice(at, at + 1)
+        return Columns(
+            n=self.n,
+            rows=self.rows,
+            shared=self.shared[:, here],
+            own_rows=self.own_rows[:, here],
+            own=self.own[:, here],
+        )
+
     def whole(self) -> ComplexArray:
         """(n, P, m, 3, L)."""
         found = np.zeros((self.n, *self.shared.shape[1:]), dtype=self.shared.dtype)

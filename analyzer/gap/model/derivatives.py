@@ -42,6 +42,7 @@ class Solved:
     assemblies: Sequence[Assembly]
     exact: Response
     values: Mapping[str, float]
+    near: GeometrySlopes  # stacked
     single: bool = True  # derivatives in single precision where it is wide enough
 
     @property
@@ -172,9 +173,9 @@ class Solved:
         names = [[of_point[at] for at in own.lines.sensor_point] for own in self.assemblies]
         return names, self.found.by_shift()
 
-    def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
+    def by_angles(self) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
-        slopes = angle_slopes(self.assemblies, self.exact.system, near)
+        slopes = angle_slopes(self.assemblies, self.exact.system, self.near)
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
         return zip(names, by_slopes(self.found, slopes), strict=True)
 

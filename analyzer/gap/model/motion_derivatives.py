@@ -25,20 +25,17 @@ def by_slopes(found: Response, slopes: Slopes) -> ComplexArray:
     k = slopes.before.shape[1]
 
     def rows(of: Array) -> Array:
-        """(P, m, k r, n) of (P, k, m or 1, r, n)."""
-        of = np.broadcast_to(of, (P, k, m, *of.shape[3:])).swapaxes(1, 2)
-        return of.reshape(P, m, -1, n).astype(x.real.dtype)
+        """(P, m or 1, k r, n) of (P, k, m or 1, r, n)."""
+        of = of.astype(x.real.dtype, copy=False).swapaxes(1, 2)
+        return of.reshape(P, of.shape[1], -1, n)
 
     # The two sides of what changes in M, and of what does in the accelerometer's inertia U'U.
     turned = np.concatenate([slopes.before, slopes.carried], axis=2)  # (P, k, 12, n)
-    sides = [rows(turned[:, :, None]), rows(slopes.moved), system.moved.astype(x.real.dtype)]
-    ends = np.cumsum([side.shape[2] for side in sides])[:-1]
-    every = np.concatenate(sides, axis=2)
+    sides = rows(turned[:, :, None]), rows(slopes.moved), system.moved.astype(x.real.dtype)
     s2 = (found.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)
-    of_x, moves_x, moved_x = np.split(real_times(every, x) * -s2, ends, axis=2)
+    of_x, moves_x, moved_x = (real_times(side, -s2 * x) for side in sides)
     Y = Y.reshape(P, m, n, 3 * L)
-    by_side = np.split(real_times(every, Y).reshape(P, m, -1, 3, L), ends, axis=2)
-    of_Y, moves_Y, moved_Y = by_side
+    of_Y, moves_Y, moved_Y = (real_times(side, Y).reshape(P, m, -1, 3, L) for side in sides)
     mass_kg = system.sensor_mass_kg[:, None, None, None]
     moves_x, moved_x = moves_x * mass_kg, moved_x * mass_kg
 

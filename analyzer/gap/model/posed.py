@@ -90,6 +90,7 @@ class Postures:
         self._hit = np.stack([own.hit for own in lines])
         self._own_slopes: list[GeometrySlopes] = []
         self._last: Solved | None = None
+        self._last_columns: tuple[Solved, Space, Columns] | None = None
 
     @staticmethod
     def likeness(lines: PostureLines) -> tuple[object, ...]:
@@ -117,8 +118,17 @@ class Postures:
     def columns(
         self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
     ) -> tuple[ComplexArray, Columns]:
-        """Predict FRFs (P, m, 3, L) and their derivatives, as `derivatives`."""
+        """Predict FRFs (P, m, 3, L) and their derivatives, as `derivatives`.
+
+        Those of the last point are kept: several looks begin where a fit ended.
+        """
         posed = self._solved(hypothesis, values)
+        last = self._last_columns
+        if last is None or last[0] is not posed or last[1].parameters != space.parameters:
+            last = self._last_columns = posed, space, self._columns(posed, space)
+        return posed.exact.values, last[2]
+
+    def _columns(self, posed: Solved, space: Space) -> Columns:
         y = posed.exact.values
         std = space.std.astype(posed.found.x.real.dtype)
         names, shifts = posed.by_places()
@@ -133,7 +143,7 @@ class Postures:
             posed.by_compliances(),
             posed.by_inertias(),
             posed.by_measurement(),
-            posed.by_angles(self._slopes()),
+            posed.by_angles(),
             posed.by_terms(),
             posed.by_turns(),
             posed.by_motions(),
@@ -152,14 +162,13 @@ class Postures:
         for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
             if name in at:
                 shared[at[name], p] += own * std[rows[at[name]]]
-        columns = Columns(
+        return Columns(
             n=len(space),
             rows=rows,
             shared=shared,
             own_rows=own_rows,
             own=shifts * std[own_rows][..., None, None],
         )
-        return y, columns
 
     def interface_columns(
         self,
@@ -220,14 +229,16 @@ class Postures:
 
     def _solved(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Solved:
         """The last solution is kept: a step is tried first, its derivatives asked for after."""
-        last = self._last
-        if last is None or last.hypothesis is not hypothesis or last.values != values:
-            plain, assemblies = self._assemblies(hypothesis, values)
-            found = respond(systems(assemblies), self._s_rad_s, self._hit)
-            last = self._last = Solved(
-                hypothesis, plain, assemblies, found, dict(values), self._single
-            )
-        return last
+        kept = [self._last, self._last_columns and self._last_columns[0]]
+        for old in kept:
+            if old is not None and old.hypothesis is hypothesis and old.values == values:
+                return old
+        plain, assemblies = self._assemblies(hypothesis, values)
+        found = respond(systems(assemblies), self._s_rad_s, self._hit)
+        self._last = Solved(
+            hypothesis, plain, assemblies, found, dict(values), self._slopes(), self._single
+        )
+        return self._last
 
     def _slopes(self) -> GeometrySlopes:
         """Stacked, anew only where a geometry's centre has moved."""

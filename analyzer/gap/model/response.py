@@ -157,8 +157,8 @@ class Response:
             if i not in locked:
                 yields = gamma[:, i, None]
                 torque = self.x[:, :, at] * ((1.0 + loss_s[:, at, None] * s) / yields)[:, None, :]
-                load = self.under_loads[:, :, at] * (1.0 / yields)[:, None, None]
-                np.multiply(load, torque[:, :, None], out=found[i])
+                torque *= (1.0 / yields)[:, None]  # the other side's
+                np.multiply(self.under_loads[:, :, at], torque[:, :, None], out=found[i])
         return found
 
     @property

@@ -51,7 +51,7 @@ def told_apart(
     one joint with the level promises; None where those are too few to tell anything.
     """
     _, broad, middle, _ = stages
-    fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
+    fit = fit_hypothesis(broad, present, start=start, max_iterations=7, closing=False)
     fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
     changes = any_change(present.ordinary)
     gain = scan_instances(middle, fit, changes)[0].gain
@@ -68,7 +68,7 @@ def told_apart(
 def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:
     """Fit a hypothesis with every joint free to change with the hit's level."""
     wider = replace(present, instances=(*present.instances, *any_change(present.ordinary)))
-    return fit_hypothesis(stage, wider, start=start, max_iterations=8)
+    return fit_hypothesis(stage, wider, start=start, max_iterations=8, closing=False)
 
 
 def weighed_anew(stage: Stage, free: Fit) -> list[PostureLines]:

@@ -114,17 +114,16 @@ def _annealed(
     start: Mapping[str, float],
     fitted: Fit | None,
 ) -> list[Fit]:
-    """The present hypothesis on the lines of each stage."""
+    """The present hypothesis on the lines of each stage; of the widest and sharpest if `fitted`."""
     if fitted is not None:
-        near = [
-            fit_hypothesis(stage, present, resumed=fitted, max_iterations=2)
-            for stage in stages[:-1]
-        ]
-        return [*near, fitted]
+        return [fit_hypothesis(stages[0], present, resumed=fitted, max_iterations=2), fitted]
     found: list[Fit] = []
     for stage, steps in zip(stages, _NULL_STEPS, strict=True):
         values = found[-1].values if found else start
-        found.append(fit_hypothesis(stage, present, start=values, max_iterations=steps))
+        # Of those between only the end is asked for.
+        closing = stage in (stages[0], stages[-1])
+        fit = fit_hypothesis(stage, present, start=values, max_iterations=steps, closing=closing)
+        found.append(fit)
     return found
 
 
