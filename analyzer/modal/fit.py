@@ -17,7 +17,7 @@ from armodal.analyzer.modal.rank_one import refine_rank_one
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import misfit, regress
 from armodal.analyzer.modal.search import Problem, search_poles, stabilisation
-from armodal.analyzer.modal.selection import keep_modes, lack_of_fit, still_needed
+from armodal.analyzer.modal.selection import keep_modes, lack_of_fit, off_resonance, still_needed
 from armodal.analyzer.modal.spread import pole_spread
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
@@ -222,11 +222,19 @@ def _fitted(
         problem = replace(problem, values=still.values.reshape(problem.values.shape))
         data, poles, share = problem.data(), still.poles, share[still.kept]
     drift: tuple[ModeDrift | None, ...] = (None,) * poles.size if still is None else still.drift
-    chosen = (
-        still_needed(data, poles, share, lines.band_hz, line_share=lines.share)
-        if put_together
-        else keep_modes(data, poles, share, line_share=lines.share)
-    )
+    at = np.arange(poles.size)
+    while True:
+        chosen = (
+            still_needed(data, poles[at], share[at], lines.band_hz, line_share=lines.share)
+            if put_together
+            else keep_modes(data, poles[at], share[at], line_share=lines.share)
+        )
+        spread = pole_spread(data, chosen.fit, lines.share)
+        # What other lines or weights put somewhere else altogether is no resonance.
+        apart = off_resonance(chosen.fit.poles, spread[0::2], data)
+        if not (put_together and np.any(apart)):
+            break
+        at = at[chosen.given[~apart]]
     start = chosen.fit.residues.reshape(*problem.values.shape[:2], -1)
     fit = refine_rank_one(data, chosen.fit.poles, start, fixed=chosen.held)
     return assemble_model(
@@ -236,8 +244,8 @@ def _fitted(
         table,
         chosen,
         fit,
-        drift=tuple(drift[i] for i in chosen.given),
-        spread=pole_spread(data, chosen.fit, lines.share),
+        drift=tuple(drift[at[i]] for i in chosen.given),
+        spread=spread,
         transposed=transposed,
     )
 

@@ -21,6 +21,7 @@ RISE = 2.0  # in amplitude: a peak begins
 NOISY = 0.5  # of the roughness of pure noise: half of what is there is noise
 CUT = 5.0  # in amplitude, of receptances over an octave: between two modes they rise by 3 at most
 FLANK = 0.45  # of the cut-off's frequency, below which a filter of any order has fallen
+FEWEST_BELOW = 4  # lines below a cut-off: of fewer, noise is as uneven
 PASSED = 2.0  # cut-off frequencies, from which a filter of second order takes 3 % at most
 
 _BLOWN_UP = (
@@ -66,14 +67,12 @@ def _cut_off(frf: FrequencyResponse) -> int:
     power /= np.maximum(np.median(power, axis=-1, keepdims=True), 1e-12 * float(power.max()))
     level = power.mean(axis=0)
     edge = 0
-    for k in range(1, int(np.searchsorted(freq, freq[-1] / 2.0))):
+    for k in range(FEWEST_BELOW, int(np.searchsorted(freq, freq[-1] / 2.0))):
         above = level[k : int(np.searchsorted(freq, 2.0 * freq[k], side="right"))]
         low, high = np.searchsorted(freq, (FLANK / 2.0 * freq[k], FLANK * freq[k]))
         below = level[int(low) : max(int(high), int(low) + 1)]
         if below.max() * CUT**2 < above.min():
             edge = k
-        elif edge:
-            break
     passed = int(np.searchsorted(freq, PASSED * freq[edge])) if edge else 0
     return passed if freq.size - passed >= FEWEST_LINES else 0
 

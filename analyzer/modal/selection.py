@@ -20,7 +20,15 @@ from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
-__all__ = ["Kept", "Selection", "keep_modes", "lack_of_fit", "select_modes", "still_needed"]
+__all__ = [
+    "Kept",
+    "Selection",
+    "keep_modes",
+    "lack_of_fit",
+    "off_resonance",
+    "select_modes",
+    "still_needed",
+]
 
 _LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0
@@ -278,14 +286,21 @@ def still_needed(
         at = np.delete(at, kept.given[drop])
 
 
+def off_resonance(
+    poles: npt.NDArray[np.complex128], distance_hz: npt.NDArray[np.float64], data: ModalData
+) -> npt.NDArray[np.bool_]:
+    """Whether so far from a pole (n,) is off its resonance: (n,)."""
+    lines = _LEFT_LINES * float(np.median(np.diff(data.s.imag)))
+    result: npt.NDArray[np.bool_] = 2.0 * np.pi * distance_hz > _LEFT * -poles.real + lines
+    return result
+
+
 def _left(
     start: npt.NDArray[np.complex128], end: npt.NDArray[np.complex128], data: ModalData
 ) -> npt.NDArray[np.bool_]:
     """Which poles are no longer on the resonance they came from."""
-    width = np.minimum(-start.real, -end.real)
-    lines = _LEFT_LINES * float(np.median(np.diff(data.s.imag)))
-    result: npt.NDArray[np.bool_] = np.abs(end - start) > _LEFT * width + lines
-    return result
+    narrower = np.where(end.real > start.real, end, start)
+    return off_resonance(narrower, np.abs(end - start) / (2.0 * np.pi), data)
 
 
 def _on_its_lines(data: ModalData, fit: Regression, index: int) -> complex:
