@@ -40,7 +40,7 @@ _LEFT = 6.0  # half bandwidths, of the narrower, beyond which a pole is no longe
 _LEFT_LINES = 2.0  # added: what is narrower than a line is placed to no better
 _OWN_REACH, _OWN_LINES = 4.0, 6  # half bandwidths and lines at least on either side of a resonance
 _DUPLICATE_MAC = 0.9
-_DUPLICATE_DISTANCE = 1.0  # in half bandwidths of the wider of the two
+_DUPLICATE_DISTANCE = 1.0  # in half bandwidths of the wider of the two, or lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,14 +86,19 @@ def _visible(fit: Regression, data: ModalData) -> npt.NDArray[np.float64]:
     return result
 
 
-def _duplicate_of_a_stronger(fit: Regression, significance: npt.NDArray[np.float64]) -> int | None:
-    """Index of a mode that repeats a stronger neighbour, or None."""
+def _duplicate_of_a_stronger(
+    fit: Regression, significance: npt.NDArray[np.float64], line_rad_s: float
+) -> int | None:
+    """Index of a mode that repeats a stronger neighbour, or None.
+
+    Of one shape, two resonances closer than their width or than a line are not told apart.
+    """
     order = np.argsort(significance)
     for weak in order:
         for other in range(fit.poles.size):
             if other == weak or significance[other] < significance[weak]:
                 continue
-            reach = max(-fit.poles[weak].real, -fit.poles[other].real)
+            reach = max(-fit.poles[weak].real, -fit.poles[other].real, line_rad_s)
             if abs(fit.poles[weak] - fit.poles[other]) > _DUPLICATE_DISTANCE * reach:
                 continue
             both = fit.residues[:, weak], fit.residues[:, other]
@@ -120,7 +125,8 @@ def _weakest(
         bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
     if np.any(bad):
         return int(np.argmin(np.where(bad, significance, np.inf)))
-    return _duplicate_of_a_stronger(fit, significance) if strict else None
+    line_rad_s = float(np.median(np.diff(data.s.imag)))
+    return _duplicate_of_a_stronger(fit, significance, line_rad_s) if strict else None
 
 
 def _not_needed(
