@@ -110,8 +110,8 @@ def about_modes(
     if every > 1:
         first = _firsts(np.flatnonzero(lines), every)
         count = np.diff(np.append(first, s.size))
-        s = np.add.reduceat(s, first) / count
-        values = np.add.reduceat(values, first, axis=1) / count
+        s = np.asarray(np.add.reduceat(s, first) / count, dtype=np.complex128)
+        values = np.asarray(np.add.reduceat(values, first, axis=1) / count, dtype=np.complex128)
         variance = np.add.reduceat(variance, first, axis=1) / count**2
     away = np.abs(s.imag - poles.imag[:, None])
     return AboutModes(

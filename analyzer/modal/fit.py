@@ -15,7 +15,7 @@ from armodal.analyzer.modal.modes import ModalModel
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.rank_one import refine_rank_one
 from armodal.analyzer.modal.refine import refine_poles
-from armodal.analyzer.modal.regression import misfit, regress
+from armodal.analyzer.modal.regression import ModalData, misfit, regress
 from armodal.analyzer.modal.search import Problem, search_poles, stabilisation
 from armodal.analyzer.modal.selection import keep_modes, lack_of_fit, off_resonance, still_needed
 from armodal.analyzer.modal.spread import pole_spread
@@ -77,8 +77,8 @@ def fit_modes(
         table = stabilisation(problem, max_order)
         poles, share = search_poles(problem, table, max_order, tell=tell)
         tell(f"whether {poles.size} modes move, and where they are")
-        problem = _reweighted(problem, poles, told=lines.told)
-        return _fitted(frf, lines, problem, table, poles, share, transposed=transposed)
+        problem, data = _reweighted(problem, poles, told=lines.told)
+        return _fitted(frf, lines, problem, data, table, poles, share, transposed=transposed)
     except np.linalg.LinAlgError as error:
         raise _singular(frf, error, table) from error
 
@@ -122,11 +122,12 @@ def fit_modes_at(
     try:
         # A pole picked is some order's, not yet where the FRFs have it.
         poles = refine_poles(problem.data(), poles).poles
-        problem = _reweighted(problem, poles, told=lines.told, put_together=False)
+        problem, data = _reweighted(problem, poles, told=lines.told, put_together=False)
         return _fitted(
             frf,
             lines,
             problem,
+            data,
             stabilisation,
             poles,
             seen,
@@ -168,15 +169,18 @@ def _reweighted(
     *,
     told: bool,
     put_together: bool = True,
-) -> Problem:
-    """The problem with the variance that the misfit of these poles tells.
+) -> tuple[Problem, ModalData]:
+    """The problem with the variance that the misfit of these poles tells, and its data.
 
     A variance that came with the FRFs stays, but where the misfit is far beyond it: leakage, a
     spring that bends or a clamp that slips are errors in proportion to the FRFs, and lines at
     which scatter or coherence know next to no noise would outweigh all others.
     """
-    data = problem.data()
-    fit = regress(data, poles)
+    data = given = problem.data()
+    fit = regress(data, poles, pole_terms=not told)
+    if told and 2.0 * lack_of_fit(fit, data.s.size) < BEYOND_NOISE:
+        return problem, given
+    fit = regress(data, poles) if told else fit
     still = settle_drift(
         data,
         fit,
@@ -189,18 +193,20 @@ def _reweighted(
         data = replace(problem, values=still.values.reshape(problem.values.shape)).data()
         fit = regress(data, still.poles, pole_terms=False)
     if told and 2.0 * lack_of_fit(fit, data.s.size) < BEYOND_NOISE:
-        return problem
+        return problem, given
     left = misfit(data, fit).reshape(problem.values.shape)
     variance = misfit_variance(left, problem.values, problem.line_share, problem.measured)
     if told:
         variance = np.maximum(variance, problem.variance)
-    return replace(problem, variance=variance)
+    problem = replace(problem, variance=variance)
+    return problem, problem.data()
 
 
 def _fitted(
     frf: FrequencyResponse,
     lines: FittedLines,
     problem: Problem,
+    data: ModalData,
     table: Stabilisation,
     poles: npt.NDArray[np.complex128],
     share: npt.NDArray[np.float64],
@@ -209,7 +215,6 @@ def _fitted(
     put_together: bool = True,
 ) -> ModalModel:
     """Refine all poles together, where every mounting has them, and put the model together."""
-    data = problem.data()
     still = settle_drift(
         data,
         regress(data, poles),

@@ -22,6 +22,7 @@ NOISY = 0.5  # of the roughness of pure noise: half of what is there is noise
 CUT = 5.0  # in amplitude, of receptances over an octave: between two modes they rise by 3 at most
 FLANK = 0.45  # of the cut-off's frequency, below which a filter of any order has fallen
 FEWEST_BELOW = 4  # lines below a cut-off: of fewer, noise is as uneven
+PLACES = 8  # an octave, of a cut-off: octaves are compared
 PASSED = 2.0  # cut-off frequencies, from which a filter of second order takes 3 % at most
 
 _BLOWN_UP = (
@@ -67,12 +68,14 @@ def _cut_off(frf: FrequencyResponse) -> int:
     power /= np.maximum(np.median(power, axis=-1, keepdims=True), 1e-12 * float(power.max()))
     level = power.mean(axis=0)
     edge = 0
-    for k in range(FEWEST_BELOW, int(np.searchsorted(freq, freq[-1] / 2.0))):
+    last = int(np.searchsorted(freq, freq[-1] / 2.0))
+    tried = np.geomspace(FEWEST_BELOW, max(last, FEWEST_BELOW), PLACES * freq.size.bit_length())
+    for k in np.unique(tried.astype(np.intp)):
         above = level[k : int(np.searchsorted(freq, 2.0 * freq[k], side="right"))]
         low, high = np.searchsorted(freq, (FLANK / 2.0 * freq[k], FLANK * freq[k]))
         below = level[int(low) : max(int(high), int(low) + 1)]
         if below.max() * CUT**2 < above.min():
-            edge = k
+            edge = int(k)
     passed = int(np.searchsorted(freq, PASSED * freq[edge])) if edge else 0
     return passed if freq.size - passed >= FEWEST_LINES else 0
 
