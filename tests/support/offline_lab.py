@@ -13,11 +13,18 @@ from armodal.hil_sim.source import SensorSource
 from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.board.messages import encode_dictionary
-from armodal.protocols.plan import load_plan
+from armodal.protocols.plan import load_plan, plan_from_text
 from armodal.protocols.plan_records import Mode, Plan
 from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 SETTLE = 200  # samples before the block, so that filters and noise are running
+
+
+def first_postures(n):
+    """The first postures of the shipped plan."""
+    arm = load_arm("rv4frl")
+    head, *blocks = load_plan("rv4frl-three-postures", arm).text.split("[[postures]]")
+    return plan_from_text("[[postures]]".join([head, *blocks[:n]]), arm, origin="test")
 
 
 def simulate_session(
