@@ -109,7 +109,7 @@ def superset(arm):
 def small_search():
     """A plan's search of fewer postures: what is found is as free, if less selective."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "N_RANDOM", 3000)
+        patch.setattr(search, "N_RANDOM", 1000)
         patch.setattr(search, "ROUNDS", 2)
         patch.setattr(selective, "N_OTHERS", 10)
         yield

@@ -64,8 +64,15 @@ def faulty(fault, points):
     return links(session if fault is None else mixed(session, MATRICES[fault], points), superset)
 
 
-@pytest.mark.parametrize("fault", MATRICES)
-@pytest.mark.parametrize("points", [("6",), None])
+@pytest.mark.parametrize(
+    ("fault", "points"),
+    [
+        *((fault, ("6",)) for fault in MATRICES),
+        (Fault.SIGN_FLIPPED, None),
+        pytest.param(Fault.AXIS_SWAPPED, None, marks=pytest.mark.long),
+        pytest.param(Fault.GAIN, None, marks=pytest.mark.long),
+    ],
+)
 def test_a_fault_of_axes_is_named_with_its_place(fault, points):
     finding = faulty(fault, points).finding
     assert (finding.outcome, finding.fault) == (Outcome.FAULT, fault), finding.text
