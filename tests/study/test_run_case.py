@@ -39,9 +39,7 @@ def gaps(*errors):
     )
 
 
-RANGE = StiffnessRange(
-    joint="shoulder_pan", k_n_m_per_rad=1e5, k_std=2e3, low=9e4, high=1.2e5
-)
+RANGE = StiffnessRange(joint="shoulder_pan", k_n_m_per_rad=1e5, k_std=2e3, low=9e4, high=1.2e5)
 
 
 @pytest.fixture

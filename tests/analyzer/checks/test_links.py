@@ -3,7 +3,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.offline_lab import first_postures, simulate_session
+from support.offline_lab import ALL_POINTS, first_postures, simulate_session
 from support.sensor_faults import FLIP_Z, SWAP_XY, exchanged, gains, misplaced, mixed
 
 from armodal.analyzer.arm.superset import Superset
@@ -16,7 +16,7 @@ from armodal.protocols.frf_records import FrfForm
 
 @cache
 def good():
-    session = simulate_session(3, plan=first_postures(3))
+    session = simulate_session(3, plan=first_postures(3, ALL_POINTS))
     return session, Superset(session.header.arm)
 
 
