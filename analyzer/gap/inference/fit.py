@@ -211,9 +211,9 @@ class Stage:
         curvature = np.zeros((len(space), len(space)))
         cost_of: dict[int, float] = {}
         for rows, together in self.once(hypothesis, postures):
-            y, dy = together.derivatives(hypothesis, space, values)
+            y, columns = together.columns(hypothesis, space, values)
             own, at = zip(*rows, strict=True)
-            part, costs = summed([self.weighings[p] for p in own], y, dy, at)
+            part, costs = summed([self.weighings[p] for p in own], y, columns, at)
             gradient += part.gradient
             curvature += part.curvature
             cost_of |= dict(zip(own, costs, strict=True))
@@ -265,6 +265,7 @@ def fit_hypothesis(
     tolerance: float = TOLERANCE,
     closing: bool = True,
     resumed: Fit | None = None,
+    enough: float = -np.inf,
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
@@ -282,6 +283,8 @@ def fit_hypothesis(
     resumed
         A fit of the same hypothesis whose end is the start: on the same lines it need not be
         evaluated again.
+    enough
+        Cost below which no further step is made.
     """
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
@@ -296,7 +299,7 @@ def fit_hypothesis(
     converged = False
     iteration = 0
     moved = False
-    while iteration < max_iterations:
+    while iteration < max_iterations and cost >= enough:
         iteration += 1
         if moved:
             now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)

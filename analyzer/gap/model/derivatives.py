@@ -165,16 +165,12 @@ class Solved:
                     name = self.ordinary.hit_place_names(self.ordinary.arm.points[point].id)[axis]
                     yield p, name, by_place[p]
 
-    def by_places(self) -> Iterator[tuple[int, npt.NDArray[np.bool_], str, ComplexArray]]:
-        """Places of points: derivatives (k, 3, L) there, at the other mountings they do nothing."""
-        shifts = self.found.by_shift()
+    def by_places(self) -> tuple[list[list[tuple[str, ...]]], ComplexArray]:
+        """Places of points: names (P, m, 3) and derivatives (3, P, m, 3, L), there alone."""
         points = self.ordinary.arm.points
-        for p, own in enumerate(self.assemblies):
-            for point in dict.fromkeys(own.lines.sensor_point.tolist()):
-                rows = own.lines.sensor_point == point
-                names = self.ordinary.place_names(points[point].id)
-                for name, by_shift in zip(names, shifts, strict=True):
-                    yield p, rows, name, by_shift[p, rows]
+        of_point = [self.ordinary.place_names(point.id) for point in points]
+        names = [[of_point[at] for at in own.lines.sensor_point] for own in self.assemblies]
+        return names, self.found.by_shift()
 
     def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""

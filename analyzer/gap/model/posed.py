@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Assembly, System
+from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.derivatives import Solved
 from armodal.analyzer.gap.model.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -110,11 +111,23 @@ class Postures:
         dy : (n_parameters, P, m, 3, L) complex64 if single precision is wide enough, or complex128
             Rows of parameters that do not act here are zero.
         """
+        y, columns = self.columns(hypothesis, space, values)
+        return y, columns.whole()
+
+    def columns(
+        self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
+    ) -> tuple[ComplexArray, Columns]:
+        """Predict FRFs (P, m, 3, L) and their derivatives, as `derivatives`."""
         posed = self._solved(hypothesis, values)
         y = posed.exact.values
         std = space.std.astype(posed.found.x.real.dtype)
-        dy = np.empty((len(space), *y.shape), dtype=posed.found.x.dtype)
-        idle = set(range(len(space)))
+        names, shifts = posed.by_places()
+        own_rows = np.moveaxis(np.vectorize(space.index.__getitem__)(names), -1, 0)
+        rows = np.setdiff1d(np.arange(len(space)), own_rows)
+        shared = np.empty((len(rows), *y.shape), dtype=posed.found.x.dtype)
+        row_of = dict(zip(rows.tolist(), range(len(rows)), strict=True))
+        at = {name: row_of[i] for name, i in space.index.items() if i in row_of}
+        idle = set(range(len(rows)))
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
@@ -127,21 +140,26 @@ class Postures:
             posed.by_sensor_mass(),
             posed.by_differences(space, self._s_rad_s),
         ):
-            if name not in space.index:
+            if name not in at:
                 continue
-            i = space.index[name]
+            i = at[name]
             if i in idle:
-                np.multiply(derivative, std[i], out=dy[i], casting="same_kind")
+                np.multiply(derivative, std[rows[i]], out=shared[i], casting="same_kind")
                 idle.remove(i)
             else:
-                dy[i] += derivative * std[i]
-        dy[list(idle)] = 0.0
+                shared[i] += derivative * std[rows[i]]
+        shared[list(idle)] = 0.0
         for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
-            if name in space.index:
-                dy[space.index[name], p] += own * std[space.index[name]]
-        for p, rows, name, own in posed.by_places():
-            dy[space.index[name], p, rows] += own * std[space.index[name]]
-        return y, dy
+            if name in at:
+                shared[at[name], p] += own * std[rows[at[name]]]
+        columns = Columns(
+            n=len(space),
+            rows=rows,
+            shared=shared,
+            own_rows=own_rows,
+            own=shifts * std[own_rows][..., None, None],
+        )
+        return y, columns
 
     def interface_columns(
         self,

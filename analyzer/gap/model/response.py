@@ -34,6 +34,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
+from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses
 from armodal.analyzer.gap.model.geometry import skew
 
 __all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
@@ -341,21 +342,15 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
     loss_s = system.compliance_loss_s[:, None]
     scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)  # (P, L, n)
-    by_line = s[..., None, None]
-    Z = (
-        by_line**2 * system.mass[:, None]
-        + by_line * system.damping[:, None]
-        + system.stiffness[:, None]
-        + hysteresis(by_line) * system.loss[:, None]
-    )
-    A = scale[..., None] * Z
+    A = dynamic_stiffness(system, s)
+    A *= scale[..., None]
     A[..., soft, soft] += 1.0
-    inner = np.linalg.inv(A)
+    inner = inverses(A)
     H = inner * scale[:, :, None, :]  # symmetric
     U = system.moved  # (P, m, 3, n)
     P, m, _, n = U.shape
     L = s.shape[1]
-    HU = _lines_last(np.matmul(U.reshape(P, 1, m * 3, n), H), m)
+    HU = _lines_last(real_times(U.reshape(P, 1, m * 3, n), H), m)
     ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, None, None, None]
     UHU = real_times(U, HU.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
     S = ms2 * _inverse(np.eye(3)[..., None] + ms2 * UHU)

@@ -66,7 +66,12 @@ def _has_room(
     }
     try:
         fit = fit_hypothesis(
-            stage, hypothesis, start=followed, max_iterations=_STEPS, closing=False
+            stage,
+            hypothesis,
+            start=followed,
+            max_iterations=_STEPS,
+            closing=False,
+            enough=final.cost + _TOLD * inflation,
         )
     except np.linalg.LinAlgError:  # so large that nothing holds the arm
         return False

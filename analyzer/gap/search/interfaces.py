@@ -93,15 +93,15 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     size = n + len(links) * len(PAIRS)
     gradient, curvature = np.zeros(size), np.zeros((size, size))
     for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
-        y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
-        rows = [dy]
+        y, columns = together.columns(fit.hypothesis, fit.space, fit.values)
+        rows = []
         for (probe, names), std in zip(probes, stds, strict=True):
             wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
             values = {**fit.values, **dict.fromkeys(names, 0.0)}
             rows.append(std * together.interface_columns(wide, values, names, PAIRS))
         own_lines, at = zip(*pairs, strict=True)
         weighings = [stage.weighings[p] for p in own_lines]
-        part, _ = summed(weighings, y, np.concatenate(rows), at)
+        part, _ = summed(weighings, y, columns.beside(np.concatenate(rows)), at)
         gradient += part.gradient
         curvature += part.curvature
     return left_after(fit, gradient, curvature)
