@@ -33,6 +33,8 @@ __all__ = ["assemble_model", "mountings"]
 
 _Complex = npt.NDArray[np.complex128]
 
+SUSPENSION = 0.1  # of the next mode's frequency, below which a mode may be the suspension's
+
 
 def mountings(dofs: tuple[Dof, ...]) -> tuple[npt.NDArray[np.int64], tuple[str, ...]]:
     """Number of each measured point, from 0: (n_resp,), and their names.
@@ -176,6 +178,25 @@ def _peak_notes(problem: Problem, poles: _Complex) -> list[str]:
     ]
 
 
+def _suspension_notes(f_hz: npt.NDArray[np.float64]) -> list[str]:
+    """What lies so far below the rest that a soft suspension may be what it bends.
+
+    Ewins, Modal Testing, 2nd ed. (2000), section 3.3: the highest rigid-body mode of a free
+    structure lies below a tenth to a fifth of its lowest elastic one. A tenth: the first two modes
+    of a clamped beam are a factor of 6.3 apart.
+    """
+    far = np.flatnonzero(f_hz[:-1] < SUSPENSION * f_hz[1:])
+    if far.size == 0:
+        return []
+    low = f_hz[: int(far[-1]) + 1]
+    listed = ", ".join(f"{f:.4g}" for f in low)
+    said = (
+        f"{listed} Hz: below a tenth of {f_hz[low.size]:.5g} Hz, where a rigid body on its "
+        "suspension moves; whether they bend the structure, their shapes tell"
+    )
+    return [said]
+
+
 def assemble_model(
     frf: FrequencyResponse,
     lines: FittedLines,
@@ -261,5 +282,9 @@ def assemble_model(
         stabilisation=table,
         mountings=names,
         mounting=frozen_array(long_by_short.T if transposed else long_by_short, np.int64),
-        notes=(*lines.notes, *_peak_notes(problem, fit.poles)),
+        notes=(
+            *lines.notes,
+            *_peak_notes(problem, fit.poles),
+            *_suspension_notes(np.sort(np.abs(fit.poles)) / (2.0 * np.pi)),
+        ),
     )

@@ -254,7 +254,9 @@ def _looked_at(
     """The run with poles of every group, if its modes move; in `data` all runs are at rest."""
     if run.carried is not None:
         data = _with(data, data.values - run.carried)
-    local = about_modes(data, still, own, reach=REACH, least_lines=LEAST_LINES)
+    local = about_modes(
+        data, still, own, reach=REACH, least_lines=LEAST_LINES, independent=line_share >= 1.0
+    )
     fits = (
         own_fits(local, group, run.poles, line_share, searched=searched)
         if anew

@@ -15,14 +15,16 @@ from armodal.analyzer.modal.modes import ModalModel
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.rank_one import refine_rank_one
 from armodal.analyzer.modal.refine import refine_poles
-from armodal.analyzer.modal.regression import misfit, regress
+from armodal.analyzer.modal.regression import ModalData, misfit, regress
 from armodal.analyzer.modal.search import Problem, search_poles, stabilisation
-from armodal.analyzer.modal.selection import keep_modes
+from armodal.analyzer.modal.selection import keep_modes, lack_of_fit, off_resonance, still_needed
 from armodal.analyzer.modal.spread import pole_spread
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["fit_modes", "fit_modes_at"]
+
+BEYOND_NOISE = 4.0  # of the misfit's power over the noise's: the model's error exceeds the noise
 
 
 def _silent(_doing: str) -> None:
@@ -75,9 +77,8 @@ def fit_modes(
         table = stabilisation(problem, max_order)
         poles, share = search_poles(problem, table, max_order, tell=tell)
         tell(f"whether {poles.size} modes move, and where they are")
-        if not lines.told:
-            problem = _reweighted(problem, poles)
-        return _fitted(frf, lines, problem, table, poles, share, transposed=transposed)
+        problem, data = _reweighted(problem, poles, told=lines.told)
+        return _fitted(frf, lines, problem, data, table, poles, share, transposed=transposed)
     except np.linalg.LinAlgError as error:
         raise _singular(frf, error, table) from error
 
@@ -121,12 +122,12 @@ def fit_modes_at(
     try:
         # A pole picked is some order's, not yet where the FRFs have it.
         poles = refine_poles(problem.data(), poles).poles
-        if not lines.told:
-            problem = _reweighted(problem, poles, put_together=False)
+        problem, data = _reweighted(problem, poles, told=lines.told, put_together=False)
         return _fitted(
             frf,
             lines,
             problem,
+            data,
             stabilisation,
             poles,
             seen,
@@ -163,11 +164,23 @@ def _problem(frf: FrequencyResponse, lines: FittedLines) -> tuple[Problem, bool]
 
 
 def _reweighted(
-    problem: Problem, poles: npt.NDArray[np.complex128], *, put_together: bool = True
-) -> Problem:
-    """The problem with the variance that the misfit of these poles tells."""
-    data = problem.data()
-    fit = regress(data, poles)
+    problem: Problem,
+    poles: npt.NDArray[np.complex128],
+    *,
+    told: bool,
+    put_together: bool = True,
+) -> tuple[Problem, ModalData]:
+    """The problem with the variance that the misfit of these poles tells, and its data.
+
+    A variance that came with the FRFs stays, but where the misfit is far beyond it: leakage, a
+    spring that bends or a clamp that slips are errors in proportion to the FRFs, and lines at
+    which scatter or coherence know next to no noise would outweigh all others.
+    """
+    data = given = problem.data()
+    fit = regress(data, poles, pole_terms=not told)
+    if told and 2.0 * lack_of_fit(fit, data.s.size) < BEYOND_NOISE:
+        return problem, given
+    fit = regress(data, poles) if told else fit
     still = settle_drift(
         data,
         fit,
@@ -179,15 +192,21 @@ def _reweighted(
     if still is not None:
         data = replace(problem, values=still.values.reshape(problem.values.shape)).data()
         fit = regress(data, still.poles, pole_terms=False)
+    if told and 2.0 * lack_of_fit(fit, data.s.size) < BEYOND_NOISE:
+        return problem, given
     left = misfit(data, fit).reshape(problem.values.shape)
     variance = misfit_variance(left, problem.values, problem.line_share, problem.measured)
-    return replace(problem, variance=variance)
+    if told:
+        variance = np.maximum(variance, problem.variance)
+    problem = replace(problem, variance=variance)
+    return problem, problem.data()
 
 
 def _fitted(
     frf: FrequencyResponse,
     lines: FittedLines,
     problem: Problem,
+    data: ModalData,
     table: Stabilisation,
     poles: npt.NDArray[np.complex128],
     share: npt.NDArray[np.float64],
@@ -196,7 +215,6 @@ def _fitted(
     put_together: bool = True,
 ) -> ModalModel:
     """Refine all poles together, where every mounting has them, and put the model together."""
-    data = problem.data()
     still = settle_drift(
         data,
         regress(data, poles),
@@ -209,9 +227,21 @@ def _fitted(
         problem = replace(problem, values=still.values.reshape(problem.values.shape))
         data, poles, share = problem.data(), still.poles, share[still.kept]
     drift: tuple[ModeDrift | None, ...] = (None,) * poles.size if still is None else still.drift
-    chosen = keep_modes(data, poles, share, line_share=lines.share)
+    at = np.arange(poles.size)
+    while True:
+        chosen = (
+            still_needed(data, poles[at], share[at], lines.band_hz, line_share=lines.share)
+            if put_together
+            else keep_modes(data, poles[at], share[at], line_share=lines.share)
+        )
+        spread = pole_spread(data, chosen.fit, lines.share)
+        # What other lines or weights put somewhere else altogether is no resonance.
+        apart = off_resonance(chosen.fit.poles, spread[0::2], data)
+        if not (put_together and np.any(apart)):
+            break
+        at = at[chosen.given[~apart]]
     start = chosen.fit.residues.reshape(*problem.values.shape[:2], -1)
-    fit = refine_rank_one(data, chosen.fit.poles, start)
+    fit = refine_rank_one(data, chosen.fit.poles, start, fixed=chosen.held)
     return assemble_model(
         frf,
         lines,
@@ -219,8 +249,8 @@ def _fitted(
         table,
         chosen,
         fit,
-        drift=drift,
-        spread=pole_spread(data, chosen.fit, lines.share),
+        drift=tuple(drift[at[i]] for i in chosen.given),
+        spread=spread,
         transposed=transposed,
     )
 

@@ -11,11 +11,10 @@ from scipy.ndimage import median_filter
 from armodal.analyzer.modal.band import FEWEST_LINES, lines_within
 from armodal.analyzer.modal.complete_parts import linked
 from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.near_zero import first_line
 from armodal.analyzer.modal.noise import (
-    SMOOTHED_LINES,
     hit_scatter_variance,
     independent_line_share,
-    smooth_lines,
 )
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
@@ -26,10 +25,6 @@ _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
 
 MEDIAN_LINES = 41  # of a running median: more than twice as many as the sharpest resonance roughens
-NEAR_ZERO = 2.0  # spacings: a resonance below has less than two lines, and is none to be fitted
-OUTWEIGHS = 10.0  # in amplitude: a fit of the rest is then a hundredth of the misfit
-RISE = 2.0  # in amplitude: a peak begins
-NOISY = 0.5  # of the roughness of pure noise: half of what is there is noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,16 +69,8 @@ def fitted_lines(frf: FrequencyResponse, band_hz: tuple[float, float] | None) ->
         notes = (*notes, said)
     given = frf.variance
     told = bool(np.any(np.isfinite(given) & (given > 0.0)))
-    first, fallen = _blown_up(frf.values), 0 if told else _fallen(frf)
-    if first or fallen:
-        why = (
-            "what falls there from 0 Hz on, as integrated drift does, outweighs every peak; ask "
-            "for a band above 0 Hz to keep them"
-            if fallen > first
-            else "noise that integration, drift or AC coupling has blown up, larger than the FRFs "
-            "themselves"
-        )
-        first = max(first, fallen)
+    first, why = first_line(frf, told=told)
+    if first:
         notes = (*notes, f"lines below {frf.freq_hz[first]:.4g} Hz are left out: {why}")
     values = np.where(frf.measured[..., None], frf.values[..., first:], 0.0)
     freq = frf.freq_hz[first:]
@@ -143,49 +130,6 @@ def misfit_variance(
     result: _Real = np.full(values.shape, np.inf)
     result[measured] = own * shape[0]
     return result
-
-
-def _blown_up(values: _Complex) -> int:
-    """First line that carries a measurement; above 0 where noise near 0 Hz exceeds the FRFs."""
-    power = np.abs(values) ** 2
-    size = np.median(power, axis=-1, keepdims=True)
-    power /= np.maximum(size, 1e-12 * float(power.max()))
-    level = power.sum(axis=(0, 1))
-    # Of noise the squared second difference is its neighbours' power, of what is smooth nothing.
-    rough = np.abs(values[..., :-2] - 2.0 * values[..., 1:-1] + values[..., 2:]) ** 2
-    rough /= np.maximum(size, 1e-12 * float(np.abs(values).max() ** 2))
-    full = power[..., :-2] + 4.0 * power[..., 1:-1] + power[..., 2:]
-    near = smooth_lines(np.stack([rough.sum(axis=(0, 1)), full.sum(axis=(0, 1))]), 1)
-    noisy = near[0] > NOISY * near[1]
-    if not noisy[0]:
-        return 0
-    # A second difference reaches one line further than its middle.
-    end = 2 + (int(np.argmin(noisy)) if not noisy.all() else noisy.size)
-    if level.size - end < FEWEST_LINES or level[:end].max() < level[end:].max():
-        return 0
-    return end
-
-
-def _fallen(frf: FrequencyResponse) -> int:
-    """First line to be fitted; above 0 where what falls from 0 Hz on outweighs every peak.
-
-    Drift integrated twice falls smoothly. With no variance told it has all the weight.
-    """
-    spacing = float(np.median(np.diff(frf.freq_hz)))
-    if frf.freq_hz[0] > NEAR_ZERO * spacing:
-        return 0  # the flank of a mode below the band is its own
-    power = np.abs(frf.values[frf.measured]) ** 2
-    power /= np.maximum(np.median(power, axis=-1, keepdims=True), 1e-12 * float(power.max()))
-    level = smooth_lines(power.mean(axis=0), SMOOTHED_LINES)
-    lowest = np.minimum.accumulate(level)
-    rising = level > RISE**2 * lowest
-    valley = int(np.argmin(level[: int(np.argmax(rising))])) if rising.any() else 0
-    beyond = np.maximum.accumulate(level[::-1])[::-1]
-    peak = float(beyond[valley])
-    end = int(np.argmax(level <= peak))
-    if level.size - end < FEWEST_LINES or level[0] < OUTWEIGHS**2 * peak:
-        return 0
-    return end
 
 
 def _given_variance(values: _Complex, given: _Real, measured: npt.NDArray[np.bool_]) -> _Real:

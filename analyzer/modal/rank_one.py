@@ -247,6 +247,7 @@ def refine_rank_one(
     poles: _Complex,
     residues: _Complex,
     *,
+    fixed: npt.NDArray[np.bool_] | None = None,
     tolerance: float = 1e-5,
 ) -> RankOneFit:
     """Least weighted sum of squares of the model with one shape and participation a mode.
@@ -259,6 +260,8 @@ def refine_rank_one(
         (n_modes,) to start from, rad/s.
     residues
         (n_resp, n_ref, n_modes) to start from, in the FRFs' own form.
+    fixed
+        (n_modes,) poles that stay where they are; none by default.
     tolerance
         Stop when no pole moves by more than this share of its half bandwidth and no
         participation by more than this share of the mode's largest.
@@ -278,10 +281,12 @@ def refine_rank_one(
         return current  # one reference: the poles came refined, and nothing is shared
     n = 2 * poles.size
     free = _free(residues.shape[1], held)
+    stays = np.zeros(n, dtype=bool) if fixed is None else np.repeat(fixed, 2)
     damping, total = 1e-6, float(current.cost.sum())
     for _ in range(_MOST_STEPS):
         A, g = current.information.sum(axis=0), current.score.sum(axis=0)
         scale = 1.0 / np.sqrt(np.maximum(np.diag(A), np.finfo(float).tiny))
+        scale[:n][stays] = 0.0
         lhs = A * scale[:, None] * scale + damping * np.eye(g.size)
         step = np.zeros(n * (1 + residues.shape[1]))
         step[free] = np.linalg.solve(lhs, g * scale) * scale

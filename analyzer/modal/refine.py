@@ -34,6 +34,7 @@ def refine_poles(
     start: npt.NDArray[np.complex128],
     *,
     enough: Callable[[float, float], bool] | None = None,
+    held: npt.NDArray[np.bool_] | None = None,
 ) -> Regression:
     """Move the poles to the least weighted sum of squares.
 
@@ -45,6 +46,8 @@ def refine_poles(
         (n_modes,) poles in rad/s.
     enough
         Told the cost before and after each step taken; True stops there.
+    held
+        (n_modes,) poles that stay where they are; none by default.
 
     Returns
     -------
@@ -61,6 +64,8 @@ def refine_poles(
         g = current.score.sum(axis=0)
         # A pole that nothing tells of stays where it is.
         told = np.diag(A) > np.finfo(float).tiny
+        if held is not None:
+            told &= ~np.repeat(held, 2)
         scale = np.where(told, 1.0 / np.sqrt(np.where(told, np.diag(A), 1.0)), 0.0)
         normal = A * scale[:, None] * scale[None, :] + damping * np.eye(g.size)
         step = np.linalg.solve(normal, g * scale) * scale

@@ -37,8 +37,8 @@ __all__ = [
 
 N_RESIDUAL = 3
 _RIDGE = 1e-13  # relative to the scaled diagonal
-_FEW_FRFS = 6  # whose Gram matrices are quicker made one by one
-_MOST_PRODUCTS = 2**23  # of two regressors held at a time
+_FEW_FRFS = 16  # whose Gram matrices are quicker made one by one
+_MOST_PRODUCTS = 2**16  # of two regressors held at a time: what a processor keeps near
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +124,8 @@ def modal_data(
 def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
     """Residual regressors s^(d-2), s^(d-1), s^d on the lines: (n_freq, 3), unscaled."""
     d = derivative_order(form)
-    return np.stack([s ** float(d - 2), s ** float(d - 1), s ** float(d)], axis=1)
+    lowest = 1.0 / (s * s) if d == 0 else 1.0 / s if d == 1 else np.ones_like(s)
+    return np.stack([lowest, lowest * s, lowest * s * s], axis=1)
 
 
 def _put_pairs(
@@ -146,11 +147,14 @@ def _gram(
     q, n_freq = rows.shape[0], data.s.size
     flat = rows.reshape(q, 2 * n_freq)
     if data.weight.shape[0] <= _FEW_FRFS:
-        G = np.stack([flat @ (rows * w).reshape(q, 2 * n_freq).T for w in data.weight])
+        G = np.empty((data.weight.shape[0], q, q))
+        for o, root in enumerate(np.sqrt(data.weight)):
+            own = (rows * root).reshape(q, 2 * n_freq)
+            G[o] = own @ own.T  # of a matrix and its own transpose, half the work
     else:
         upper = np.triu_indices(q)
         packed = np.zeros((data.weight.shape[0], upper[0].size))
-        lines = max(_MOST_PRODUCTS // upper[0].size, 1)
+        lines = max(_MOST_PRODUCTS // upper[0].size, 8)
         for first in range(0, n_freq, lines):
             part = rows[:, :, first : first + lines]
             products = part[upper[0], 0] * part[upper[1], 0]
@@ -234,9 +238,7 @@ def regress(
     modal = x[:, : 2 * n_modes].reshape(n_frf, n_modes, 2)
     index = np.arange(2 * n_modes).reshape(n_modes, 2)
     blocks = inverse[:, index[:, :, None], index[:, None, :]]  # (n_frf or 1, n_modes, 2, 2)
-    gain = row[:, None] * np.einsum(
-        "omi,omij,omj->om", modal, np.linalg.inv(blocks), modal, optimize=True
-    )
+    gain = row[:, None] * _over_blocks(blocks, modal)
     physical_x = x / size[:p]
     residues = physical_x[:, 0 : 2 * n_modes : 2] + 1j * physical_x[:, 1 : 2 * n_modes : 2]
 
@@ -254,6 +256,16 @@ def regress(
         score=score,
         measured=row > 0.0,
     )
+
+
+def _over_blocks(
+    blocks: npt.NDArray[np.float64], pairs: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """x^T B^-1 x of symmetric blocks (..., 2, 2) and pairs (..., 2): (...)."""
+    x, y = pairs[..., 0], pairs[..., 1]
+    a, b, c = blocks[..., 0, 0], blocks[..., 0, 1], blocks[..., 1, 1]
+    result: npt.NDArray[np.float64] = (c * x**2 - 2.0 * b * x * y + a * y**2) / (a * c - b * b)
+    return result
 
 
 def _pole_step(

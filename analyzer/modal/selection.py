@@ -8,18 +8,27 @@ determined, and when it is not a second copy of a neighbour.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.modal.about_modes import about_modes
 from armodal.analyzer.modal.choice import physical
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
-__all__ = ["Selection", "keep_modes", "select_modes"]
+__all__ = [
+    "Kept",
+    "Selection",
+    "keep_modes",
+    "lack_of_fit",
+    "off_resonance",
+    "select_modes",
+    "still_needed",
+]
 
 _LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0
@@ -27,8 +36,11 @@ _LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequ
 _MOST_DAMPING_STD = 0.5  # of the damping ratio
 _LEAST_GAIN = 0.1  # of the way to where a mode is not needed, a step: else it is needed
 _NEAR = 10.0  # half bandwidths of the wider of two, within which they may stand in for one another
+_LEFT = 6.0  # half bandwidths, of the narrower, beyond which a pole is no longer on its resonance
+_LEFT_LINES = 2.0  # added: what is narrower than a line is placed to no better
+_OWN_REACH, _OWN_LINES = 4.0, 6  # half bandwidths and lines at least on either side of a resonance
 _DUPLICATE_MAC = 0.9
-_DUPLICATE_DISTANCE = 1.0  # in half bandwidths of the wider of the two
+_DUPLICATE_DISTANCE = 1.0  # in half bandwidths of the wider of the two, or lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +50,14 @@ class Selection:
     fit: Regression
     share: npt.NDArray[np.float64]  # (n_modes,) stability of each
     significance: npt.NDArray[np.float64]  # (n_modes,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kept(Selection):
+    """Poles refined of which none was dropped."""
+
+    given: npt.NDArray[np.intp]  # (n_modes,) which of the poles given each is
+    held: npt.NDArray[np.bool_]  # (n_modes,) where the lines about it have it, not all lines
 
 
 def lack_of_fit(fit: Regression, n_freq: int) -> float:
@@ -66,14 +86,19 @@ def _visible(fit: Regression, data: ModalData) -> npt.NDArray[np.float64]:
     return result
 
 
-def _duplicate_of_a_stronger(fit: Regression, significance: npt.NDArray[np.float64]) -> int | None:
-    """Index of a mode that repeats a stronger neighbour, or None."""
+def _duplicate_of_a_stronger(
+    fit: Regression, significance: npt.NDArray[np.float64], line_rad_s: float
+) -> int | None:
+    """Index of a mode that repeats a stronger neighbour, or None.
+
+    Of one shape, two resonances closer than their width or than a line are not told apart.
+    """
     order = np.argsort(significance)
     for weak in order:
         for other in range(fit.poles.size):
             if other == weak or significance[other] < significance[weak]:
                 continue
-            reach = max(-fit.poles[weak].real, -fit.poles[other].real)
+            reach = max(-fit.poles[weak].real, -fit.poles[other].real, line_rad_s)
             if abs(fit.poles[weak] - fit.poles[other]) > _DUPLICATE_DISTANCE * reach:
                 continue
             both = fit.residues[:, weak], fit.residues[:, other]
@@ -100,7 +125,8 @@ def _weakest(
         bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
     if np.any(bad):
         return int(np.argmin(np.where(bad, significance, np.inf)))
-    return _duplicate_of_a_stronger(fit, significance) if strict else None
+    line_rad_s = float(np.median(np.diff(data.s.imag)))
+    return _duplicate_of_a_stronger(fit, significance, line_rad_s) if strict else None
 
 
 def _not_needed(
@@ -209,8 +235,11 @@ def keep_modes(
     stability: npt.NDArray[np.float64],
     *,
     line_share: float,
-) -> Selection:
+) -> Kept:
     """Refine exactly the poles given, dropping none; the significance tells what each is worth.
+
+    A faint mode's pole may serve the others' misfit better far from its resonance. One that leaves
+    its resonance is held where the lines about it have it.
 
     Parameters
     ----------
@@ -221,7 +250,68 @@ def keep_modes(
     line_share
         Independent lines per line under the window.
     """
-    fit = refine_poles(data, poles)
-    rank = np.argsort(np.abs(fit.poles), kind="stable")
-    fit, share = regress(data, fit.poles[rank]), stability[rank]
-    return Selection(fit=fit, share=share, significance=_significance(fit, data.s.size, line_share))
+    start, held = poles, np.zeros(poles.size, dtype=bool)
+    fit = refine_poles(data, start)
+    while np.any(left := ~held & _left(start, fit.poles, data)):
+        place = regress(data, start, pole_terms=False)
+        start = start.copy()
+        for index in np.flatnonzero(left):
+            start[index] = _on_its_lines(data, place, int(index))
+        held |= left
+        fit = refine_poles(data, start, held=held)
+    given = np.argsort(np.abs(fit.poles), kind="stable")
+    fit = regress(data, fit.poles[given])
+    return Kept(
+        fit=fit,
+        share=stability[given],
+        significance=_significance(fit, data.s.size, line_share),
+        given=given,
+        held=held[given],
+    )
+
+
+def still_needed(
+    data: ModalData,
+    poles: npt.NDArray[np.complex128],
+    stability: npt.NDArray[np.float64],
+    band_hz: tuple[float, float],
+    *,
+    line_share: float,
+) -> Kept:
+    """Refine the poles given, and drop those that these weights show to be none.
+
+    Weights that the misfit tells may give another answer than those a search began with.
+    Parameters as of `select_modes`.
+    """
+    at = np.arange(poles.size)
+    while True:
+        kept = keep_modes(data, poles[at], stability[at], line_share=line_share)
+        drop = _weakest(kept.fit, data, band_hz, line_share, strict=True)
+        if drop is None:
+            return replace(kept, given=at[kept.given])
+        at = np.delete(at, kept.given[drop])
+
+
+def off_resonance(
+    poles: npt.NDArray[np.complex128], distance_hz: npt.NDArray[np.float64], data: ModalData
+) -> npt.NDArray[np.bool_]:
+    """Whether so far from a pole (n,) is off its resonance: (n,)."""
+    lines = _LEFT_LINES * float(np.median(np.diff(data.s.imag)))
+    result: npt.NDArray[np.bool_] = 2.0 * np.pi * distance_hz > _LEFT * -poles.real + lines
+    return result
+
+
+def _left(
+    start: npt.NDArray[np.complex128], end: npt.NDArray[np.complex128], data: ModalData
+) -> npt.NDArray[np.bool_]:
+    """Which poles are no longer on the resonance they came from."""
+    narrower = np.where(end.real > start.real, end, start)
+    return off_resonance(narrower, np.abs(end - start) / (2.0 * np.pi), data)
+
+
+def _on_its_lines(data: ModalData, fit: Regression, index: int) -> complex:
+    """The pole that the lines about a mode have, the other modes taken off; its own if none."""
+    own = np.array([index], dtype=np.intp)
+    local = about_modes(data, fit, own, reach=_OWN_REACH, least_lines=_OWN_LINES).data
+    again = refine_poles(local, fit.poles[own]).poles
+    return complex(fit.poles[index] if _left(fit.poles[own], again, local)[0] else again[0])

@@ -43,7 +43,9 @@ def pole_spread(data: ModalData, fit: Regression, line_share: float) -> _Real:
         at = (2 * own[:, None] + np.arange(2)).ravel()
         squares = []
         for (reach, lines), alike in ((FEW, False), (MANY, True)):
-            local = about_modes(data, fit, own, reach=reach, least_lines=lines)
+            local = about_modes(
+                data, fit, own, reach=reach, least_lines=lines, independent=line_share >= 1.0
+            )
             squares.append(_moved(_alike(local) if alike else local.data, fit, own, line_share))
         result[at] = np.sqrt(np.mean(squares, axis=0))
     return result

@@ -51,7 +51,9 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
             kind = "frf"
         if not (kind == "hit" and is_even(columns[0].values) and len(columns) > 2):
             return (
-                parts_by_numbers(columns, part, words) if kind == "frf" else _signals(columns, part)
+                parts_by_numbers(columns, part, words)
+                if kind == "frf"
+                else _signals(columns, part, words)
             )
     if len(columns) < 3 or not is_even(columns[0].values):
         raise NotToldError(
@@ -66,7 +68,7 @@ def roles_by_numbers(part: Variables, hints: Hints, words: Words) -> Found:
     kind = hints.kind or ("frf" if hints.form is not None else _kind(axis, rest, part, words))
     if kind == "frf":
         return {Role.FREQUENCY: [axis], **parts_by_numbers(rest, part, words)}
-    return {Role.TIME: [_named(axis, "time")], **_signals(rest, part)}
+    return {Role.TIME: [_named(axis, "time")], **_signals(rest, part, words)}
 
 
 def _without_coarse_axis(
@@ -156,12 +158,20 @@ def parts_by_numbers(rest: Sequence[Variable], part: Variables, words: Words) ->
     return {names[0]: first, names[1]: second, Role.COHERENCE: coherence}
 
 
-def _signals(rest: Sequence[Variable], part: Variables) -> Found:
+def _signals(rest: Sequence[Variable], part: Variables, words: Words) -> Found:
+    """Columns of a hit: the first is the force, unless it swings and just one other is a push."""
     if len(rest) < 2:
         raise ForeignFileError(
             f"{part.origin}: wanted a force and at least one acceleration, got {len(rest)} column"
         )
-    return {Role.FORCE: [rest[0]], Role.RESPONSE: list(rest[1:])}
+    pushes = [i for i, column in enumerate(rest) if _is_pulse(column.values)]
+    at = pushes[0] if len(pushes) == 1 else 0
+    if at:
+        words.read_as.append(
+            f"{rest[at].name} is one push, {rest[0].name} swings to both sides: "
+            f"{rest[at].name} is taken as the force"
+        )
+    return {Role.FORCE: [rest[at]], Role.RESPONSE: [*rest[:at], *rest[at + 1 :]]}
 
 
 def _named(variable: Variable, name: str) -> Variable:

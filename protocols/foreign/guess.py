@@ -69,7 +69,7 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
         _name_points(files, keys, guesses)
     elif kinds == {"hit"}:
         _ask_points_of_hits(files, keys, guesses, doubts)
-    mode, reason = _mode(files)
+    mode, reason = _mode(files, keys)
     guesses.append(f"mode {mode}: {reason}")
     common, keys = _in_common(keys)
     text = _text(files, keys, common, mode, reason, folder)
@@ -98,6 +98,16 @@ def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses:
     ]
     if len(files) < 2 or not nameless:
         return
+    pairs = _pairs([file.path.stem for file in files])
+    if pairs and len(nameless) == len(files):
+        for told, (response, reference) in zip(keys, pairs, strict=True):
+            told.setdefault("responses", [response])
+            told.setdefault("reference", reference)
+        guesses.append(
+            f"an FRF a file, the first response {pairs[0][0]} over reference {pairs[0][1]}: the "
+            "two numbers in the files' names; exchange them if the first is what was struck"
+        )
+        return
     names = _numbers([file.path.stem for file in files])
     how = "the numbers in the names of the files" if names else "the order of the files"
     names = names or [str(i + 1) for i in range(len(files))]
@@ -106,12 +116,29 @@ def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses:
     guesses.append(f"one point a file, {names[0]} to {names[-1]}: {how}")
 
 
-def _numbers(stems: Sequence[str]) -> list[str]:
-    """Return the number that tells names apart: `Hxysv00001` is 1; none where there is none."""
+def _telling(stems: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return the numbers that differ from name to name, place by place."""
     if len({_NUMBER.sub("#", stem) for stem in stems}) > 1:
         return []
     by_place = zip(*(_NUMBER.findall(stem) for stem in stems), strict=True)
-    telling = [numbers for numbers in by_place if len({int(text) for text in numbers}) > 1]
+    return [numbers for numbers in by_place if len({int(text) for text in numbers}) > 1]
+
+
+def _pairs(stems: Sequence[str]) -> list[tuple[str, str]]:
+    """Return response and reference of names such as `H_3_1`; none where there are none."""
+    telling = _telling(stems)
+    if len(telling) != 2:
+        return []
+    pairs = [(str(int(i)), str(int(j))) for i, j in zip(*telling, strict=True)]
+    short = all(len(text) <= _LONGEST_NUMBER for pair in pairs for text in pair)
+    # Fewer FRFs cannot link all responses by references they share.
+    linked = len(stems) >= len({i for i, _ in pairs}) + len({j for _, j in pairs}) - 1
+    return pairs if short and linked and len(set(pairs)) == len(stems) else []
+
+
+def _numbers(stems: Sequence[str]) -> list[str]:
+    """Return the number that tells names apart: `Hxysv00001` is 1; none where there is none."""
+    telling = _telling(stems)
     if len(telling) != 1 or len({int(text) for text in telling[0]}) < len(stems):
         return []
     numbers = [str(int(text)) for text in telling[0]]
@@ -152,11 +179,15 @@ def _ask_points_of_hits(
         guesses.append(f"the {most} accelerations are one sensor's axes x, y, z in their order")
 
 
-def _mode(files: Sequence[LookedAt]) -> tuple[str, str]:
+def _mode(files: Sequence[LookedAt], keys: Sequence[dict[str, Any]]) -> tuple[str, str]:
     """Return which of sensor and hammer moved, and why."""
     sensors: set[str | None] = set()
     struck: set[str | None] = set()
-    for file in files:
+    for file, told in zip(files, keys, strict=True):
+        if "reference" in told:
+            sensors |= set(told["responses"])
+            struck.add(told["reference"])
+            continue
         content = file.content
         if content is not None:
             sensors |= {frf.response.node for frf in content.frfs}

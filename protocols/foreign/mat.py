@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,13 +19,14 @@ import scipy.io
 from armodal.protocols.bounds import MOST_NUMBERS
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.mat_elements import plain_variables
-from armodal.protocols.foreign.roles import split_unit
-from armodal.protocols.foreign.variables import Listed, Variable, Variables
+from armodal.protocols.foreign.roles import is_unit, split_unit
+from armodal.protocols.foreign.variables import Axis, Listed, Variable, Variables
 
 __all__ = ["mat_variables"]
 
 _MOST_VARIABLES = 1000
 _MOST_TEXTS = 100_000
+_OF_A_FUNCTION = (".function_record.name", ".function_record.type")
 
 
 def mat_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
@@ -76,13 +78,57 @@ def _part(loaded: dict[str, Any], listed: list[Any], origin: str) -> Variables:
             else:
                 kind = array.dtype.name
                 others.append(Listed(name=path, shape=array.shape, type=kind))
+    axis, used = _told_axis(variables, texts)
+    about = tuple(path for path in texts if path.endswith(_OF_A_FUNCTION))
     return Variables(
         origin=origin,
         format="MATLAB",
-        variables=tuple(variables),
-        texts=texts,
+        variables=tuple(
+            _with_told_unit(v, texts)
+            for v in variables
+            if v.name not in used and not (v.values.size == 1 and _is_detail(v.name))
+        ),
+        texts={
+            path: text for path, text in texts.items() if path not in about and not _is_detail(path)
+        },
         others=tuple(others),
+        axis=axis,
+        words=" ".join(word for path in about for word in texts[path]),
     )
+
+
+def _told_axis(
+    variables: list[Variable], texts: dict[str, tuple[str, ...]]
+) -> tuple[Axis | None, tuple[str, ...]]:
+    """Return an axis told by first value and step, and the names of what tells it.
+
+    Fields of a struct as Simcenter Testlab writes it: x_values.start_value and
+    x_values.increment, with the unit in x_values.quantity.label.
+    """
+    scalars = {v.name: v.values for v in variables if v.values.size == 1 and not v.is_complex}
+    for name, step in scalars.items():
+        owner = name.removesuffix(".increment")
+        unit = texts.get(f"{owner}.quantity.label", ("",))[0]
+        first = scalars.get(f"{owner}.start_value")
+        if owner != name and first is not None and unit in {"Hz", "s"}:
+            start, width = (float(value.reshape(-1)[0].real) for value in (first, step))
+            if np.isfinite(start) and np.isfinite(width) and width > 0.0:
+                told = (name, f"{owner}.start_value", f"{owner}.number_of_values")
+                return Axis(unit=unit, first=start, step=width), told
+    return None, ()
+
+
+def _is_detail(path: str) -> bool:
+    """Whether a field only tells how a unit is made up."""
+    return any(word in path for word in (".unit_transformation.", ".quantity_terms"))
+
+
+def _with_told_unit(variable: Variable, texts: dict[str, tuple[str, ...]]) -> Variable:
+    """Return the values of y_values.values in the unit of y_values.quantity.label."""
+    owner = variable.name.removesuffix(".values")
+    label = texts.get(f"{owner}.quantity.label", ("",))[0]
+    told = owner != variable.name and not variable.unit and is_unit(label)
+    return replace(variable, unit=label) if told else variable
 
 
 def _lean(array: npt.NDArray[Any], wanted: Any) -> npt.NDArray[Any]:

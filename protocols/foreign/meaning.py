@@ -152,7 +152,13 @@ def _frequencies_by_size(part: Variables, found: dict[Role, list[Variable]], wor
 
 def _mapped(part: Variables, hints: Hints) -> Found:
     """Return the arrays that the manifest names, in its order."""
-    by_name = {variable.name: variable for variable in part.variables}
+    by_name = {
+        name: variable
+        for variable in part.variables
+        for unit in (variable.unit,)
+        # A name may be told as the file has it, with its unit.
+        for name in (f"{variable.name} ({unit})", f"{variable.name} [{unit}]", variable.name)
+    }
     found: dict[Role, list[Variable]] = {}
     for role, names in hints.variables.items():
         for name in names:

@@ -30,7 +30,10 @@ class Role(StrEnum):
 
 # In this order: "Frequency response, real part" is a real part. English, German, French.
 _WORDS = (
-    (Role.COHERENCE, "coherence coh gamma2 \u03b32 \u03b3\u00b2 msc kohärenz kohaerenz cohérence"),
+    (
+        Role.COHERENCE,
+        "coherence coh cohe coher gamma2 \u03b32 \u03b3\u00b2 msc kohärenz kohaerenz cohérence",
+    ),
     (
         Role.OTHER,
         """psd asd cpsd csd spec spectrum autospectrum crossspectrum autopower crosspower auto cross
@@ -51,6 +54,8 @@ _WORDS = (
     (Role.FREQUENCY, "frequency freq frequencies frequenz fréquence hz omega"),
 )
 _WORD_SETS = tuple((role, frozenset(words.split())) for role, words in _WORDS)
+# Names that mean something alone: of columns called "real" and "complex", say.
+_ALONE = {"f": Role.FORCE, "complex": Role.IMAGINARY}
 # Armodal's own variables that tell of the FRFs and are none.
 _OWN = frozenset(
     {
@@ -136,8 +141,8 @@ def role_of(name: str, label: str, *, is_complex: bool) -> Role:
     if is_complex:
         return Role.FRF
     by_unit = _role_by_unit(label)
-    if by_unit is Role.UNKNOWN and words == {"f"}:
-        return Role.FORCE
+    if by_unit is Role.UNKNOWN and len(words) == 1:
+        return _ALONE.get(next(iter(words)), by_unit)
     return by_unit
 
 

@@ -103,7 +103,7 @@ def _row(line: str, columns: Sequence[int], dialect: Dialect) -> tuple[str, ...]
         return None
     n = columns[-1] + 1
     for parts in _splits(line, dialect):
-        row = [part.strip().strip('"').strip()[:_LONGEST_NAME] for part in parts]
+        row = [part.strip().strip("\"'").strip()[:_LONGEST_NAME] for part in parts]
         if len(row) == len(columns) != n and all(row):
             return tuple(row)
         while len(row) > n and not row[-1]:
@@ -142,10 +142,9 @@ def _facts(lines: Sequence[str]) -> dict[str, str]:
         value = _bare(value)
         if "unit" not in key or not value:
             continue
-        axis = "x" if re.search(r"\bx\b|x-axis|x axis", key) else "y"
-        if axis == "x" and (hertz(value) or seconds(value)):
+        if hertz(value) or seconds(value):  # an axis', whatever it is called
             found.setdefault("x", value)
-        elif axis == "y" and is_unit(value):
+        elif not re.search(r"\bx\b|x-axis|x axis", key) and is_unit(value):
             found.setdefault("y", value)
     return found
 

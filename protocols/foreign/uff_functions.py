@@ -46,7 +46,7 @@ def function_58(block: Block, origin: str) -> UffFunction:
     surplus = len(numbers) - points * per_point
     if surplus < 0 or surplus > _MOST_SURPLUS:
         came = f"{len(numbers) / per_point:g}"
-        raise block.refuse(origin, f"{points} values, as record 7 announces,", came)
+        raise block.refuse(origin, f"{points} values, as record 7 announces", came)
     rows = numbers[: points * per_point].reshape(points, per_point)
     abscissa = first + step * np.arange(points) if even else rows[:, 0]
     ordinate = rows if even else rows[:, 1:]

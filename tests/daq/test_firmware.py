@@ -102,6 +102,7 @@ def test_the_board_of_the_guide_passes_every_step(programs, board, real_time):
     assert len(report.steps) == len(BOARD_STEPS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("board", BOARDS[1:])
 def test_a_session_by_hand_with_the_board_of_the_guide(programs, board, tmp_path, real_time):
     """An arm without [can], a board in QEMU, a person who confirms: hits of the table, accepted."""

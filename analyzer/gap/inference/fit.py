@@ -33,8 +33,10 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 TOLERANCE = 0.05  # of cost
 _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
-_FIRST_DAMPING, _LEAST_DAMPING = 1e-3, 1e-5
-_FELT = 0.03  # damping after a step that failed: less hardly changes the next
+# Of the priors' curvature, which is one: with as much a step goes half its way where the data tell
+# nothing, and all of it where they tell.
+_FIRST_DAMPING, _LEAST_DAMPING = 1.0, 1e-3
+_FELT = 0.1  # damping after a step that failed: less hardly changes the next
 _POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
@@ -56,6 +58,7 @@ class Fit:
     free: npt.NDArray[np.bool_]  # (n,) not at a bound
     converged: bool
     n_iterations: int
+    damping: float = _FIRST_DAMPING  # that its next step would have
     on: tuple[Stage, tuple[int, ...]] | None = None  # where slope and curvature are those at u
 
     @property
@@ -292,7 +295,7 @@ def fit_hypothesis(
     u = space.start(start) if resumed is None else resumed.u
     damping = _FIRST_DAMPING
     if resumed is not None and resumed.on is not None and resumed.on == (stage, used):
-        misfit = resumed.misfit
+        misfit, damping = resumed.misfit, resumed.damping
         now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
     else:
         now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
@@ -338,6 +341,7 @@ def fit_hypothesis(
         free=~_resting(space, u, slope),
         converged=converged,
         n_iterations=iteration,
+        damping=damping,
         on=None if moved else (stage, used),
     )
 
@@ -371,11 +375,12 @@ def _damped_step(
 ) -> tuple[Array, float]:
     """The step within the bounds that is best by the damped quadratic; what it promises undamped.
 
-    Marquardt, J. SIAM 11 (1963) 431: each parameter is damped by its own curvature.
+    Levenberg, Quart. Appl. Math. 2 (1944) 164, in prior deviations: the length of a step is
+    measured by what one believed. Damped by its own curvature (Marquardt 1963) a parameter whose
+    effect others take back would hardly move (`docs/decisions/0010-steps-within-bounds.md`).
     """
     A = curvature + np.eye(len(u))
-    damped = A + damping * np.diag(np.diag(A))
-    step = least_in_box(damped, slope, space.low - u, space.high - u)
+    step = least_in_box(A + damping * np.eye(len(u)), slope, space.low - u, space.high - u)
     return step, _promise(A, slope, step)
 
 

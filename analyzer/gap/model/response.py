@@ -243,18 +243,6 @@ class Response:
         y = real_times(changes.reshape(-1, 36), products.reshape(P, m, 36, 3 * L))
         return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
 
-    def by_link_mass(self, link: int, pairs: Sequence[tuple[int, int]]) -> ComplexArray:
-        """Derivatives (k, P, m, 3, L) by a link's inertia over s^2, of k pairs of its freedoms.
-
-        What hangs on a link has a law of its own in the place of s^2. Both triangles' mean.
-        """
-        P, m, n, L = self.x.shape
-        J = self.system.link_motion[:, None, link].astype(self.x.real.dtype, copy=False)
-        V = real_times(J, self.x)[:, :, :, None]  # (P, m, 6, 1, L)
-        W = real_times(J, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 6, 3, L)
-        both = [W[:, :, a] * V[:, :, b] + W[:, :, b] * V[:, :, a] for a, b in pairs]
-        return np.asarray(-0.5 * np.stack(both))
-
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (P, 3) of one hit."""
         return self._by_load(hit, change[:, None] @ self.system.hit[:, hit])

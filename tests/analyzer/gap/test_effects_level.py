@@ -20,7 +20,6 @@ from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.search.candidates import goes_with
 from armodal.analyzer.gap.search.levels import told_apart
-from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
 KINDS = (backlash, friction, microslip, softening)
@@ -185,7 +184,7 @@ def test_named_in_an_arm_file_it_comes_back_without_levels_too(ordinary, superse
 @pytest.fixture(scope="module")
 def linear():
     """A session of a plain arm, every point hit at three levels."""
-    return make_case(seed=3001, arm="rv4frl", ladder=True).session()
+    return small_case(3001, "rv4frl", ladder=True).session()
 
 
 def told(session):

@@ -24,7 +24,9 @@ def real_residues(rng, poles, n_resp, n_ref):
 
 
 @pytest.mark.parametrize("form", list(FrfForm))
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(i, marks=pytest.mark.long) for i in range(2, 4))]
+)
 def test_eight_modes_are_found_and_none_beside_them(form, seed):
     made = eight_modes(np.random.default_rng(seed), form=form)
     poles = made.poles
@@ -33,6 +35,19 @@ def test_eight_modes_are_found_and_none_beside_them(form, seed):
     # The figures issue C names; the bound of the estimate is far below them.
     np.testing.assert_allclose(model.f_hz, EIGHT_HZ, rtol=2e-3)
     np.testing.assert_allclose(model.damping_ratio, -poles.real / np.abs(poles), rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("f_hz", "said"),
+    [([5.3, 112.0, 307.0], True), ([17.9, 112.0, 314.0], False)],  # hung up; clamped at one end
+)
+def test_modes_far_below_the_rest_are_said_to_be_the_suspension_perhaps(f_hz, said):
+    rng = np.random.default_rng(4)
+    poles = poles_of(f_hz, [0.01, 0.002, 0.002])
+    frf = noisy(rng, poles, real_residues(rng, poles, 9, 1), 0.1 * np.arange(1, 4001))
+    model = fit_modes(frf)
+    np.testing.assert_allclose(model.f_hz, f_hz, rtol=1e-3)
+    assert any("suspension" in note for note in model.notes) is said
 
 
 def test_noise_free_frfs_give_the_poles_back_exactly():

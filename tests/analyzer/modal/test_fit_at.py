@@ -10,7 +10,7 @@ from armodal.protocols.errors import EstimateError
 
 @cache
 def fitted():
-    frf = eight_modes(np.random.default_rng(5)).frf
+    frf = eight_modes(np.random.default_rng(5), n_resp=10).frf
     return frf, fit_modes(frf)
 
 

@@ -146,7 +146,9 @@ def test_frac_is_blind_to_a_factor_and_sees_a_shift():
     assert np.all(frac(H, np.roll(H, 20, axis=-1)) < 0.9)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(i, marks=pytest.mark.long) for i in range(1, 4))]
+)
 def test_the_misfit_says_where_a_mode_is_missing(seed):
     made = eight_modes(np.random.default_rng(seed))
     model = fit_modes(made.frf)

@@ -337,3 +337,25 @@ def test_small_types_are_counted_as_the_numbers_they_become(tmp_path):
     np.savez_compressed(tmp_path / "a.npz", time=zeros, force=zeros)
     with pytest.raises(ForeignFileError, match=r"wanted at most \d+ numbers, got more"):
         read(tmp_path, "a.npz")
+
+
+def test_the_force_of_a_sound_file_is_the_channel_that_is_one_push(tmp_path):
+    _, force, responses = hit_signals(n=2048, channels=1)
+    scale = 2.0 * max(np.abs(force).max(), np.abs(responses).max())
+    told = Hints(response_scale=scale, force_scale=scale)
+    for name, columns in (("a.wav", [force, responses[0]]), ("b.wav", [responses[0], force])):
+        content = read(
+            tmp_path, name, wav(RATE, [c / scale for c in columns], kind="float32"), told
+        )
+        same_hit(content, force, responses, 1e-6 * scale)
+        assert any("taken as the force" in text for text in content.read_as) is (name == "b.wav")
+
+
+@pytest.mark.parametrize(
+    "head",
+    [b"PK\x03\x04" + bytes(26) + b"[Content_Types].xml", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"],
+    ids=["xlsx", "xls"],
+)
+def test_a_workbook_is_refused_with_what_to_do(tmp_path, head):
+    with pytest.raises(ForeignFileError, match=r"save the sheet .* as CSV"):
+        read(tmp_path, "a.xlsx", head + bytes(64))

@@ -51,6 +51,23 @@ def test_numbered_files_are_points(tmp_path, names, points):
     assert any("one point a file" in text for text in found.guesses)
 
 
+def test_two_numbers_in_a_name_are_response_and_reference(tmp_path):
+    names = [f"H_{i}_{j}.txt" for i in (1, 2, 3) for j in (7, 8)]
+    for name in names:
+        _, i, j = name.removesuffix(".txt").split("_")
+        data = signalcalc(FREQ, accelerance(FREQ, int(i) - 1, int(j) - 7))
+        (tmp_path / name).write_bytes(data)
+    found = guess(tmp_path, *names)
+    assert any("exchange them" in text for text in found.guesses)
+    frf = import_guess(tmp_path, found).frfs[0]
+    assert [dof.point for dof in frf.responses] == ["1", "2", "3"]
+    assert [dof.point for dof in frf.references] == ["7", "8"]
+    for i in range(3):
+        for j in range(2):
+            want = accelerance(FREQ, i, j)
+            assert np.allclose(frf.values[i, j], want, rtol=1e-6, atol=0)  # seven printed digits
+
+
 def test_files_that_name_their_points_keep_them(tmp_path):
     chain_file(tmp_path / "a.uff", nodes=(4, 5, 6))
     found = guess(tmp_path, "a.uff")

@@ -7,6 +7,9 @@ from support.foreign_samples import accelerance
 from support.manifests import manifest, posture, run
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.foreign.content import read_content
+from armodal.protocols.foreign.measured import Hints
+from armodal.protocols.frf_records import FrfForm
 
 FREQ = 0.25 * np.arange(1, 41)
 FRF = np.array([accelerance(FREQ, i, 0) for i in range(3)])  # (responses, lines)
@@ -81,3 +84,37 @@ def test_averages_nobody_made_are_refused_unless_the_manifest_tells_them(tmp_pat
     with pytest.raises(ForeignFileError, match=r"up to 1000000 averages, the files tell 1e\+20"):
         one(tmp_path, averages=1e20, body=posture('["a.mat"]'))
     assert one(tmp_path, averages=1e20).n_hits.tolist() == [[5], [5], [5]]
+
+
+def simcenter(values, *, first, step, label, unit, kind):
+    """A function as Simcenter Testlab exports it: axis by first value and step, unit as a label."""
+    quantity = {"unit_transformation": {"offset": 0.0, "factor": 1.0}}
+    return {
+        "x_values": {
+            "start_value": first,
+            "increment": step,
+            "number_of_values": float(values.size),
+            "quantity": {**quantity, "label": label},
+        },
+        "y_values": {"values": values[:, None], "quantity": {**quantity, "label": unit}},
+        "function_record": {"name": kind, "type": kind},
+    }
+
+
+def test_an_axis_told_by_first_value_and_step_is_taken(tmp_path):
+    function = simcenter(
+        FRF[0], first=FREQ[0], step=0.25, label="Hz", unit="g/N", kind="FRF Point2/Point1"
+    )
+    scipy.io.savemat(tmp_path / "a.mat", {"FRF": function})
+    content = read_content(tmp_path / "a.mat", Hints())
+    (found,) = content.frfs
+    assert np.allclose(found.freq_hz, FREQ, rtol=1e-12)
+    assert np.allclose(found.values, 9.80665 * FRF[0], rtol=1e-12)
+    assert found.form is FrfForm.ACCELERANCE
+    # What only says how a unit is made up is not listed.
+    assert not any("unit_transformation" in one.name for one in content.found)
+
+
+@pytest.mark.parametrize("name", ["coherence", "cohe", "coh"])
+def test_a_coherence_is_known_by_its_short_names(tmp_path, name):
+    assert np.array_equal(one(tmp_path, **{name: COHERENCE}).coherence[:, 0], COHERENCE)

@@ -40,6 +40,37 @@ def test_signalcalc_is_read_with_its_unit(tmp_path):
     assert not any("units" in text for text in content.said)
 
 
+def test_units_in_a_line_of_their_own_are_the_columns_own(tmp_path):
+    """A spectrum as an analyser writes it: facts, names, units, decimal commas, `'` in a corner."""
+    rows = [
+        "CSVFormatType;Spectrum2DComplex",
+        "AxisUnit;Hz",
+        "Name;Signal 2",
+        "Unit;(m/s^2)/N",
+        "",
+        "';Signal 2 (Real);Signal 2 (Imag.)",
+        "';(m/s^2)/N;(m/s^2)/N",
+        *(f"{f:.4f};{v.real:.9E};{v.imag:.9E}" for f, v in zip(FREQ, FRF, strict=True)),
+    ]
+    content = read(tmp_path, "\n".join(rows).replace(".", ",").replace("(Imag,)", "(Imag.)"))
+    found = same(content, tolerance=1e-8)
+    assert found.form is FrfForm.ACCELERANCE
+    assert not any("units" in text for text in content.said)
+
+
+def test_real_and_complex_are_the_parts(tmp_path):
+    rows = [f"{f}\t{v.real:.9e}\t{v.imag:.9e}" for f, v in zip(FREQ, FRF, strict=True)]
+    told = Hints(form=FrfForm.ACCELERANCE)
+    same(read(tmp_path, "\n".join(["freq (Hz)\treal\tcomplex", *rows]), told))
+
+
+def test_a_column_may_be_named_with_its_unit(tmp_path):
+    rows = [f"{f}\t{v.real:.9e}\t{v.imag:.9e}" for f, v in zip(FREQ, FRF, strict=True)]
+    names = {"frequency": ("a (Hz)",), "real": ("b",), "imaginary": ("c",)}
+    told = Hints(form=FrfForm.ACCELERANCE, variables=names)
+    same(read(tmp_path, "\n".join(["a (Hz)\tb\tc", *rows]), told))
+
+
 def test_signalcalc_in_g_is_scaled(tmp_path):
     same(
         read(tmp_path, signalcalc(FREQ, FRF, unit="(g)(lbf)")),

@@ -42,7 +42,7 @@ def test_every_screen_shows_its_key_words_at_the_smallest_and_at_a_large_size(dr
             await pilot.pause()
             shown = screen_text(app)
             assert [word for word in WORDS[tab] if word not in shown] == []
-            assert "posture 1/5 test 1" in shown
+            assert "posture 1/4 test 1" in shown
             assert "lost 0" in shown
             assert "leave" in shown or size[0] == 80
 

@@ -1,0 +1,49 @@
+"""Poles refined together: each stays with its own resonance."""
+
+import numpy as np
+from support.simulated_frfs import modal_frf, poles_of
+
+from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.regression import modal_data
+from armodal.analyzer.modal.selection import keep_modes
+from armodal.analyzer.modal.windows import laplace_lines
+from armodal.protocols.frf_records import FrfForm
+
+FREQ = 0.25 * np.arange(1800, 2801)
+F_HZ = np.array([527.0, 533.5, 536.2, 571.2])
+DAMPING = np.array([0.0019, 0.002, 0.0018, 0.002])
+
+
+def crowd(rng, faint):
+    """Three strong modes and a faint one, all weighted alike."""
+    poles = poles_of(F_HZ, DAMPING)
+    sizes = np.array([1.0, 3.0, 0.8, faint])
+    shapes = (
+        sizes[:, None, None] * rng.standard_normal((4, 12, 1)) / (2j * poles.imag[:, None, None])
+    )
+    values = modal_frf(poles, shapes, FREQ, FrfForm.ACCELERANCE)[:, 0]
+    level = 1e-6 * np.mean(np.abs(values) ** 2)
+    return poles, modal_data(
+        FrfForm.ACCELERANCE, laplace_lines(FREQ, 0.0), values, np.full(values.shape, level)
+    )
+
+
+def test_a_faint_pole_does_not_leave_its_resonance_for_a_misfit_elsewhere():
+    poles, data = crowd(np.random.default_rng(1), faint=0.01)
+    given = poles[[0, 1, 3]]  # one of the strong ones was missed
+    half = -poles[3].real
+    # Left to itself the faint pole makes up for the missed mode.
+    assert np.min(np.abs(refine_poles(data, given).poles - poles[3])) > 6.0 * half
+    kept = keep_modes(data, given, np.ones(3), line_share=1.0)
+    assert kept.held.tolist() == [False, False, True]
+    assert abs(kept.fit.poles[2] - poles[3]) < half
+
+
+def test_poles_come_back_by_frequency_with_what_they_were():
+    poles, data = crowd(np.random.default_rng(2), faint=0.5)
+    order = np.array([3, 0, 2, 1])
+    kept = keep_modes(data, poles[order], np.arange(4.0), line_share=1.0)
+    assert order[kept.given].tolist() == [0, 1, 2, 3]
+    assert np.array_equal(kept.share, kept.given)
+    assert np.allclose(kept.fit.poles, poles, rtol=1e-6)
+    assert not kept.held.any()
