@@ -19,12 +19,16 @@ from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
 from support.offline_lab import first_postures, simulate_session
 from support.once_for_all import once_for_all
+from support.shares import in_share
 
 from armodal.analyzer.arm import Superset
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.planning import search, selective
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
+
+# Looking for garbage is put off: it takes a tenth of all tests' time.
+gc.set_threshold(100_000, 20, 100)
 
 # A loaded machine stalls for seconds: how long one example takes says nothing.
 settings.register_profile("all", deadline=None)
@@ -42,7 +46,13 @@ def pytest_configure(config):
     settings.load_profile("quick" if config.option.markexpr == "not long" else "all")
 
 
-def pytest_collection_modifyitems(items):
+def pytest_addoption(parser):
+    parser.addoption("--share", default="0/1", help="part K of N of the tests, as K/N from 0/N")
+
+
+def pytest_collection_modifyitems(config, items):
+    share = config.option.share
+    items[:] = [item for item in items if in_share(item.nodeid, share)]
     for item in items:
         if "real_time" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.flaky(reruns=AGAIN, only_rerun=[HeldUpError.__name__]))

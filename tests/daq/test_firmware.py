@@ -71,6 +71,7 @@ def test_the_board_of_the_guide_answers_as_it_should(programs, board, real_time)
     assert len(report.steps) == 5
 
 
+@pytest.mark.long
 @needs_zig
 def test_the_board_answers_as_well_when_ziglang_has_compiled_it(tmp_path, monkeypatch, real_time):
     with monkeypatch.context() as patch:

@@ -20,7 +20,7 @@ from armodal.tui.screens.review.posture_view import (
 )
 from armodal.tui.screens.themes import MONO
 
-SIZES = [(80, 24), (160, 45)]
+SIZES = [(80, 24), pytest.param((160, 45), marks=pytest.mark.long)]
 
 WORDS = {
     "frf": ("accelerance", "coherence", "hit 1", "Hz"),
