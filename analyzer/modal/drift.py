@@ -53,6 +53,7 @@ _Int = npt.NDArray[np.int64]
 SURE = 1e-4  # probability of calling scatter a move, a mode
 _PASSES = 4  # all but the first with the other runs at rest
 _ANEW = 2  # of them in which every group is sought anew, the rest go on from there
+MOST_MOVE = 2.0 * LINKED  # half bandwidths from the lowest to the highest group of one mode
 REACH = 20.0  # half bandwidths on either side, on which a group's pole is fitted
 LEAST_LINES = 15  # on either side
 
@@ -268,6 +269,8 @@ def _looked_at(
     moved = [min(mode.f_hz.chance, mode.damping.chance) < SURE for mode in found]
     if len(found) == len(run.given) and not any(moved):
         return replace(run, drift=(), carried=None)
+    if any(np.ptp(m.f_hz.drawn) > MOST_MOVE * m.f_hz.mean * m.damping.mean for m in found):
+        return replace(run, drift=(), carried=None)  # several resonances, not one that moves
     return _Run(
         given=run.given,
         poles=np.array([mode.pole_rad_s for mode in found]),

@@ -236,23 +236,37 @@ def _fitted(
         )
         spread = pole_spread(data, chosen.fit, lines.share)
         # What other lines or weights put somewhere else altogether is no resonance.
-        apart = off_resonance(chosen.fit.poles, spread[0::2], data)
-        if not (put_together and np.any(apart)):
-            break
-        at = at[chosen.given[~apart]]
-    start = chosen.fit.residues.reshape(*problem.values.shape[:2], -1)
-    fit = refine_rank_one(data, chosen.fit.poles, start, fixed=chosen.held)
-    return assemble_model(
-        frf,
-        lines,
-        problem,
-        table,
-        chosen,
-        fit,
-        drift=tuple(drift[at[i]] for i in chosen.given),
-        spread=spread,
-        transposed=transposed,
-    )
+        none = off_resonance(chosen.fit.poles, spread[0::2], data)
+        if not (put_together and np.any(none)):
+            start = chosen.fit.residues.reshape(*problem.values.shape[:2], -1)
+            model = assemble_model(
+                frf,
+                lines,
+                problem,
+                table,
+                chosen,
+                refine_rank_one(data, chosen.fit.poles, start, fixed=chosen.held),
+                drift=tuple(drift[at[i]] for i in chosen.given),
+                spread=spread,
+                transposed=transposed,
+            )
+            none = _nowhere(model, 2.0 * float(np.median(np.diff(problem.freq_hz))))
+            if not (put_together and np.any(none)):
+                return model
+        at = at[chosen.given[~none]]
+
+
+def _nowhere(model: ModalModel, lines_hz: float) -> npt.NDArray[np.bool_]:
+    """Which modes have no place: their frequency is less well known than their width.
+
+    By two half bandwidths, or by one where the width is not known either; a resonance narrower
+    than a line is placed by lines.
+    """
+    told = [(m.f_std_hz, m.damping_std, m.damping_ratio, m.f_hz) for m in model.modes]
+    f_std, std, damping, f_hz = np.array(told).reshape(-1, 4).T
+    half = damping * f_hz
+    result: npt.NDArray[np.bool_] = f_std > np.where(std > damping, half, 2.0 * half) + lines_hz
+    return result
 
 
 def _singular(
