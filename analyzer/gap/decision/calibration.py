@@ -29,7 +29,9 @@ __all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate"]
 Array = npt.NDArray[np.float64]
 
 FALSE_NAME = 0.01  # the user's: accepted probability of a false name
-_MOST_ERROR = 1.0  # variance of errors in effects' directions over what a right model is assumed to have
+_MOST_ERROR = (
+    1.0  # variance of errors in effects' directions over what a right model is assumed to have
+)
 _HALF = 0.5  # of replicas: more than they leave is worth a search
 _UPPER = 0.05  # of replicas, by which a tail is modelled
 
