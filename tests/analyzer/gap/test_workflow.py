@@ -81,6 +81,13 @@ def test_nothing_is_found_where_nothing_is_hidden(plain):
     assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)
 
 
+def test_a_hidden_delay_is_named():
+    case = small_case(2, "rv4frl", "delay")
+    result = find_gap(case.session(), gates=False, modes=False, advice=False).result
+    assert mark(json.loads(case.open_truth()), result).outcome == "right"
+    assert [effect.name for effect in result.effects] == ["delay"]
+
+
 def test_one_posture_is_not_enough_and_says_what_to_measure(plain):
     first = plain.hits[0].posture
     alone = replace(plain, hits=tuple(h for h in plain.hits if h.posture == first))
