@@ -18,7 +18,7 @@ export MKL_NUM_THREADS = 1
 # What one process has compiled the next need not: tests start some fifty.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo messages firmware firmware-check test test-all coverage check bench torture fuzz hashes sizes format clean setup
+.PHONY: demo messages firmware firmware-check test test-all test-share coverage check bench torture fuzz hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
@@ -58,6 +58,10 @@ test: $(DEVICE_LIBRARY)
 
 test-all: $(DEVICE_LIBRARY)
 	$(BIN)/python -m pytest $(WORKERS)
+
+# Part K of N of the long tests: make test-share SHARE=K/N.
+test-share: $(DEVICE_LIBRARY)
+	$(BIN)/python -m pytest -m long --share $(SHARE) $(WORKERS)
 
 # Lines and branches that `make test` runs, in the processes it starts too.
 coverage: $(DEVICE_LIBRARY)

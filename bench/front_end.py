@@ -19,6 +19,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+from support.reach_plan import reach_plan
 from support.source_devices import SOURCES
 
 from armodal.daq.commands import Ready, Stop, ToldPosture
@@ -27,39 +28,13 @@ from armodal.daq.process import start_process
 from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.plan import plan_from_text
 
 EVERY_S = 2.0
-PLAN = """
-format = "armodal-plan-1"
-name = "bench"
-arm = "ur5"
-mode = "roving-response"
-fixed_point = "1"
-hits_per_point = 100
-max_attempts = 100
-[sampling]
-rate_hz = {rate}
-samples = 16384
-pretrigger = 1000
-[trigger]
-level_n = 20.0
-slope = "rising"
-[windows]
-exponential_end = 0.03
-[sensor]
-mass_kg = 0.0093
-[[postures]]
-name = "reach"
-joints_deg = [15.0, -30.0, 40.0, -60.0, -70.0, 20.0]
-tolerance_deg = 0.5
-points = ["2", "3", "4", "5"]
-hit_direction = [-0.45, -0.62, -0.64]
-"""
 
 
 def main(seconds: float, name: str) -> None:
-    arm, source = load_arm("ur5"), SOURCES[name]
+    source = SOURCES[name]
+    plan = reach_plan(rate_hz=source.rate_hz, samples=16384, pretrigger=1000)
     with tempfile.TemporaryDirectory() as made, ExitStack() as keep:
         folder = Path(made)
         text, device = source.start(folder, EVERY_S, seconds)
@@ -69,8 +44,8 @@ def main(seconds: float, name: str) -> None:
         settings = AcquisitionSettings(
             board_port=str(folder / "bench.toml"),
             told_tolerance_rad=math.radians(0.2),
-            arm=arm,
-            plan=plan_from_text(PLAN.format(rate=source.rate_hz), arm),
+            arm=load_arm("ur5"),
+            plan=plan,
             journal=folder / "s.journal",
         )
         acquisition = start_process("acquire", settings)

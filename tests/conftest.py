@@ -17,8 +17,9 @@ os.environ["XDG_DATA_HOME"] = _HOME.name
 import pytest
 from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
-from support.offline_lab import simulate_session
+from support.offline_lab import first_postures, simulate_session
 from support.once_for_all import once_for_all
+from support.shares import in_share
 
 from armodal.analyzer.arm import Superset
 from armodal.analyzer.identification.identify import identify
@@ -26,9 +27,12 @@ from armodal.analyzer.planning import search, selective
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
 
+# Looking for garbage is put off: it takes a tenth of all tests' time.
+gc.set_threshold(100_000, 20, 100)
+
 # A loaded machine stalls for seconds: how long one example takes says nothing.
-settings.register_profile("armodal", deadline=None)
-settings.load_profile("armodal")
+settings.register_profile("all", deadline=None)
+settings.register_profile("quick", parent=settings.get_profile("all"), max_examples=25)
 
 # Devices here keep their time whatever the machine does, and hosts wait for them as for real ones:
 # at eight times the speed a twentieth of a second is more than what those allow.
@@ -37,7 +41,18 @@ AGAIN = 4  # times such a test is repeated, at most
 watch = cache(StallWatch)  # begun with the first of those tests
 
 
-def pytest_collection_modifyitems(items):
+def pytest_configure(config):
+    """Properties meet fewer examples where long tests are left out."""
+    settings.load_profile("quick" if config.option.markexpr == "not long" else "all")
+
+
+def pytest_addoption(parser):
+    parser.addoption("--share", default="0/1", help="part K of N of the tests, as K/N from 0/N")
+
+
+def pytest_collection_modifyitems(config, items):
+    share = config.option.share
+    items[:] = [item for item in items if in_share(item.nodeid, share)]
     for item in items:
         if "real_time" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.flaky(reruns=AGAIN, only_rerun=[HeldUpError.__name__]))
@@ -82,8 +97,12 @@ def plant():
 
 @pytest.fixture(scope="session")
 def session(tmp_path_factory):
-    """The arm measured by its shipped plan, with good hits."""
-    return once_for_all(tmp_path_factory, "session", lambda: simulate_session(4))
+    """The arm measured by its shipped plan, three postures and one for validation; good hits."""
+
+    def measured():
+        return simulate_session(4, plan=first_postures(4))
+
+    return once_for_all(tmp_path_factory, "session", measured)
 
 
 @pytest.fixture(scope="session")
@@ -100,7 +119,7 @@ def superset(arm):
 def small_search():
     """A plan's search of fewer postures: what is found is as free, if less selective."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "N_RANDOM", 3000)
+        patch.setattr(search, "N_RANDOM", 1000)
         patch.setattr(search, "ROUNDS", 2)
         patch.setattr(selective, "N_OTHERS", 10)
         yield

@@ -27,6 +27,8 @@ __all__ = ["PostureDynamics", "Superset"]
 
 Array = npt.NDArray[np.float64]
 
+_KEPT = 32  # postures: those of a session and its further tests are asked for again and again
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PostureDynamics:
@@ -62,6 +64,7 @@ class Superset:
         self.n_joints = len(arm.joints)
         self.n = 6 + 7 * self.n_joints
         link_index = {joint.link.name: i for i, joint in enumerate(arm.joints)}
+        self._kept: dict[tuple[float, ...], PostureDynamics] = {}  # of the last postures
         self.point_index = {point.id: i for i, point in enumerate(arm.points)}
         # The link each test point rides on; -1 is the base.
         self.point_link = tuple(
@@ -101,6 +104,14 @@ class Superset:
                 f"wanted {self.n_joints} finite joint angles for arm '{self.arm.name}', "
                 f"got an array of shape {angles.shape}: {angles}; give one angle per joint"
             )
+        key = tuple(angles.tolist())
+        if key not in self._kept:
+            if len(self._kept) == _KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[key] = self._evaluated(angles)
+        return self._kept[key]
+
+    def _evaluated(self, angles: Array) -> PostureDynamics:
         found = self._links.posture(angles) if self.n_joints else base_alone()
         gravity = found.gravity_stiffness
         jacobian, rotation, position = self._points(found)

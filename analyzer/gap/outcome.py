@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from armodal.analyzer.confidence import ONE_SIDED_95, TWO_SIDED_95
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
 from armodal.analyzer.gap.decision.verdict import verdict_of
@@ -30,14 +29,13 @@ from armodal.analyzer.gap.records import (
     Misfit,
     PostureGap,
     RivalRow,
-    StiffnessRange,
     Verdict,
 )
 from armodal.analyzer.gap.search.candidates import other_candidates
-from armodal.analyzer.gap.search.hidden_size import largest_hidden_size
 from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
 from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.analyzer.gap.search.scan import Candidate
+from armodal.analyzer.gap.stiffness_ranges import extreme_sizes, largest_size, stiffness_ranges
 from armodal.analyzer.gap.summary import summary_words
 from armodal.analyzer.modal.fit import fit_modes
 from armodal.analyzer.modal.modes import ModalModel
@@ -47,11 +45,6 @@ from armodal.protocols.plan_records import Plan
 
 __all__ = ["GapOutcome", "conclude", "notes_on_its_end"]
 
-_WIDEST = 0.7  # of ln k
-_FEW_STEPS = 3
-# Probability that an unseen effect is there, beforehand: that of a false name one accepts. And the
-# most nats of a look that count.
-_BELIEVED, _SURE_NATS = 0.01, 50.0
 # Nats that a fit's own quadratic still promises: a deviation and a half of a single parameter.
 _UNFINISHED = 1.0
 # Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
@@ -119,7 +112,7 @@ def conclude(
             standing,
             found.rivals,
             hiding,
-            partial(_extremes, final=final, phi=spread),
+            partial(extreme_sizes, final=final, phi=spread),
             plan,
             tell,
         )
@@ -129,15 +122,15 @@ def conclude(
     is_outside = verdict is Verdict.OUTSIDE_LIBRARY
     left = disagreement_map(sharp, final, points) if is_outside else where
     measured = _measured_modes(modes_of, sharp)
-    first = held_out(sharp, before, test)
-    last = held_out(sharp, final, test) if named else first
+    first = _foretold(sharp, before, test, named)
+    last = _foretold(sharp, final, test, named) if named else first
     result = GapResult(
         verdict=verdict,
         summary=summary_words(verdict, effects, standing, misfit, left),
         effects=effects if verdict is Verdict.NAMED else (),
         rivals=_rivals(found, judged, _COMMON * spread),
         hidden=_hidden(hiding, spread),
-        joint_stiffness_ranges=_ranges(
+        joint_stiffness_ranges=stiffness_ranges(
             stages[-2],
             alive,
             hiding,
@@ -237,108 +230,11 @@ def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
             place=c.instance.place,
             parameter=c.instance.size,
             unit=c.instance.unit,
-            largest=_largest(c, phi),
+            largest=largest_size(c, phi),
         )
         for c in hiding
     ]
     return tuple(sorted(rows, key=lambda r: (r.name, r.place)))
-
-
-def _largest(candidate: Candidate, phi: float) -> float:
-    return float(abs(candidate.size) + ONE_SIDED_95 * candidate.size_std * np.sqrt(phi))
-
-
-def _extremes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]:
-    """By how much a hidden effect's size could differ from what the final model has of it."""
-    instance = candidate.instance
-    if instance.relaxes:
-        middle = candidate.size - final.values[instance.size]
-        reach = TWO_SIDED_95 * candidate.size_std * float(np.sqrt(phi))
-        return middle - reach, middle + reach
-    largest = _largest(candidate, phi)
-    one_sided = not instance.parameters or instance.parameters[0].low >= 0.0
-    return (largest,) if one_sided else (largest, -largest)
-
-
-def _ranges(
-    stage: Stage,
-    alive: Sequence[Fit],
-    hiding: Sequence[Candidate],
-    phi: float,
-    *,
-    settled: bool,
-) -> tuple[StiffnessRange, ...]:
-    """Union of the 95 % intervals of all models that still stand, and of what could hide.
-
-    An effect that nobody would see can still stand for a part of a joint's stiffness: a servo
-    behind the transmission does. The value is the best model's; where it is not settled which
-    model is right, its deviation is that of the range.
-    """
-    best = alive[0]
-    known = {instance.key for instance in best.hypothesis.instances}
-    hiding = [candidate for candidate in hiding if candidate.instance.key not in known]
-    rows = []
-    # Fewer lines than the sharp ones tell less, and at half the cost.
-    there = fit_hypothesis(stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS)
-    held: dict[tuple[int, float], float] = {}
-    for i in best.hypothesis.ordinary.elastic:
-        joint = best.hypothesis.ordinary.arm.joints[i].name
-        name = f"ln k {joint}"
-        found = [intervals(f, [name], phi)[name] for f in alive]
-        k = float(np.exp(found[0].value))
-        half = max(found[0].high - found[0].value, found[0].value - found[0].low)
-        moved = [_reach(f, name) for f in alive]
-        low = min(f.low - r for f, r in zip(found, moved, strict=True))
-        high = max(f.high + r for f, r in zip(found, moved, strict=True))
-        for number, c in enumerate(hiding):
-            for linear in _extremes(c, best, phi):
-                size = linear
-                if abs(c.follow.get(name, 0.0) * linear) > half:
-                    if (number, linear) not in held:
-                        held[number, linear] = largest_hidden_size(stage, there, c, linear, phi)
-                    size = held[number, linear]
-                # Beyond a factor of two the linear look says nothing but "very wide".
-                shift = float(np.clip(c.follow.get(name, 0.0) * size, -_WIDEST, _WIDEST))
-                # Both are rarely at their limits at once: variances add.
-                spread = float(np.hypot(shift, half))
-                if shift < 0.0:
-                    low = min(low, found[0].value - spread)
-                else:
-                    high = max(high, found[0].value + spread)
-        std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * TWO_SIDED_95))
-        std = float(np.hypot(std, _left_open(hiding, best, name, phi)))
-        rows.append(
-            StiffnessRange(
-                joint=joint,
-                k_n_m_per_rad=k,
-                k_std=k * std,
-                low=float(np.exp(low)),
-                high=float(np.exp(high)),
-            )
-        )
-    return tuple(rows)
-
-
-def _left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) -> float:
-    """Root mean square by which a parameter is off, if something unseen is there after all.
-
-    A hammer far beyond its tolerance is hardly seen: all masses follow it within theirs, and every
-    stiffness with them. That it is there has the probability p / (1 + p), p what the looks promise
-    over what they are believed beforehand; then the parameter is off by what goes with it.
-    """
-    off = 0.0
-    for c in hiding:
-        there = c.size - best.values[c.instance.size] if c.instance.relaxes else c.size
-        shift = float(np.clip(c.follow.get(name, 0.0) * there, -_WIDEST, _WIDEST))
-        odds = _BELIEVED * np.exp(min(c.gain / phi, _SURE_NATS))
-        off = max(off, float(abs(shift) * np.sqrt(odds / (1.0 + odds))))
-    return off
-
-
-def _reach(fit: Fit, name: str) -> float:
-    """How far a parameter moves with the hits' level, beside its interval at the middle one."""
-    moves = [i.reaches[name] for i in fit.hypothesis.instances if name in i.reaches]
-    return sum(abs(fit.values[own]) * factor for own, factor in moves)
 
 
 def _measured_modes(frfs: Sequence[FrequencyResponse], stage: Stage) -> Mapping[str, ModalModel]:
@@ -366,6 +262,17 @@ def _gaps(
         )
         for p, lines in enumerate(stage.lines)
     )
+
+
+def _foretold(stage: Stage, fit: Fit, test: tuple[int, ...], named: Sequence[Step]) -> HeldOut:
+    """What a model foretells; as it was when a step was judged, where it is the same."""
+    for step in named:
+        if step.foretold_without.postures == test:
+            if step.without is fit:
+                return step.foretold_without
+            if step.fit is fit:
+                return step.foretold_with
+    return held_out(stage, fit, test)
 
 
 def _interface(stage: Stage, before: Fit, least: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
@@ -101,7 +101,8 @@ def find_gap(
     notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
-    levels = partial(_by_level, session, more, superset, frfs, of_first[-1].models, tell)
+    apart = cache(partial(_level_apart, session, more, superset, frfs, of_first[-1].models))
+    levels = partial(_by_level, apart, superset, tell)
     stages, present = levels(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
@@ -244,7 +245,9 @@ def _with_places(
     found: list[Stage] = []
     values = dict(start)
     for stage in stages:
-        near = fit_hypothesis(stage, present, start=values, max_iterations=_NEAR_STEPS)
+        near = fit_hypothesis(
+            stage, present, start=values, max_iterations=_NEAR_STEPS, closing=False
+        )
         values = near.values
         found.append(stage.with_places(present, values))
     return tuple(found)
@@ -286,12 +289,23 @@ def _frfs_of_tests(superset: Superset, more: Sequence[Session]) -> list[Frequenc
     ]
 
 
-def _by_level(
+def _level_apart(
     session: Session,
     more: Sequence[Session],
     superset: Superset,
     frfs: Sequence[FrequencyResponse],
     models: Sequence[PosedModel],
+    number: int,
+) -> Stage:
+    """Lines of soft and of hard hits of one stage; `models` of the session's own postures."""
+    about = middle_level(session)
+    (apart,) = stages_of(superset, session, frfs, models=models, level_about=about, only=[number])
+    return with_tests((apart,), superset, more, about, [number])[0]
+
+
+def _by_level(
+    level_apart: Callable[[int], Stage],
+    superset: Superset,
     tell: Tell,
     stages: tuple[Stage, ...],
     present: Hypothesis,
@@ -304,8 +318,8 @@ def _by_level(
 
     Parameters
     ----------
-    models
-        Of the session's own postures.
+    level_apart
+        Gives a stage with soft and hard hits apart, by its number.
     surely
         Only if it tells more than chance does: of a model with a name.
     """
@@ -313,19 +327,16 @@ def _by_level(
     if ordinary.level_span or not ordinary.levels_hit:
         return stages, present
     tell("soft hits compared with hard ones")
-    about = middle_level(session)
-    apart = stages_of(superset, session, frfs, models=models, level_about=about)
-    apart = with_tests(apart, superset, more, about)
-    span = max(lines.level for lines in apart[-1].lines)
+    span = max(lines.level for lines in level_apart(1).lines)
     levelled = replace(present, ordinary=replace(ordinary, level_span=span))
-    found = told_apart(superset, apart, levelled, start, Discrepancy())
+    found = told_apart(superset, level_apart, levelled, start, Discrepancy())
     if found is None or (surely and found[1] < SURELY_BY_LEVEL):
         return stages, present
     notes.append("the response depends on the hits' level: soft and hard were kept apart")
     anew, gain = found
     told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
-    return (stages[0], *anew[1:]), told
+    return (stages[0], *anew), told
 
 
 def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:

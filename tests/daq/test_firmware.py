@@ -11,6 +11,7 @@ from fractions import Fraction
 from importlib.util import find_spec
 
 import pytest
+from support.reach_plan import reach_text
 
 from armodal.daq.board_link import BoardLink
 from armodal.daq.check import BOARD_STEPS, BoardCheckOptions, Verdict, check_board
@@ -70,6 +71,7 @@ def test_the_board_of_the_guide_answers_as_it_should(programs, board, real_time)
     assert len(report.steps) == 5
 
 
+@pytest.mark.long
 @needs_zig
 def test_the_board_answers_as_well_when_ziglang_has_compiled_it(tmp_path, monkeypatch, real_time):
     with monkeypatch.context() as patch:
@@ -101,38 +103,14 @@ def test_the_board_of_the_guide_passes_every_step(programs, board, real_time):
     assert len(report.steps) == len(BOARD_STEPS)
 
 
-PLAN = """
-format = "armodal-plan-1"
-name = "one-point"
-arm = "ur5"
-mode = "roving-response"
-fixed_point = "1"
-hits_per_point = 2
-max_attempts = 4
-[sampling]
-rate_hz = "51200/31"
-samples = 1024
-pretrigger = 100
-[trigger]
-level_n = 20.0
-slope = "rising"
-[windows]
-exponential_end = 0.03
-[sensor]
-mass_kg = 0.0093
-[[postures]]
-name = "reach"
-joints_deg = [15.0, -30.0, 40.0, -60.0, -70.0, 20.0]
-tolerance_deg = 0.5
-points = ["2"]
-hit_direction = [-0.45, -0.62, -0.64]
-"""
-
-
+@pytest.mark.long
 @pytest.mark.parametrize("board", BOARDS[1:])
 def test_a_session_by_hand_with_the_board_of_the_guide(programs, board, tmp_path, real_time):
     """An arm without [can], a board in QEMU, a person who confirms: hits of the table, accepted."""
-    (tmp_path / "plan.toml").write_text(PLAN, encoding="utf-8")
+    plan = reach_text(
+        rate_hz="51200/31", samples=1024, pretrigger=100, points=["2"], hits=2, attempts=4
+    )
+    (tmp_path / "plan.toml").write_text(plan, encoding="utf-8")
     files = {name: str(tmp_path / name) for name in ("plan.toml", "ur5.journal")}
     with running(board, programs) as port:
         command = [sys.executable, "-m", "armodal.tui.cli", "acquire", files["plan.toml"]]

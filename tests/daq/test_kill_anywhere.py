@@ -79,7 +79,7 @@ def test_the_torture_notices_a_journal_that_is_not_synced(record, folder):
     assert any(lost)
 
 
-@pytest.mark.parametrize("lasting", [False, True])
+@pytest.mark.parametrize("lasting", [False, pytest.param(True, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     "code",
     [

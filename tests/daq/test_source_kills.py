@@ -14,7 +14,7 @@ NEEDS = {"ni": ("nidaqmx", "grpc"), "opendaq": ("opendaq",)}
     ("name", "kills"),
     [
         ("replay", 2),
-        ("ni", 3),
+        pytest.param("ni", 3, marks=pytest.mark.long),
         pytest.param("sound", 3, marks=pytest.mark.long),
         pytest.param("opendaq", 3, marks=pytest.mark.long),
     ],

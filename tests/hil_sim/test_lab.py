@@ -159,6 +159,7 @@ def test_sigterm_ends_the_laboratory_cleanly(start_known_laboratory):
     assert len(read_ledger(laboratory.ledger).of("end")) == 1
 
 
+@pytest.mark.long
 def test_an_unknown_fault_is_refused_by_its_own_message(start_known_laboratory):
     with pytest.raises(PlantError, match="wanted a fault the laboratory knows"):
         start_known_laboratory(faults=["flood"])

@@ -71,9 +71,9 @@ def test_dry_friction_takes_four_limits_over_stiffness_from_every_cycle():
     "element",
     [
         Softening(row=ROW, soft=0.4 * K, at=5e-4),
-        Gap(row=ROW, k=K, half=2e-4, load=0.0),
+        pytest.param(Gap(row=ROW, k=K, half=2e-4, load=0.0), marks=pytest.mark.long),
         Gap(row=ROW, k=K, half=2e-4, load=0.7),
-        Gap(row=ROW, k=K, half=2e-4, load=-0.7),
+        pytest.param(Gap(row=ROW, k=K, half=2e-4, load=-0.7), marks=pytest.mark.long),
     ],
 )
 def test_stepping_agrees_with_an_adaptive_integrator(element):

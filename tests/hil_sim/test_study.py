@@ -5,6 +5,7 @@ from hashlib import sha256
 import numpy as np
 import pytest
 from support.laplace_frfs import laplace_frfs
+from support.small_case import SmallCase
 
 from armodal.hil_sim.plant_file import PlantFile, load_plant_file
 from armodal.hil_sim.small_motion import Mounting, linearise
@@ -13,6 +14,7 @@ from armodal.hil_sim.study import (
     OUTSIDE,
     STUDY_ARMS,
     VERSION,
+    CaseSpec,
     draw_study,
     library,
     make_case,
@@ -196,11 +198,11 @@ def test_every_kind_is_drawn_in_every_size_on_every_arm():
 
 
 def test_files_of_a_case_hold_session_arm_and_hashed_truth(tmp_path):
-    case = make_case(3, "bench57", "delay", number=8)
+    case = SmallCase(CaseSpec(number=8, arm="bench57", seed=3, kinds=("delay",), magnitude="clear"))
     files = write_case(case, tmp_path)
     assert files.session.name == "case-0008.h5"
     assert sha256(files.truth.read_bytes()).hexdigest() == files.truth_sha256
-    assert len(read_session(files.session).hits) == 270
+    assert len(read_session(files.session).hits) == 3 * 6 * case.plan.hits_per_point
 
 
 @pytest.mark.parametrize("effect", ["exponential_window", "wrong_point", "friction", "one_sided"])

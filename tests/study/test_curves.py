@@ -82,7 +82,7 @@ def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
 def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypatch):
     monkeypatch.setattr(armodal.study.cases, "sealed", small)
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")
-    other = replace(spec, kinds=("payload",))  # as `--whole` draws it: the same number and seed
+    other = replace(spec, kinds=("hammer_gain",))  # as `--whole` draws it: the same number and seed
     monkeypatch.setattr(armodal.study.curves, "VARIED", {"points": (3,)})
     path = tmp_path / "curves.jsonl"
     told: list[str] = []

@@ -6,7 +6,8 @@ import numpy as np
 from support.simulated_frfs import record
 
 N_POINTS, N_AXES = 8, 3
-NOMINAL_HZ = np.array([11.0, 24.0, 58.0, 81.0])
+FOUR_HZ = (11.0, 24.0, 58.0, 81.0)
+TWO_HZ = (11.0, 24.0)
 
 
 @dataclass(frozen=True)
@@ -17,14 +18,14 @@ class Drifting:
     damping: np.ndarray  # (n_modes,)
 
 
-def drifting(rng, bandwidths, *, by="sensor", noise=0.01):
-    """Four modes that move over a range of so many half-power bandwidths.
+def drifting(rng, bandwidths, *, by="sensor", noise=0.01, nominal_hz=FOUR_HZ):
+    """Modes that move over a range of so many half-power bandwidths.
 
     By the sensor's mass the shift grows with the squared shape at the sensor, by batches of four
     points each with its own temperature.
     """
-    freq = np.arange(1, 420) * 0.25
-    still = NOMINAL_HZ * (1.0 + 0.05 * rng.uniform(-1.0, 1.0, NOMINAL_HZ.size))
+    freq = np.arange(1, round(5.2 * max(nominal_hz))) * 0.25
+    still = np.array(nominal_hz) * (1.0 + 0.05 * rng.uniform(-1.0, 1.0, len(nominal_hz)))
     damping = rng.uniform(0.005, 0.02, still.size)
     shape = rng.normal(size=(N_POINTS, N_AXES, still.size))
     shape /= np.abs(shape).max(axis=(0, 1))

@@ -1,5 +1,7 @@
 """Sessions made in process: the simulated arm without ports, for tests of the analyzer."""
 
+import json
+import re
 from datetime import UTC, datetime
 from functools import partial
 
@@ -13,11 +15,25 @@ from armodal.hil_sim.source import SensorSource
 from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.board.messages import encode_dictionary
-from armodal.protocols.plan import load_plan
+from armodal.protocols.plan import load_plan, plan_from_text
 from armodal.protocols.plan_records import Mode, Plan
 from armodal.protocols.session.records import Hit, JointReading, Session, SessionHeader, Verdict
 
 SETTLE = 200  # samples before the block, so that filters and noise are running
+
+
+ALL_POINTS = tuple(str(i) for i in range(1, 19))
+# Some on every link: stiffness and axis are found as well, an axis swapped at one point is not.
+TEN_POINTS = ("1", "3", "5", "6", "7", "9", "12", "13", "15", "18")
+
+
+def first_postures(n, points=TEN_POINTS):
+    """The first postures of the shipped plan, at some of its points."""
+    arm = load_arm("rv4frl")
+    head, *blocks = load_plan("rv4frl-three-postures", arm).text.split("[[postures]]")
+    listed = f"points = {json.dumps(list(points))}"
+    few = [re.sub(r"points = \[[^\]]*\]", listed, block) for block in blocks[:n]]
+    return plan_from_text("[[postures]]".join([head, *few]), arm, origin="test")
 
 
 def simulate_session(

@@ -70,7 +70,14 @@ class EightModes:
 
 
 def eight_modes(
-    rng, *, form=FrfForm.RECEPTANCE, n_resp=30, n_ref=1, complex_shapes=False, level=0.01
+    rng,
+    *,
+    form=FrfForm.RECEPTANCE,
+    n_resp=30,
+    n_ref=1,
+    complex_shapes=False,
+    level=0.01,
+    top_hz=200.0,
 ):
     """Eight modes, one close pair, noise of `level` times each FRF's RMS."""
     damping = rng.uniform(0.02, 0.045, 8)
@@ -80,7 +87,7 @@ def eight_modes(
         shapes = shapes * np.exp(0.3j * rng.standard_normal((8, n_resp, 1)))
     part = rng.uniform(0.3, 1.0, (8, 1, n_ref)) * rng.choice([-1.0, 1.0], (8, 1, n_ref))
     residues = shapes * part / (2j * poles.imag[:, None, None])
-    freq = np.arange(1, 1601) * 0.25
+    freq = np.arange(0.25, top_hz + 0.125, 0.25)
     clean = modal_frf(poles, residues, freq, form)
     frf = noisy_record(rng, clean, freq, form=form, level=level)
     return EightModes(frf=frf, poles=poles, residues=residues)

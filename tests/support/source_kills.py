@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from support.accepted_hits import missing
+from support.reach_plan import reach_plan
 from support.source_devices import SOURCES
 
 from armodal.daq.commands import Ready, ToldPosture
@@ -26,39 +27,12 @@ from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import JournalError
-from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.journal import read_journal
 from armodal.protocols.session.recovery import rebuild
 
 HIT_EVERY_S = 0.2
 LONGEST_S = 1.2  # from the first hit asked for to the kill: a few hits
 DEVICE_LOST_WITHIN_S = 30.0  # a loaded machine; the device itself is missed after two seconds
-PLAN = """
-format = "armodal-plan-1"
-name = "killed"
-arm = "ur5"
-mode = "roving-response"
-fixed_point = "1"
-hits_per_point = 100
-max_attempts = 100
-[sampling]
-rate_hz = {rate}
-samples = 2048
-pretrigger = 256
-[trigger]
-level_n = 20.0
-slope = "rising"
-[windows]
-exponential_end = 0.03
-[sensor]
-mass_kg = 0.0093
-[[postures]]
-name = "reach"
-joints_deg = [15.0, -30.0, 40.0, -60.0, -70.0, 20.0]
-tolerance_deg = 0.5
-points = ["2", "3", "4", "5"]
-hit_direction = [-0.45, -0.62, -0.64]
-"""
 
 
 @dataclass
@@ -79,7 +53,7 @@ class KilledSession:
         self._source, self._name = SOURCES[name], name
         self._folder, self._rng = folder, rng
         self._arm = load_arm("ur5")
-        self._plan = plan_from_text(PLAN.format(rate=self._source.rate_hz), self._arm)
+        self._plan = reach_plan(rate_hz=self._source.rate_hz, samples=2048, pretrigger=256)
         self._journal = folder / "killed.journal"
         self._told: dict[int, object] = {}
         self._device: subprocess.Popen[str] | None = None

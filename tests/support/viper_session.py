@@ -35,7 +35,7 @@ def plan_text():
         text += (
             f'\n[[postures]]\nname = "test {number}"\njoints_deg = {list(angles)}\n'
             "tolerance_deg = 0.5\n"
-            'points = ["1", "2", "3", "4", "5", "6", "7", "8", "9"]\n'
+            'points = ["1", "3", "5", "7", "9"]\n'
             f"hit_direction = {list(hit)}\n"
         )
     return text + "validation = true\n"

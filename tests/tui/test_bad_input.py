@@ -134,7 +134,7 @@ def test_a_roving_hammer_session_runs_over_real_ports(session_files):
     [
         pytest.param("board-garbage", "board", marks=pytest.mark.long),
         ("board-silence", "board"),
-        ("can-silence", ""),
+        pytest.param("can-silence", "", marks=pytest.mark.long),
     ],
 )
 def test_a_device_that_does_not_talk_is_said(fault, word, small_plan, tmp_path, monkeypatch):
@@ -147,6 +147,7 @@ def test_a_device_that_does_not_talk_is_said(fault, word, small_plan, tmp_path, 
     is_one_message(said, word)
 
 
+@pytest.mark.long
 def test_a_dictionary_that_changes_in_the_session_ends_it_and_keeps_what_was_accepted(
     small_plan, tmp_path
 ):

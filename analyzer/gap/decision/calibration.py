@@ -29,9 +29,9 @@ __all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate"]
 Array = npt.NDArray[np.float64]
 
 FALSE_NAME = 0.01  # the user's: accepted probability of a false name
-# Variance of errors over the assumed, in effects' directions: some ten right models of three makers
-# have 0.1 to 3.0, five wrong ones 4.3 to 19. Between them by eye: no study has been run with it.
-_MOST_ERROR = 3.5
+_MOST_ERROR = (
+    1.0  # variance of errors in effects' directions over what a right model is assumed to have
+)
 _HALF = 0.5  # of replicas: more than they leave is worth a search
 _UPPER = 0.05  # of replicas, by which a tail is modelled
 
@@ -145,16 +145,19 @@ class Calibrations:
     def needs_more(self, stage: Stage, present: Fit, begun: Sequence[Fit]) -> bool:
         """Whether anything is to be explained.
 
-        What matters and has its limit in reach, or a misfit that half of the replicas do not leave.
+        What matters and has its limit in reach, a misfit that half of the replicas do not leave, or
+        errors that no right model has.
         """
         if misfit_per_line(stage, present) > misfit_of_replicas(stage, present, _HALF):
             return True
-        material = [fit for fit in begun if fit.last.is_material(fit.values)]
-        reached = {id(f): present.evidence - f.evidence + f.promised for f in material}
-        if not any(gain > 0.0 for gain in reached.values()):
-            return False
         limits = self.of(stage, present, begun)
-        return any(reached[id(f)] > limits.limit(f.last.effect.name) for f in material)
+        if limits.is_model_wrong:
+            return True
+        return any(
+            present.evidence - f.evidence + f.promised > limits.limit(f.last.effect.name)
+            for f in begun
+            if f.last.is_material(f.values)
+        )
 
 
 def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_NAME) -> Calibration:

@@ -112,13 +112,12 @@ def at_axis(
         rest = {k: v for k, v in values.items() if k not in own}
         found = _at_both_ends(ordinary, link, u, values[gamma], rest)
         found += _all_along(ordinary, link, u, values[gamma], rest)
-        if not before:
-            turned = {k: v for k, v in values.items() if k not in moves}
-            found += [
-                (at_axis(ordinary, link, u, p, before=points), turned)
-                for points in splits(ordinary, link)
-            ]
-        return found
+        turned = {k: v for k, v in values.items() if k not in moves}
+        return found + [
+            (at_axis(ordinary, link, u, p, before=points), turned)
+            for points in ((), *splits(ordinary, link))
+            if points != tuple(before)
+        ]
 
     def is_also(values: Mapping[str, float], other: Instance) -> bool:
         """Where the line is the joint's own, the joint gives way."""

@@ -23,6 +23,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.weigh import summed
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["linear_candidates"]
@@ -54,13 +55,13 @@ def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> 
     found_at: dict[int, tuple[Array, Array, PostureGeometry]] = {}
     twice = np.array([1.0 if a == b else 2.0 for a, b in pairs])
     for rows, together in stage.once(fit.hypothesis, range(len(stage.lines))):
-        y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
+        y, fitted = together.columns(fit.hypothesis, fit.space, fit.values)
         columns, posed = together.damping_columns(
             fit.hypothesis, fit.values, [(names[a], names[b]) for a, b in pairs]
         )
-        every = np.concatenate([dy, columns * (std * twice)[:, None, None, None, None]])
+        every = fitted.beside(columns * (std * twice)[:, None, None, None, None])
         for p, i in rows:
-            part = stage.weighings[p].quadratic(y[i], every[:, i])
+            part, _ = summed([stage.weighings[p]], y[[i]], every.of_posture(i), [0])
             found_at[p] = part.gradient, part.curvature, posed[i]
     gradients, curvatures, geometries = zip(
         *(found_at[p] for p in range(len(stage.lines))), strict=True

@@ -27,6 +27,7 @@ from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 
 __all__ = [
+    "EVERY_STAGE",
     "FEWEST_POSTURES",
     "at_three_levels",
     "of_test",
@@ -39,6 +40,7 @@ FEWEST_POSTURES = 2
 # Sigma, step, and step where soft and hard hits are told apart, all in Hz: those are twice as many
 # lines, of which every second frequency or so costs about the same.
 _STAGES = ((40.0, 28.0, 42.0), (16.0, 12.0, 18.0), (6.0, 6.0, 9.0), (2.0, 3.0, 6.0))
+EVERY_STAGE = tuple(range(len(_STAGES)))
 _ROUNDING = 1e-9  # of a frequency
 
 
@@ -64,6 +66,7 @@ def stages_of(
     *,
     models: Sequence[PosedModel] = (),
     level_about: float | None = None,
+    only: Sequence[int] = EVERY_STAGE,
 ) -> tuple[Stage, ...]:
     """Return the widest, broad, middle and sharp lines of every posture with known angles.
 
@@ -75,6 +78,8 @@ def stages_of(
         Postures already solved, in order.
     level_about
         Soft and hard hits apart, their levels about this (`hit_levels.middle_level`).
+    only
+        Which of the four.
 
     Raises
     ------
@@ -89,7 +94,7 @@ def stages_of(
         )
     band = _band_hz(superset, known)
     made: list[Stage] = []
-    for sigma_hz, step_hz, step_by_level_hz in _STAGES:
+    for sigma_hz, step_hz, step_by_level_hz in (_STAGES[i] for i in only):
         step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=band)
         lines: tuple[PostureLines, ...]
@@ -125,8 +130,9 @@ def with_test(
     number: int,
     *,
     level_about: float | None = None,
+    only: Sequence[int] = EVERY_STAGE,
 ) -> tuple[Stage, ...]:
-    """The stages with a further test's postures; `level_about` as theirs."""
+    """The stages with a further test's postures; `level_about` and `only` as theirs."""
     if not session.hits:
         raise EstimateError(
             "wanted a further test with records of its hits, got one without; give a session "
@@ -135,7 +141,8 @@ def with_test(
     check_same_parts(superset.arm, session.header.arm)
     made: list[Stage] = []
     models: list[PosedModel] = []
-    for (sigma_hz, step_hz, step_by_level_hz), old in zip(_STAGES, stages, strict=True):
+    for which, old in zip(only, stages, strict=True):
+        sigma_hz, step_hz, step_by_level_hz = _STAGES[which]
         step = step_hz if level_about is None else step_by_level_hz
         stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step, band_hz=_band_of(old))
         tested = own_lines(superset, session, stage, level_about=level_about)
@@ -152,10 +159,11 @@ def with_tests(
     superset: Superset,
     more: Sequence[Session],
     level_about: float | None = None,
+    only: Sequence[int] = EVERY_STAGE,
 ) -> tuple[Stage, ...]:
     """The stages with the postures of all further tests."""
     for number, other in enumerate(more, start=2):
-        stages = with_test(stages, superset, other, number, level_about=level_about)
+        stages = with_test(stages, superset, other, number, level_about=level_about, only=only)
     return stages
 
 

@@ -25,7 +25,7 @@ from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
 
-__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "fit_hypothesis", "models_of"]
+__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "cost_at", "fit_hypothesis", "models_of"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -33,12 +33,14 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 TOLERANCE = 0.05  # of cost
 _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
-_FIRST_DAMPING, _LEAST_DAMPING = 1e-3, 1e-5
-_FELT = 0.03  # damping after a step that failed: less hardly changes the next
+# Of the priors' curvature, which is one: with as much a step goes half its way where the data tell
+# nothing, and all of it where they tell.
+_FIRST_DAMPING, _LEAST_DAMPING = 1.0, 1e-3
+_FELT = 0.1  # damping after a step that failed: less hardly changes the next
 _POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
-_TOGETHER = 256  # lines of postures solved together: more outgrow the processor's cache
+_TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +58,7 @@ class Fit:
     free: npt.NDArray[np.bool_]  # (n,) not at a bound
     converged: bool
     n_iterations: int
+    damping: float = _FIRST_DAMPING  # that its next step would have
     on: tuple[Stage, tuple[int, ...]] | None = None  # where slope and curvature are those at u
 
     @property
@@ -195,8 +198,9 @@ class Stage:
         """Misfit, gradient and curvature of each posture."""
         found: dict[int, Quadratic] = {}
         for rows, together in self.once(hypothesis, postures):
-            y, dy = together.derivatives(hypothesis, space, values)
-            found |= {p: self.weighings[p].quadratic(y[i], dy[:, i]) for p, i in rows}
+            y, columns = together.columns(hypothesis, space, values)
+            for p, i in rows:
+                found[p], _ = summed([self.weighings[p]], y[[i]], columns.of_posture(i), [0])
         return [found[p] for p in postures]
 
     def whole_quadratic(
@@ -211,9 +215,9 @@ class Stage:
         curvature = np.zeros((len(space), len(space)))
         cost_of: dict[int, float] = {}
         for rows, together in self.once(hypothesis, postures):
-            y, dy = together.derivatives(hypothesis, space, values)
+            y, columns = together.columns(hypothesis, space, values)
             own, at = zip(*rows, strict=True)
-            part, costs = summed([self.weighings[p] for p in own], y, dy, at)
+            part, costs = summed([self.weighings[p] for p in own], y, columns, at)
             gradient += part.gradient
             curvature += part.curvature
             cost_of |= dict(zip(own, costs, strict=True))
@@ -265,6 +269,7 @@ def fit_hypothesis(
     tolerance: float = TOLERANCE,
     closing: bool = True,
     resumed: Fit | None = None,
+    enough: float = -np.inf,
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
@@ -282,13 +287,15 @@ def fit_hypothesis(
     resumed
         A fit of the same hypothesis whose end is the start: on the same lines it need not be
         evaluated again.
+    enough
+        Cost below which no further step is made.
     """
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
     u = space.start(start) if resumed is None else resumed.u
     damping = _FIRST_DAMPING
     if resumed is not None and resumed.on is not None and resumed.on == (stage, used):
-        misfit = resumed.misfit
+        misfit, damping = resumed.misfit, resumed.damping
         now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
     else:
         now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
@@ -296,7 +303,7 @@ def fit_hypothesis(
     converged = False
     iteration = 0
     moved = False
-    while iteration < max_iterations:
+    while iteration < max_iterations and cost >= enough:
         iteration += 1
         if moved:
             now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
@@ -334,6 +341,7 @@ def fit_hypothesis(
         free=~_resting(space, u, slope),
         converged=converged,
         n_iterations=iteration,
+        damping=damping,
         on=None if moved else (stage, used),
     )
 
@@ -342,9 +350,13 @@ def better_start(
     stage: Stage, hypothesis: Hypothesis, starts: Sequence[Mapping[str, float]]
 ) -> Mapping[str, float]:
     """Return the start of least cost."""
+    return min(starts, key=lambda start: cost_at(stage, hypothesis, start))
+
+
+def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) -> float:
+    """Return the cost where a fit to all postures would begin; infinite where there is none."""
     space = hypothesis.space()
-    every = range(len(stage.lines))
-    return min(starts, key=lambda s: _cost(stage, hypothesis, space, space.start(s), every))
+    return _cost(stage, hypothesis, space, space.start(start), range(len(stage.lines)))
 
 
 def _cost(
@@ -363,11 +375,12 @@ def _damped_step(
 ) -> tuple[Array, float]:
     """The step within the bounds that is best by the damped quadratic; what it promises undamped.
 
-    Marquardt, J. SIAM 11 (1963) 431: each parameter is damped by its own curvature.
+    Levenberg, Quart. Appl. Math. 2 (1944) 164, in prior deviations: the length of a step is
+    measured by what one believed. Damped by its own curvature (Marquardt 1963) a parameter whose
+    effect others take back would hardly move (`docs/decisions/0010-steps-within-bounds.md`).
     """
     A = curvature + np.eye(len(u))
-    damped = A + damping * np.diag(np.diag(A))
-    step = least_in_box(damped, slope, space.low - u, space.high - u)
+    step = least_in_box(A + damping * np.eye(len(u)), slope, space.low - u, space.high - u)
     return step, _promise(A, slope, step)
 
 

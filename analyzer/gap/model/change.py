@@ -11,7 +11,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.response import Response, of_hits, real_times
 
-__all__ = ["Change", "by_change"]
+__all__ = ["Change", "by_change", "by_decay"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -47,35 +47,77 @@ class Change:
 def by_change(found: Response, change: Change) -> ComplexArray:
     """Derivative (P, m, 3, L) by a parameter that changes the systems as told."""
     system, x = found.system, found.x
-    dZx = np.zeros_like(x)
-    for matrix, kind in (
-        (change.mass, "mass"),
-        (change.damping, "damping"),
-        (change.stiffness, "stiffness"),
-        (change.loss, "loss"),
-    ):
-        if matrix is not None:
-            dZx += found.weight(kind)[:, None, None] * real_times(matrix[:, None], x)
+    real = x.real.dtype
     U = system.moved
     s2 = (found.s_rad_s**2)[:, None, None]
+    mass_kg = system.sensor_mass_kg[:, None, None, None]
+    loads: list[tuple[Array, ComplexArray]] = [
+        (matrix[:, None], found.weight(kind)[:, None, None])
+        for matrix, kind in (
+            (change.mass, "mass"),
+            (change.damping, "damping"),
+            (change.stiffness, "stiffness"),
+            (change.loss, "loss"),
+        )
+        if matrix is not None
+    ]
     if change.sensor_mass_kg is not None:
-        load = real_times(U.swapaxes(-1, -2) @ U, x)
-        dZx += change.sensor_mass_kg[:, None, None, None] * s2 * load
+        more = change.sensor_mass_kg[:, None, None, None]
+        loads.append((more * (U.swapaxes(-1, -2) @ U), s2))
     if change.moved is not None and system.sensor_mass_kg.any():
         both = change.moved.swapaxes(-1, -2) @ U
-        both = both + both.swapaxes(-1, -2)
-        dZx += system.sensor_mass_kg[:, None, None, None] * s2 * real_times(both, x)
+        loads.append((mass_kg * (both + both.swapaxes(-1, -2)), s2))
+    y = np.zeros_like(found.true_axes)
+    if loads:
+        dZx = sum(weight * real_times(of.astype(real), x) for of, weight in loads)
+        y -= _under(found, np.asarray(dZx))
     for force, hit in ((system.force, change.hit), (change.force, system.hit)):
         if force is not None and hit is not None:
-            push = np.einsum("pha,phan->phn", force, hit)
-            dZx -= of_hits(push, found.hit)[..., None]
-    y = -np.asarray(sum(found.under_loads[:, :, i] * dZx[:, :, i, None] for i in range(x.shape[2])))
-    more = np.zeros_like(y)
+            push = np.einsum("pha,phan->phn", force, hit).astype(real)
+            y += _pushed(found, of_hits(push, found.hit))
+    seen = np.zeros_like(y)
     if change.seen is not None:
-        more += s2 * real_times(change.seen, x)
+        seen += s2 * real_times(change.seen.astype(real), x)
     if change.tilted is not None:
-        more += real_times(change.tilted, x)
-    y += found.factor[:, None, None] * real_times(system.mix, more)
+        seen += real_times(change.tilted.astype(real), x)
+    y += found.factor[:, None, None] * real_times(system.mix, seen)
     if change.mix is not None:
-        y += real_times(change.mix, found.true_axes)
+        y += real_times(change.mix.astype(real), found.true_axes)
     return y
+
+
+def by_decay(found: Response) -> ComplexArray:
+    """Derivative (P, m, 3, L) by a decay of all records: by the line s itself."""
+    system, x, s = found.system, found.x, found.s_rad_s
+    by_line = s[:, None, None]
+    moved = real_times(system.mix @ system.seen, 2.0 * by_line * x)
+    y = found.factor[:, None, None] * moved
+    y -= system.delay_s[:, None, None, None] * found.values
+    dZx = 2.0 * by_line * real_times(system.mass[:, None], x)
+    dZx += real_times(system.damping[:, None], x)
+    dZx += (2.0 / np.pi) / by_line * real_times(system.loss[:, None], x)
+    moved = real_times(system.moved, x)
+    moved *= 2.0 * system.sensor_mass_kg[:, None, None, None] * by_line
+    dZx += real_times(system.moved.swapaxes(-1, -2), moved)
+    # A compliance resists by (1 + tau s) / gamma; where it is zero nothing moves.
+    gamma = system.compliance
+    gives_way = np.isfinite(gamma) & (gamma != 0.0)
+    slope = np.where(gives_way, system.compliance_loss_s / np.where(gives_way, gamma, 1.0), 0.0)
+    dZx += slope[:, None, :, None].astype(x.real.dtype) * x
+    return np.asarray(y - _under(found, dZx))
+
+
+def _under(found: Response, pull: ComplexArray) -> ComplexArray:
+    """(P, m, 3, L) recorded of loads (P, m, n, L) on the coordinates."""
+    at = np.flatnonzero(pull.any(axis=(0, 1, 3)))
+    y = np.zeros_like(found.true_axes)
+    for i in at:
+        y += found.under_loads[:, :, i] * pull[:, :, i, None]
+    return y
+
+
+def _pushed(found: Response, push: Array) -> ComplexArray:
+    """(P, m, 3, L) recorded of loads (P, m, n) that are the same on all lines."""
+    P, m, n, L = found.x.shape
+    y = real_times(push[:, :, None], found.under_loads.reshape(P, m, n, 3 * L))
+    return np.asarray(y.reshape(P, m, 3, L))

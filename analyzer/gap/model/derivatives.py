@@ -15,12 +15,12 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import BASE, Assembly
-from armodal.analyzer.gap.model.change import Change, by_change
+from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.response import Response, as_single, real_times, respond
+from armodal.analyzer.gap.model.response import Response, as_single, real_times
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.systems import angle_slopes, motion_slopes, systems
 
@@ -42,6 +42,7 @@ class Solved:
     assemblies: Sequence[Assembly]
     exact: Response
     values: Mapping[str, float]
+    near: GeometrySlopes  # stacked
     single: bool = True  # derivatives in single precision where it is wide enough
 
     @property
@@ -165,20 +166,16 @@ class Solved:
                     name = self.ordinary.hit_place_names(self.ordinary.arm.points[point].id)[axis]
                     yield p, name, by_place[p]
 
-    def by_places(self) -> Iterator[tuple[int, npt.NDArray[np.bool_], str, ComplexArray]]:
-        """Places of points: derivatives (k, 3, L) there, at the other mountings they do nothing."""
-        shifts = self.found.by_shift()
+    def by_places(self) -> tuple[list[list[tuple[str, ...]]], ComplexArray]:
+        """Places of points: names (P, m, 3) and derivatives (3, P, m, 3, L), there alone."""
         points = self.ordinary.arm.points
-        for p, own in enumerate(self.assemblies):
-            for point in dict.fromkeys(own.lines.sensor_point.tolist()):
-                rows = own.lines.sensor_point == point
-                names = self.ordinary.place_names(points[point].id)
-                for name, by_shift in zip(names, shifts, strict=True):
-                    yield p, rows, name, by_shift[p, rows]
+        of_point = [self.ordinary.place_names(point.id) for point in points]
+        names = [[of_point[at] for at in own.lines.sensor_point] for own in self.assemblies]
+        return names, self.found.by_shift()
 
-    def by_angles(self, near: GeometrySlopes) -> Iterator[tuple[str, ComplexArray]]:
+    def by_angles(self) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
-        slopes = angle_slopes(self.assemblies, self.exact.system, near)
+        slopes = angle_slopes(self.assemblies, self.exact.system, self.near)
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
         return zip(names, by_slopes(self.found, slopes), strict=True)
 
@@ -227,9 +224,7 @@ class Solved:
         for name in self.assemblies[0].sensor_mass_of:
             yield name, self.found.by_sensor_mass()
 
-    def by_differences(
-        self, space: Space, s_rad_s: ComplexArray
-    ) -> Iterator[tuple[str, ComplexArray]]:
+    def by_differences(self, space: Space) -> Iterator[tuple[str, ComplexArray]]:
         """What is left of effects, by differences of the equations."""
         first = self.assemblies[0]
         known = {
@@ -253,12 +248,12 @@ class Solved:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
                 other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
-                if not np.array_equal(other.decay_rad_s, self.exact.system.decay_rad_s):
-                    there = respond(other, s_rad_s, self.exact.hit)
-                    yield parameter.name, (there.values - self.exact.values) / step
-                    continue
-                change = Change.between(self.exact.system, other, step)
-                yield parameter.name, by_change(self.exact, change)
+                found = by_change(self.found, Change.between(self.exact.system, other, step))
+                decay = (other.decay_rad_s - self.exact.system.decay_rad_s) / step
+                if decay.any():
+                    by_line = by_decay(self.found)
+                    found += decay.astype(found.real.dtype)[:, None, None, None] * by_line
+                yield parameter.name, found
 
 
 def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArray:

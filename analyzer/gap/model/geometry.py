@@ -31,8 +31,14 @@ class PostureGeometry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GeometrySlopes:
-    """What of a posture's geometry changes with each of its n_joints angles, per rad."""
+    """What of a posture's geometry changes with each of its n_joints angles, per rad.
 
+    A link beyond a joint sees all that is before the joint move the other way: its Jacobian changes
+    by minus `to_link` times `before`.
+    """
+
+    before: Array  # (n_joints, 6, N) base frame
+    to_link: Array  # (n_links, 6, 6) from a twist about the base to one in the link's frame
     link_jacobian: Array  # (n_joints, n_links, 6, N)
     point_jacobian: Array  # (n_joints, n_points, 6, N)
     point_rotation: Array  # (n_joints, n_points, 3, 3)
@@ -111,11 +117,12 @@ def _slopes(superset: Superset, dynamics: PostureDynamics) -> GeometrySlopes:
 
     links = np.arange(n_joints)
     before = np.where(beyond[:, None], 0.0, bracket)
-    linear, angular = before[:, None, :3], before[:, None, 3:]  # (n_joints, 1, 3, n)
     back = R.swapaxes(1, 2)
-    local = np.concatenate([back @ (linear - skew(p) @ angular), back @ angular], axis=2)
+    to_link = np.zeros((n_joints, 6, 6))
+    to_link[:, :3, :3] = to_link[:, 3:, 3:] = back
+    to_link[:, :3, 3:] = -back @ skew(p)
     moves = links >= links[:, None]  # (n_joints, n_links) whether a link is beyond each joint
-    by_link = -local * moves[:, :, None, None]
+    by_link = -(to_link @ before[:, None]) * moves[:, :, None, None]
 
     position, on = dynamics.point_position, np.array(superset.point_link)
     moved = S[:3, at].T[:, None] + (w[:, None] @ position[..., None])[..., 0]  # (n_joints, k, 3)
@@ -127,4 +134,10 @@ def _slopes(superset: Superset, dynamics: PostureDynamics) -> GeometrySlopes:
     by_point = np.concatenate([linear, angular], axis=2)
     by_point = by_point * (own[None] & with_it[:, :, None])[:, :, None]
     turned = w[:, None] @ dynamics.point_rotation * with_it[:, :, None, None]
-    return GeometrySlopes(link_jacobian=by_link, point_jacobian=by_point, point_rotation=turned)
+    return GeometrySlopes(
+        before=before,
+        to_link=to_link,
+        link_jacobian=by_link,
+        point_jacobian=by_point,
+        point_rotation=turned,
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -21,33 +22,53 @@ def by_slopes(found: Response, slopes: Slopes) -> ComplexArray:
     system = found.system
     x, Y = found.x, found.under_loads
     P, m, n, L = x.shape
-    k = slopes.mass.shape[1]
-    real = x.real.dtype
-    dU = slopes.moved.transpose(0, 2, 1, 4, 3).reshape(P, m, k * n, 3).astype(real, copy=False)
-    load = (dU @ system.moved).reshape(P, m, k, n, n)
-    load = (load + load.swapaxes(-1, -2)) * system.sensor_mass_kg[:, None, None, None, None]
-    rows = np.empty((P, m, k, n + 3, n), real)
-    rows[..., :n, :] = slopes.mass[:, None] + load
-    seen, tilted = (
-        (system.mix @ of.transpose(0, 2, 3, 1, 4).reshape(P, m, 3, k * n).astype(real, copy=False))
-        .reshape(P, m, 3, k, n)
-        .swapaxes(2, 3)
-        for of in (slopes.seen, slopes.tilted)
-    )
-    rows[..., n:, :] = seen
+    k = slopes.before.shape[1]
+
+    def rows(of: Array) -> Array:
+        """(P, m or 1, k r, n) of (P, k, m or 1, r, n)."""
+        of = of.astype(x.real.dtype, copy=False).swapaxes(1, 2)
+        return of.reshape(P, of.shape[1], -1, n)
+
+    # The two sides of what changes in M, and of what does in the accelerometer's inertia U'U.
+    turned = np.concatenate([slopes.before, slopes.carried], axis=2)  # (P, k, 12, n)
+    sides = rows(turned[:, :, None]), rows(slopes.moved), system.moved.astype(x.real.dtype)
     s2 = (found.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)
-    moved = real_times(rows.reshape(P, m, -1, n), s2 * x).reshape(P, m, k, n + 3, L)
-    tilt = real_times(np.ascontiguousarray(tilted).reshape(P, m, -1, n), x)
-    push = of_hits(np.einsum("pha,pkhan->phkn", system.force, slopes.hit), found.hit)
-    pull = moved[..., :n, :]
-    pull -= push[..., None].astype(real, copy=False)
-    y = moved[..., n:, :] + tilt.reshape(P, m, k, 3, L)
+    of_x, moves_x, moved_x = (real_times(side, -s2 * x) for side in sides)
+    Y = Y.reshape(P, m, n, 3 * L)
+    of_Y, moves_Y, moved_Y = (real_times(side, Y).reshape(P, m, -1, 3, L) for side in sides)
+    mass_kg = system.sensor_mass_kg[:, None, None, None]
+    moves_x, moved_x = moves_x * mass_kg, moved_x * mass_kg
+
+    seen, tilted = (rows(system.mix[:, None] @ of) for of in (slopes.seen, slopes.tilted))
+    y = (s2 * real_times(seen, x) + real_times(tilted, x)).reshape(P, m, k, 3, L)
     y *= found.factor[:, None, None, None]
+    push = of_hits(np.einsum("pha,pkhan->phkn", system.force, slopes.hit), found.hit)
+    y += real_times(push.astype(x.real.dtype, copy=False), Y).reshape(y.shape)
+    products = [
+        *_products(of_Y, of_x, np.roll(np.arange(12), 6)),
+        *_products(moves_Y, moved_x, np.arange(3)),
+        *_products(moved_Y, moves_x, np.arange(3)),
+    ]
     part = np.empty_like(y)
-    for i in range(n):
-        np.multiply(Y[:, :, None, i], pull[..., i, None, :], out=part)
-        y -= part
+    for load, motion in products:
+        np.multiply(load, motion, out=part)
+        y += part
     return np.asarray(y.transpose(2, 0, 1, 3, 4))
+
+
+def _products(
+    loads: ComplexArray, motions: ComplexArray, order: npt.NDArray[np.int64]
+) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    """Give factors of products, (P, m, k or 1, 3, L) and (P, m, k or 1, 1, L) each.
+
+    Of (P, m, r or k r, 3, L) and (P, m, r or k r, L); `order` (r,) of the motions.
+    """
+    r = len(order)
+    loads, motions = (
+        of.reshape(*of.shape[:2], -1, r, *of.shape[3:]) for of in (loads, motions[:, :, :, None])
+    )
+    for i, j in enumerate(order):
+        yield loads[:, :, :, i], motions[:, :, :, j]
 
 
 def by_motion(found: Response, slopes: MotionSlopes) -> ComplexArray:

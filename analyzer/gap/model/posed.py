@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Assembly, System
+from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.derivatives import Solved
 from armodal.analyzer.gap.model.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -89,6 +90,7 @@ class Postures:
         self._hit = np.stack([own.hit for own in lines])
         self._own_slopes: list[GeometrySlopes] = []
         self._last: Solved | None = None
+        self._last_columns: tuple[Solved, Space, Columns] | None = None
 
     @staticmethod
     def likeness(lines: PostureLines) -> tuple[object, ...]:
@@ -110,38 +112,63 @@ class Postures:
         dy : (n_parameters, P, m, 3, L) complex64 if single precision is wide enough, or complex128
             Rows of parameters that do not act here are zero.
         """
+        y, columns = self.columns(hypothesis, space, values)
+        return y, columns.whole()
+
+    def columns(
+        self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
+    ) -> tuple[ComplexArray, Columns]:
+        """Predict FRFs (P, m, 3, L) and their derivatives, as `derivatives`.
+
+        Those of the last point are kept: several looks begin where a fit ended.
+        """
         posed = self._solved(hypothesis, values)
+        last = self._last_columns
+        if last is None or last[0] is not posed or last[1].parameters != space.parameters:
+            last = self._last_columns = posed, space, self._columns(posed, space)
+        return posed.exact.values, last[2]
+
+    def _columns(self, posed: Solved, space: Space) -> Columns:
         y = posed.exact.values
         std = space.std.astype(posed.found.x.real.dtype)
-        dy = np.empty((len(space), *y.shape), dtype=posed.found.x.dtype)
-        idle = set(range(len(space)))
+        names, shifts = posed.by_places()
+        own_rows = np.moveaxis(np.vectorize(space.index.__getitem__)(names), -1, 0)
+        rows = np.setdiff1d(np.arange(len(space)), own_rows)
+        shared = np.empty((len(rows), *y.shape), dtype=posed.found.x.dtype)
+        row_of = dict(zip(rows.tolist(), range(len(rows)), strict=True))
+        at = {name: row_of[i] for name, i in space.index.items() if i in row_of}
+        idle = set(range(len(rows)))
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
             posed.by_inertias(),
             posed.by_measurement(),
-            posed.by_angles(self._slopes()),
+            posed.by_angles(),
             posed.by_terms(),
             posed.by_turns(),
             posed.by_motions(),
             posed.by_sensor_mass(),
-            posed.by_differences(space, self._s_rad_s),
+            posed.by_differences(space),
         ):
-            if name not in space.index:
+            if name not in at:
                 continue
-            i = space.index[name]
+            i = at[name]
             if i in idle:
-                np.multiply(derivative, std[i], out=dy[i], casting="same_kind")
+                np.multiply(derivative, std[rows[i]], out=shared[i], casting="same_kind")
                 idle.remove(i)
             else:
-                dy[i] += derivative * std[i]
-        dy[list(idle)] = 0.0
+                shared[i] += derivative * std[rows[i]]
+        shared[list(idle)] = 0.0
         for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
-            if name in space.index:
-                dy[space.index[name], p] += own * std[space.index[name]]
-        for p, rows, name, own in posed.by_places():
-            dy[space.index[name], p, rows] += own * std[space.index[name]]
-        return y, dy
+            if name in at:
+                shared[at[name], p] += own * std[rows[at[name]]]
+        return Columns(
+            n=len(space),
+            rows=rows,
+            shared=shared,
+            own_rows=own_rows,
+            own=shifts * std[own_rows][..., None, None],
+        )
 
     def interface_columns(
         self,
@@ -161,16 +188,6 @@ class Postures:
         )
         right = right[:, :, :, None]
         return np.stack([0.5 * (left[a] * right[b] + left[b] * right[a]) for a, b in pairs])
-
-    def link_columns(
-        self,
-        hypothesis: Hypothesis,
-        values: Mapping[str, float],
-        link: int,
-        pairs: Sequence[tuple[int, int]],
-    ) -> ComplexArray:
-        """Derivatives (n_pairs, P, m, 3, L) by what resists motion of a link, `by_link_mass`."""
-        return self._solved(hypothesis, values).found.by_link_mass(link, pairs)
 
     def damping_columns(
         self,
@@ -202,14 +219,16 @@ class Postures:
 
     def _solved(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Solved:
         """The last solution is kept: a step is tried first, its derivatives asked for after."""
-        last = self._last
-        if last is None or last.hypothesis is not hypothesis or last.values != values:
-            plain, assemblies = self._assemblies(hypothesis, values)
-            found = respond(systems(assemblies), self._s_rad_s, self._hit)
-            last = self._last = Solved(
-                hypothesis, plain, assemblies, found, dict(values), self._single
-            )
-        return last
+        kept = [self._last, self._last_columns and self._last_columns[0]]
+        for old in kept:
+            if old is not None and old.hypothesis is hypothesis and old.values == values:
+                return old
+        plain, assemblies = self._assemblies(hypothesis, values)
+        found = respond(systems(assemblies), self._s_rad_s, self._hit)
+        self._last = Solved(
+            hypothesis, plain, assemblies, found, dict(values), self._slopes(), self._single
+        )
+        return self._last
 
     def _slopes(self) -> GeometrySlopes:
         """Stacked, anew only where a geometry's centre has moved."""

@@ -34,6 +34,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
+from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses
 from armodal.analyzer.gap.model.geometry import skew
 
 __all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
@@ -156,8 +157,8 @@ class Response:
             if i not in locked:
                 yields = gamma[:, i, None]
                 torque = self.x[:, :, at] * ((1.0 + loss_s[:, at, None] * s) / yields)[:, None, :]
-                load = self.under_loads[:, :, at] * (1.0 / yields)[:, None, None]
-                np.multiply(load, torque[:, :, None], out=found[i])
+                torque *= (1.0 / yields)[:, None]  # the other side's
+                np.multiply(self.under_loads[:, :, at], torque[:, :, None], out=found[i])
         return found
 
     @property
@@ -241,18 +242,6 @@ class Response:
         products = W.reshape(P, m, 6, 1, 3, L) * V[:, :, None, :, None]  # (P, m, 6, 6, 3, L)
         y = real_times(changes.reshape(-1, 36), products.reshape(P, m, 36, 3 * L))
         return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
-
-    def by_link_mass(self, link: int, pairs: Sequence[tuple[int, int]]) -> ComplexArray:
-        """Derivatives (k, P, m, 3, L) by a link's inertia over s^2, of k pairs of its freedoms.
-
-        What hangs on a link has a law of its own in the place of s^2. Both triangles' mean.
-        """
-        P, m, n, L = self.x.shape
-        J = self.system.link_motion[:, None, link].astype(self.x.real.dtype, copy=False)
-        V = real_times(J, self.x)[:, :, :, None]  # (P, m, 6, 1, L)
-        W = real_times(J, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 6, 3, L)
-        both = [W[:, :, a] * V[:, :, b] + W[:, :, b] * V[:, :, a] for a, b in pairs]
-        return np.asarray(-0.5 * np.stack(both))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (P, 3) of one hit."""
@@ -353,21 +342,15 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
     loss_s = system.compliance_loss_s[:, None]
     scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)  # (P, L, n)
-    by_line = s[..., None, None]
-    Z = (
-        by_line**2 * system.mass[:, None]
-        + by_line * system.damping[:, None]
-        + system.stiffness[:, None]
-        + hysteresis(by_line) * system.loss[:, None]
-    )
-    A = scale[..., None] * Z
+    A = dynamic_stiffness(system, s)
+    A *= scale[..., None]
     A[..., soft, soft] += 1.0
-    inner = np.linalg.inv(A)
+    inner = inverses(A)
     H = inner * scale[:, :, None, :]  # symmetric
     U = system.moved  # (P, m, 3, n)
     P, m, _, n = U.shape
     L = s.shape[1]
-    HU = _lines_last(np.matmul(U.reshape(P, 1, m * 3, n), H), m)
+    HU = _lines_last(real_times(U.reshape(P, 1, m * 3, n), H), m)
     ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, None, None, None]
     UHU = real_times(U, HU.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
     S = ms2 * _inverse(np.eye(3)[..., None] + ms2 * UHU)

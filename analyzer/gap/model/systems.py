@@ -26,9 +26,13 @@ Indices = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slopes:
-    """Change of P systems with each of k joint angles, per rad; all else stays."""
+    """Change of P systems with each of k joint angles, per rad; all else stays.
 
-    mass: Array  # (P, k, n, n)
+    The mass changes by before' carried + carried' before.
+    """
+
+    before: Array  # (P, k, 6, n) twist of what is before the joint
+    carried: Array  # (P, k, 6, n) minus the momentum of what is beyond
     moved: Array  # (P, k, m, 3, n)
     seen: Array  # (P, k, m, 3, n)
     tilted: Array  # (P, k, m, 3, n)
@@ -127,6 +131,8 @@ def systems(assemblies: Sequence[Assembly]) -> System:
 def stacked_slopes(slopes: Sequence[GeometrySlopes]) -> GeometrySlopes:
     """Return geometries' slopes with postures as the first axis of every array."""
     return GeometrySlopes(
+        before=np.array([own.before for own in slopes]),
+        to_link=np.array([own.to_link for own in slopes]),
         link_jacobian=np.array([own.link_jacobian for own in slopes]),
         point_jacobian=np.array([own.point_jacobian for own in slopes]),
         point_rotation=np.array([own.point_rotation for own in slopes]),
@@ -140,18 +146,14 @@ def angle_slopes(
 
     `system` and `geometry` stacked.
     """
-    first, T = assemblies[0], _columns(assemblies)
-    P, N, n = T.shape
-    k = geometry.link_jacobian.shape[1]
-    by_link = (geometry.link_jacobian.reshape(P, -1, N) @ T).reshape(P, k, -1, 6, n)
-    inertia = _inertias(assemblies)
-    whole = [link for link in range(inertia.shape[1]) if link not in system.pieces]
-    pull = _pull(inertia[:, whole], system.link_motion[:, whole])
-    half = _together(by_link[:, :, whole], pull[:, None])
+    T = _columns(assemblies)
+    n = T.shape[-1]
+    momentum = _pull(_inertias(assemblies), system.link_motion)  # (P, n_links, 6, n)
     for link, piece in system.pieces.items():
-        turned = first.motion_of_pieces(link, by_link[:, :, link], len(piece.shares), range(n))
-        pull = _pull(_split(piece, inertia[:, link]), piece.motion)
-        half += _together(turned, pull[:, None])
+        split = _split(piece, _inertias(assemblies)[:, link])
+        momentum[:, link] = _pull(split, piece.motion).sum(axis=1)
+    momentum = geometry.to_link.swapaxes(-1, -2) @ momentum
+    beyond = momentum[:, ::-1].cumsum(axis=1)[:, ::-1]  # of each joint's link and all after it
     where, hits = _mountings(assemblies)
     motion = _point_motion(assemblies, T, range(n))
     slopes = _point_slopes(assemblies, motion, geometry, T)
@@ -166,7 +168,8 @@ def angle_slopes(
         ]
     )
     return Slopes(
-        mass=half + half.swapaxes(-1, -2),
+        before=geometry.before @ T[:, None],
+        carried=-beyond,
         moved=dJ[..., :3, :],
         seen=dR @ J[..., :3, :] + R @ dJ[..., :3, :],
         tilted=dR @ (weights @ J[..., 3:, :]) + R @ (weights @ dJ[..., 3:, :]),
@@ -315,7 +318,7 @@ def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequenc
         if (inside := assemblies[0].inside.get(coordinate)) is not None:
             by_it = motion[..., column]
             turns = by_it[:, inside.points]
-            turns[..., :3] += np.cross(turns[..., 3:], _shifts(assemblies, inside))
+            turns[..., :3] -= _times(_arms(assemblies, inside), turns[..., 3:])
             by_it[:, inside.points] = inside.part[:, None] * turns
     for own, moved in zip(assemblies, motion, strict=True):
         for point, shift in own.shifts_m.items():
@@ -324,10 +327,15 @@ def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequenc
     return motion
 
 
-def _shifts(assemblies: Sequence[Assembly], inside: Inside) -> Array:
-    """(P, k, 3) by which a hinge is from where each point turns about, base axes."""
+def _times(M: Array, v: Array) -> Array:
+    """Matrices (..., 3, 3) times vectors (..., 3)."""
+    return np.asarray(np.matmul(M, v[..., None])[..., 0])
+
+
+def _arms(assemblies: Sequence[Assembly], inside: Inside) -> Array:
+    """(P, k, 3, 3) cross products of hinges from what each point turns about, base axes."""
     R = np.array([own.geometry.point_rotation[inside.points] for own in assemblies])
-    return np.asarray((R @ inside.shift_m[..., None])[..., 0])
+    return skew((R @ inside.shift_m[..., None])[..., 0])
 
 
 def _point_slopes(
@@ -340,10 +348,10 @@ def _point_slopes(
     for at, inside in assemblies[0].inside.items():
         by_it = found[..., at]
         turns = by_it[:, :, inside.points]
-        turns[..., :3] += np.cross(turns[..., 3:], _shifts(assemblies, inside)[:, None])
+        turns[..., :3] -= _times(_arms(assemblies, inside)[:, None], turns[..., 3:])
         turns *= inside.part[:, None]
         shift = geometry.point_rotation[:, :, inside.points] @ inside.shift_m[..., None]
-        turns[..., :3] += np.cross(motion[..., 3:, at][:, None, inside.points], shift[..., 0])
+        turns[..., :3] -= _times(skew(shift[..., 0]), motion[..., 3:, at][:, None, inside.points])
         by_it[:, :, inside.points] = turns
     for p, own in enumerate(assemblies):
         for point, shift in own.shifts_m.items():

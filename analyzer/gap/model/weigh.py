@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.priors import BASE_GAIN_STD
 from armodal.protocols.arm.records import Tolerances
@@ -192,7 +193,7 @@ class Weighing:
 
     def quadratic(self, y: ComplexArray, dy: ComplexArray) -> Quadratic:
         """Misfit of a prediction with its derivatives (n, m, 3, L)."""
-        return summed([self], y[None], dy[:, None], [0])[0]
+        return summed([self], y[None], Columns.of(dy[:, None]), [0])[0]
 
     def _residual(self, y: ComplexArray) -> Array:
         return _stacked((self.lines.values - y) * self.scale)
@@ -202,7 +203,7 @@ class Weighing:
 
 
 def summed(
-    weighings: Sequence[Weighing], y: ComplexArray, dy: ComplexArray, at: Sequence[int]
+    weighings: Sequence[Weighing], y: ComplexArray, columns: Columns, at: Sequence[int]
 ) -> tuple[Quadratic, list[float]]:
     """Misfit of lines alike, all at once.
 
@@ -210,30 +211,25 @@ def summed(
     ----------
     weighings, at
         Of each measurement, and which of the predictions is of it: soft and hard hits share one.
-    y, dy
-        P predictions (P, m, 3, L) and their derivatives (n, P, m, 3, L).
+    y, columns
+        P predictions (P, m, 3, L) and their derivatives.
 
     Returns
     -------
     The sum over the measurements, and the cost of each.
     """
-    n, P, m, _, L = dy.shape
+    P, m, _, L = y.shape
     # A prediction's derivatives have the root of all its weights, of which each measurement has a
     # part: one product serves soft and hard hits.
     square = np.zeros((P, m, 3, L))
     for weighing, p in zip(weighings, at, strict=True):
         square[p] += weighing.scale**2
     root = np.sqrt(square)
-    J = _stacked(dy * root.astype(dy.real.dtype))  # (n, P, m, 3, 2L)
-    # Products in double precision: steps are made of the smallest eigenvalues.
-    flat = J.reshape(n, -1).astype(np.float64)
-    curvature = flat @ flat.T
-    gradient = np.zeros(n)
-    pull = np.zeros(J.shape[1:])
+    pull = np.zeros((P, m, 3, 2 * L))
     costs = np.zeros(len(at))
     turns = _turns(at)
     k = 3 + weighings[0].places.shape[2]
-    errors = np.zeros((P, m, 3, len(turns), k, 2 * L), J.dtype)
+    errors = np.zeros((P, m, 3, len(turns), k, 2 * L), columns.shared.real.dtype)
     slopes = np.zeros((P, m, 3, len(turns), k))
     for number, turn in enumerate(turns):
         rows = [at[k] for k in turn]
@@ -243,15 +239,58 @@ def summed(
         errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, k, 2 * L)
         slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, k)
         pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
-    channels = J.reshape(n, -1, 2 * L).swapaxes(0, 1)
-    by_errors = np.matmul(channels, errors.reshape(P * m * 3, -1, 2 * L).swapaxes(-1, -2))
-    flat_errors = by_errors.swapaxes(0, 1).reshape(n, -1).astype(np.float64)
-    curvature -= flat_errors @ flat_errors.T
-    gradient += flat_errors @ slopes.reshape(-1) - flat @ pull.reshape(-1)
+    left = slopes.reshape(-1), pull.reshape(-1), errors.reshape(P * m * 3, -1, 2 * L)
+    gradient, curvature = _products(columns, root, *left)
     whole = Quadratic(
         cost=float(costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
     )
     return whole, costs.tolist()
+
+
+def _products(
+    columns: Columns, root: Array, slopes: Array, pull: Array, errors: Array
+) -> tuple[Array, Array]:
+    """Gradient (n,) and curvature (n, n) of weighted derivatives, mounting errors taken off.
+
+    In double precision: steps are made of the smallest eigenvalues.
+
+    Parameters
+    ----------
+    root
+        (P, m, 3, L) of the weights.
+    slopes, pull
+        Products of mounting errors with the residual, and that itself, flat.
+    errors
+        (P m 3, k, 2L) normed columns of the mountings' errors.
+    """
+
+    def weighed(dy: ComplexArray) -> tuple[Array, Array]:
+        """(j, P m 3 2L) derivatives and (j, P m 3 k) their products with the mounting errors."""
+        J = _stacked(dy * root.astype(dy.real.dtype)).reshape(len(dy), *errors.shape[::2])
+        by_errors = np.matmul(J.swapaxes(0, 1), errors.swapaxes(-1, -2)).swapaxes(0, 1)
+        flat, flat_errors = (of.reshape(len(dy), -1).astype(np.float64) for of in (J, by_errors))
+        return flat, flat_errors
+
+    gradient, curvature = np.zeros(columns.n), np.zeros((columns.n, columns.n))
+    J, E = weighed(columns.shared)
+    curvature[np.ix_(columns.rows, columns.rows)] = J @ J.T - E @ E.T
+    gradient[columns.rows] = E @ slopes - J @ pull
+    j, P, m = columns.own_rows.shape
+    if j:
+        each = (*weighed(columns.own), J, E)
+        J_own, E_own, J, E = (of.reshape(len(of), P * m, -1).swapaxes(0, 1) for of in each)
+        across = J_own @ J.swapaxes(1, 2) - E_own @ E.swapaxes(1, 2)  # (P m, j, k)
+        alone = J_own @ J_own.swapaxes(1, 2) - E_own @ E_own.swapaxes(1, 2)
+        slope = E_own @ slopes.reshape(P * m, -1, 1) - J_own @ pull.reshape(P * m, -1, 1)
+        at = columns.own_rows.reshape(j, -1).T  # (P m, j)
+        each_once, of_each = np.unique(at, return_inverse=True)
+        is_of = of_each.reshape(-1) == np.arange(len(each_once))[:, None]
+        beside = is_of.astype(np.float64) @ across.reshape(at.size, -1)  # sums over mountings
+        curvature[np.ix_(each_once, columns.rows)] += beside
+        curvature[np.ix_(columns.rows, each_once)] += beside.T
+        np.add.at(curvature, (at[:, :, None], at[:, None]), alone)
+        np.add.at(gradient, at, slope[..., 0])
+    return gradient, curvature
 
 
 def costs_of(weighings: Sequence[Weighing], y: ComplexArray) -> list[float]:

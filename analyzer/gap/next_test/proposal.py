@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel
@@ -324,7 +325,7 @@ def _lines(
 def _surprise(weighings: Sequence[Weighing], ready: _Ready, answers: Sequence[_Answer]) -> float:
     """-ln p of the lines, integrated over what the rival leaves open; up to a constant."""
     parts = [
-        summed([weighings[p] for p, _ in rows], y, dy, [i for _, i in rows])[0]
+        summed([weighings[p] for p, _ in rows], y, Columns.of(dy), [i for _, i in rows])[0]
         for rows, y, dy in answers
     ]
     f = ready.free

@@ -11,63 +11,84 @@ from dataclasses import replace
 
 import numpy as np
 
-from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["largest_hidden_size"]
+__all__ = ["HiddenSize"]
 
 _STEPS = 2
 _TRIALS = 4  # each of half the size
 _TOLD = 1.92  # of cost: 95 % of a single parameter's
 
 
-def largest_hidden_size(
-    stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
-) -> float:
-    """Return the size, or the least of its halves that the data still speak against.
+class HiddenSize:
+    """How large a hidden effect may be: as a linear look says, until it is held against data.
 
-    What they leave room for lies below, by less than half: a range is rather too wide than too
-    narrow.
+    Then it is the least of that size's halves that the data speak against, if they do. What they
+    leave room for lies below, by less than half: a range is rather too wide than too narrow.
 
     Parameters
     ----------
     stage, final
         Lines, and the final model fitted to them.
-    size
-        By a linear look, at its 95 % limit.
+    linear
+        Size by a linear look, at its 95 % limit.
     inflation
         Of the data's variance.
     """
-    if not candidate.instance.parameters:
-        return size  # an ordinary error with a wider prior: it is in the model already
-    for trial in range(_TRIALS):
-        if _has_room(stage, final, candidate, size / 2.0**trial, inflation):
-            return size / 2.0 ** max(trial - 1, 0)
-    return size / 2.0 ** (_TRIALS - 1)
 
+    def __init__(
+        self, stage: Stage, final: Fit, candidate: Candidate, linear: float, inflation: float
+    ) -> None:
+        self.candidate, self.linear = candidate, linear
+        self._stage, self._final, self._inflation = stage, final, inflation
+        self.at_most = linear
+        # An ordinary error with a wider prior is in the model already.
+        self.is_known = not candidate.instance.parameters
 
-def _has_room(
-    stage: Stage, final: Fit, candidate: Candidate, size: float, inflation: float
-) -> bool:
-    """Whether a model with the effect at that size costs hardly more."""
-    instance = candidate.instance
-    firm = replace(
-        instance,
-        parameters=tuple(
-            replace(p, mean=size, std=1e-3 * abs(size), start=size)
-            if p.name == instance.size
-            else p
-            for p in instance.parameters
-        ),
-    )
-    hypothesis = replace(final.hypothesis, instances=(*final.hypothesis.instances, firm))
-    followed = {
-        name: value + candidate.follow.get(name, 0.0) * size for name, value in final.values.items()
-    }
-    try:
-        fit = fit_hypothesis(
-            stage, hypothesis, start=followed, max_iterations=_STEPS, closing=False
+    def hold_against_data(self) -> None:
+        """Hold it against the data, the smallest size first: that is the soonest fitted."""
+        self.is_known = True
+        if self._has_room(self.linear, steps=0):
+            return
+        for halves in reversed(range(_TRIALS)):
+            size = self.linear / 2.0**halves
+            if not self._has_room(size, steps=_STEPS):
+                self.at_most = size
+                return
+
+    def _has_room(self, size: float, steps: int) -> bool:
+        """Whether a model with the effect at that size costs hardly more."""
+        stage, final, candidate = self._stage, self._final, self.candidate
+        instance = candidate.instance
+        firm = replace(
+            instance,
+            parameters=tuple(
+                replace(p, mean=size, std=1e-3 * abs(size), start=size)
+                if p.name == instance.size
+                else p
+                for p in instance.parameters
+            ),
         )
-    except np.linalg.LinAlgError:  # so large that nothing holds the arm
-        return False
-    return fit.cost - final.cost < _TOLD * inflation
+        hypothesis = replace(final.hypothesis, instances=(*final.hypothesis.instances, firm))
+        followed = {
+            name: value + candidate.follow.get(name, 0.0) * size
+            for name, value in final.values.items()
+        }
+        enough = final.cost + _TOLD * self._inflation
+        if cost_at(stage, hypothesis, followed) < enough:
+            return True
+        if steps == 0:
+            return False
+        try:
+            fit = fit_hypothesis(
+                stage,
+                hypothesis,
+                start=followed,
+                max_iterations=steps,
+                closing=False,
+                enough=enough,
+            )
+        except np.linalg.LinAlgError:  # so large that nothing holds the arm
+            return False
+        return fit.cost < enough

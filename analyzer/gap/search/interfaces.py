@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 
 _KEPT = 2  # lines of each link's interface
 _N_DIRECTIONS = 60
-_LEVERS_M = (0.0, 0.1, 0.25)
+_LEVERS_M = (0.1, 0.25)  # and none
 PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
 
 
@@ -91,17 +91,20 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
     size = n + len(links) * len(PAIRS)
+    # All at once: they are locked, so that none changes what another answers.
+    instances = (*fit.hypothesis.instances, *(probe for probe, _ in probes))
+    wide = replace(fit.hypothesis, instances=instances)
+    values = {**fit.values, **{name: 0.0 for _, names in probes for name in names}}
     gradient, curvature = np.zeros(size), np.zeros((size, size))
     for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
-        y, dy = together.derivatives(fit.hypothesis, fit.space, fit.values)
-        rows = [dy]
-        for (probe, names), std in zip(probes, stds, strict=True):
-            wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, probe))
-            values = {**fit.values, **dict.fromkeys(names, 0.0)}
-            rows.append(std * together.interface_columns(wide, values, names, PAIRS))
+        y, columns = together.columns(fit.hypothesis, fit.space, fit.values)
+        rows = [
+            std * together.interface_columns(wide, values, names, PAIRS)
+            for (_, names), std in zip(probes, stds, strict=True)
+        ]
         own_lines, at = zip(*pairs, strict=True)
         weighings = [stage.weighings[p] for p in own_lines]
-        part, _ = summed(weighings, y, np.concatenate(rows), at)
+        part, _ = summed(weighings, y, columns.beside(np.concatenate(rows)), at)
         gradient += part.gradient
         curvature += part.curvature
     return left_after(fit, gradient, curvature)
@@ -159,18 +162,15 @@ def _lines_tried(
 
     Through the link's origin and its centre (in its frame), and beside both.
     """
-    twists, lines = [], []
-    for u in _hemisphere(_N_DIRECTIONS):
-        a, b = across(u).T
-        for around in (np.zeros(3), np.array(center)):
-            for lever in _LEVERS_M:
-                for turn in (a, b, -a, -b) if lever else (a,):
-                    point = around + lever * turn
-                    point = point - u * (u @ point)
-                    turn_and_lever = [np.cross(point, u), u]
-                    twists.append(np.concatenate(turn_and_lever[:: -1 if travels else 1]))
-                    lines.append((u, point))
-    t = np.array(twists)
+    u = _hemisphere(_N_DIRECTIONS)
+    a, b = np.moveaxis(np.array([across(direction) for direction in u]), -1, 0)
+    off = [np.zeros_like(u), *(lever * turn for lever in _LEVERS_M for turn in (a, b, -a, -b))]
+    points = np.array([around + move for around in (np.zeros(3), np.array(center)) for move in off])
+    points = (points - u * np.sum(u * points, axis=-1, keepdims=True)).swapaxes(0, 1)
+    u = np.broadcast_to(u[:, None], points.shape)
+    turn_and_lever = [np.cross(points, u), u]
+    t = np.concatenate(turn_and_lever[:: -1 if travels else 1], axis=-1).reshape(-1, 6)
+    lines = list(zip(u.reshape(-1, 3), points.reshape(-1, 3), strict=True))
     q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in PAIRS]
     return frozen_array(np.stack(q, axis=1), np.float64), lines
 

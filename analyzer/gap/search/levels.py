@@ -7,7 +7,7 @@ what ordinary errors leave is even in it: much smaller changes are seen.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,7 @@ _LEAST_GAIN = 12.0  # of cost by the linear look
 
 def told_apart(
     superset: Superset,
-    stages: Sequence[Stage],
+    level_apart: Callable[[int], Stage],
     present: Hypothesis,
     start: Mapping[str, float],
     discrepancy: Discrepancy,
@@ -40,18 +40,20 @@ def told_apart(
 
     Parameters
     ----------
-    stages
-        Broad, middle and sharp lines, soft and hard hits in turn (`lines.own_lines`).
+    level_apart
+        Gives a stage by its number, soft and hard hits in turn (`lines.own_lines`). All but the
+        widest, 0, are asked for.
     present
         A hypothesis about levelled lines (`Ordinary.level_span`).
 
     Returns
     -------
-    The stages with soft and hard hits weighed anew, and the nats of cost that a common change of
-    one joint with the level promises; None where those are too few to tell anything.
+    The stages but the widest with soft and hard hits weighed anew, and the nats of cost that a
+    common change of one joint with the level promises; None where those are too few to tell
+    anything.
     """
-    _, broad, middle, _ = stages
-    fit = fit_hypothesis(broad, present, start=start, max_iterations=7)
+    broad, middle = level_apart(1), level_apart(2)
+    fit = fit_hypothesis(broad, present, start=start, max_iterations=7, closing=False)
     fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
     changes = any_change(present.ordinary)
     gain = scan_instances(middle, fit, changes)[0].gain
@@ -60,7 +62,7 @@ def told_apart(
     free = any_level(middle, present, fit.values)
     anew = tuple(
         Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
-        for stage in stages
+        for stage in (broad, middle, level_apart(3))
     )
     return anew, gain
 
@@ -68,7 +70,7 @@ def told_apart(
 def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:
     """Fit a hypothesis with every joint free to change with the hit's level."""
     wider = replace(present, instances=(*present.instances, *any_change(present.ordinary)))
-    return fit_hypothesis(stage, wider, start=start, max_iterations=8)
+    return fit_hypothesis(stage, wider, start=start, max_iterations=8, closing=False)
 
 
 def weighed_anew(stage: Stage, free: Fit) -> list[PostureLines]:

@@ -45,7 +45,8 @@ class Gains:
 
     instances: tuple[Instance, ...]
     replicas: Array  # (n_instances, n_replicas)
-    dispersion: float  # variance of what errors do to an effect's slope, over independent errors'
+    # Median over the effects of the variance that errors give its slope, over independent errors'.
+    dispersion: float
     error_ratio: float  # likewise of errors independent between postures
 
 
@@ -115,8 +116,8 @@ def replica_gains(
     return Gains(
         instances=instances,
         replicas=np.array(gains),
-        dispersion=float(np.mean(ratios)),
-        error_ratio=float(np.mean(ratios)) / len(parts),
+        dispersion=float(np.median(ratios)),
+        error_ratio=float(np.median(ratios)) / len(parts),
     )
 
 

@@ -114,17 +114,16 @@ def _annealed(
     start: Mapping[str, float],
     fitted: Fit | None,
 ) -> list[Fit]:
-    """The present hypothesis on the lines of each stage."""
+    """The present hypothesis on the lines of each stage; of the widest and sharpest if `fitted`."""
     if fitted is not None:
-        near = [
-            fit_hypothesis(stage, present, resumed=fitted, max_iterations=2)
-            for stage in stages[:-1]
-        ]
-        return [*near, fitted]
+        return [fit_hypothesis(stages[0], present, resumed=fitted, max_iterations=2), fitted]
     found: list[Fit] = []
     for stage, steps in zip(stages, _NULL_STEPS, strict=True):
         values = found[-1].values if found else start
-        found.append(fit_hypothesis(stage, present, start=values, max_iterations=steps))
+        # Of those between only the end is asked for.
+        closing = stage in (stages[0], stages[-1])
+        fit = fit_hypothesis(stage, present, start=values, max_iterations=steps, closing=closing)
+        found.append(fit)
     return found
 
 
@@ -182,11 +181,16 @@ def _begun(
     *,
     also: Fit | None = None,
 ) -> Fit:
-    """Some steps of a candidate from the best of its beginnings."""
+    """Some steps of a candidate from the best of its beginnings; on wide lines from its own too.
+
+    What begins best may lead nowhere: a body of no mass with a moment. Its own is where its file
+    says that a fit begins.
+    """
     present = about.hypothesis
     richer = replace(present, instances=(*present.instances, candidate.instance))
     values = about.values
     starts: list[Mapping[str, float]] = [values, start]
+    own = 0 if also is None else 1
     if also is not None and also is not about:
         starts.append(also.values)
     for base in [values] if also is None else [values, also.values]:
@@ -194,8 +198,12 @@ def _begun(
             starts += [_part_of_the_way(base, candidate, part) for part in _PARTS]
         if candidate.instance.initial_values is not None:
             starts += candidate.instance.initial_values(base)
-    begin = better_start(stage, richer, starts)
-    return fit_hypothesis(stage, richer, start=begin, max_iterations=steps)
+    begins = {id(begin): begin for begin in (better_start(stage, richer, starts), *starts[:own])}
+    fits = [
+        fit_hypothesis(stage, richer, start=begin, max_iterations=steps)
+        for begin in begins.values()
+    ]
+    return min(fits, key=lambda fit: fit.evidence)
 
 
 def _part_of_the_way(

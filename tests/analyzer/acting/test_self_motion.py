@@ -74,7 +74,7 @@ def test_a_closed_motion_is_followed_once():
 def test_a_tool_across_the_last_axis_gains_by_its_turn_and_one_along_it_does_not():
     viper = load_arm("viper_s650")
     ready = batched(with_effects(viper, axis(viper.joints[1].link.name)))
-    q = np.deg2rad([[0, -60, 160, 20, 50, 0], [10, -40, 140, 0, 60, 0]])
+    q = np.deg2rad([[10, -40, 140, 0, 60, 0]])
     along = stiffest_angle(ready, q, FORCE, tool_m=(0, 0, 0.1), spin=(0, 0, 1))
     np.testing.assert_array_equal(along.best_angle_rad, 0.0)
     across = stiffest_angle(ready, q, FORCE, tool_m=(0.1, 0, 0.1), spin=(1, 0, 0))

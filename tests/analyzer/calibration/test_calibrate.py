@@ -190,11 +190,14 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     assert inside >= 16
 
 
-def test_figures_that_exclude_each_other_are_refused(uncalibrated):
-    file = load_inertia_targets(WITHOUT_TABLE_4, uncalibrated)
-    moments = [file.moments[0].model_copy(update={"value_kg_m2": 200.0})]
+def test_figures_that_exclude_each_other_are_refused():
+    arm = load_arm("rv4frl")
+    bodies = [body(joint.link.name) for joint in arm.joints]
+    q = np.zeros(6)
+    moment = MomentTarget(joint=1, joints_rad=q, value_kg_m2=200.0, margin_kg_m2=1.0, source="slip")
+    mass = TotalMassTarget(n_joints=6, value_kg=18.0, margin_kg=0.1, source="scales")
     with pytest.raises(EstimateError, match="no plausible inertias meet"):
-        calibrate_from_file(uncalibrated, file.model_copy(update={"moments": moments}))
+        calibrate_inertia(arm, bodies, [mass, moment], base_mass_kg=1e-6, base_mass_std=0.1)
 
 
 @pytest.mark.parametrize("swept", ["joint_1", "joint_2"])

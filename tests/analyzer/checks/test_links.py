@@ -3,7 +3,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.offline_lab import simulate_session
+from support.offline_lab import ALL_POINTS, first_postures, simulate_session
 from support.sensor_faults import FLIP_Z, SWAP_XY, exchanged, gains, misplaced, mixed
 
 from armodal.analyzer.arm.superset import Superset
@@ -16,7 +16,7 @@ from armodal.protocols.frf_records import FrfForm
 
 @cache
 def good():
-    session = simulate_session(3)
+    session = simulate_session(3, plan=first_postures(3, ALL_POINTS))
     return session, Superset(session.header.arm)
 
 
@@ -64,8 +64,15 @@ def faulty(fault, points):
     return links(session if fault is None else mixed(session, MATRICES[fault], points), superset)
 
 
-@pytest.mark.parametrize("fault", MATRICES)
-@pytest.mark.parametrize("points", [("6",), None])
+@pytest.mark.parametrize(
+    ("fault", "points"),
+    [
+        *((fault, ("6",)) for fault in MATRICES),
+        (Fault.SIGN_FLIPPED, None),
+        pytest.param(Fault.AXIS_SWAPPED, None, marks=pytest.mark.long),
+        pytest.param(Fault.GAIN, None, marks=pytest.mark.long),
+    ],
+)
 def test_a_fault_of_axes_is_named_with_its_place(fault, points):
     finding = faulty(fault, points).finding
     assert (finding.outcome, finding.fault) == (Outcome.FAULT, fault), finding.text

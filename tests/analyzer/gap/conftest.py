@@ -38,6 +38,6 @@ def lines(superset):
     )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def posed(superset):
     return PosedModel(superset, JOINTS)

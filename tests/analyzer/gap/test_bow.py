@@ -71,7 +71,7 @@ def measured(rng, ordinary, joint, slope, bow):
     return Stage(ordinary.superset, lines, Discrepancy())
 
 
-@pytest.mark.parametrize("draw", range(2))
+@pytest.mark.parametrize("draw", [0, pytest.param(1, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     ("slope", "bow", "told"),
     [

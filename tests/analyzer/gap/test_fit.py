@@ -46,8 +46,8 @@ def test_a_linear_problem_within_bounds_takes_a_step():
     with_prior = np.vstack([J, np.eye(12)]), np.concatenate([r, np.zeros(12)])
     best = lsq_linear(*with_prior, bounds=(-0.3, 0.5), tol=1e-14).x
     assert np.sum((best < -0.299) | (best > 0.499)) > 3
-    # The first step is damped by a thousandth.
-    assert fit.u == pytest.approx(best, abs=2e-3)
+    # The first step is damped by the priors' curvature, a fiftieth of the data's: 0.5 / 50.
+    assert fit.u == pytest.approx(best, abs=1e-2)
     assert fit.converged
     assert stage.n_tried <= 2
 
@@ -77,6 +77,17 @@ def test_far_from_a_curved_valley_it_finds_the_bottom():
     assert fit.values["x"] == pytest.approx(0.8, abs=0.02)
 
 
+def test_along_a_straight_valley_of_two_that_take_each_other_back_a_step_is_hardly_damped():
+    """Damped by each one's own curvature, a thousandth of 1e8, the first step would go nowhere."""
+    J = np.array([[1e4, -1e4], [3.0, 3.0]])
+    r = np.array([0.0, 6.0])
+    parameters = [Parameter(name=n, unit="", mean=0.0, std=1.0) for n in ("x", "y")]
+    stage = Residuals(lambda x: J @ x - r, lambda x: J)
+    fit = fit_hypothesis(stage, hypothesis_of(*parameters), max_iterations=1)
+    # Along the valley 18 of the data and 1 of the prior make 18/19; the damping adds 1.
+    assert fit.u == pytest.approx([18 / 20, 18 / 20], rel=1e-6)
+
+
 def test_a_fit_that_small_steps_ended_still_promises_what_is_left():
     """A valley so narrow that steps along it bring next to nothing before the fit ends."""
 
@@ -89,8 +100,8 @@ def test_a_fit_that_small_steps_ended_still_promises_what_is_left():
     parameters = [Parameter(name=n, unit="", mean=0.0, std=1.0) for n in ("x", "y")]
     stage, hypothesis = Residuals(of, slopes), hypothesis_of(*parameters)
     theirs = least_squares(lambda x: np.concatenate([of(x), x]), [1.0, np.expm1(1.0)], xtol=1e-14)
-    stuck = fit_hypothesis(stage, hypothesis, max_iterations=60)
-    assert stuck.n_iterations < 60
+    stuck = fit_hypothesis(stage, hypothesis, max_iterations=300)
+    assert stuck.n_iterations < 300
     # The valley bends: its quadratic promises what is left to within a fifth.
     assert stuck.promised == pytest.approx(stuck.cost - theirs.cost, rel=0.2)
     ended = fit_hypothesis(stage, hypothesis, start=dict(zip("xy", theirs.x, strict=True)))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.made_calibration import made_calibration
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds, follows_no_level
@@ -23,7 +24,6 @@ from armodal.analyzer.gap.next_test.proposal import expected_evidence
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.analyzer.identification.identify import estimate_frfs
-from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
 
@@ -31,7 +31,7 @@ from armodal.protocols.errors import ArmError
 @pytest.fixture(scope="module")
 def linear():
     """A session of a plain arm, every point hit at three levels."""
-    return make_case(seed=3001, arm="rv4frl", ladder=True).session()
+    return small_case(3001, "rv4frl", ladder=True).session()
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
+from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import Judged
@@ -38,7 +39,7 @@ def hits(session, peaks_of):
 @pytest.fixture(scope="module")
 def linear():
     """A plain arm, every point hit at three levels."""
-    return make_case(seed=3001, arm="rv4frl", ladder=True).session()
+    return small_case(3001, "rv4frl", ladder=True).session()
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing, costs_of, summed
 from armodal.protocols.arm.files import load_arm
@@ -85,11 +86,43 @@ def test_measurements_that_share_predictions_weigh_as_each_alone():
     shape = weighings[0].lines.values.shape
     y = rng.standard_normal((3, *shape)) + 1j * rng.standard_normal((3, *shape))
     dy = rng.standard_normal((5, 3, *shape)) + 1j * rng.standard_normal((5, 3, *shape))
-    whole, costs = summed(weighings, y, dy, at)
+    whole, costs = summed(weighings, y, Columns.of(dy), at)
     alone = [w.quadratic(y[p], dy[:, p]) for w, p in zip(weighings, at, strict=True)]
     np.testing.assert_allclose(costs, [one.cost for one in alone], rtol=1e-12)
     np.testing.assert_allclose(whole.gradient, sum(one.gradient for one in alone), rtol=1e-9)
     np.testing.assert_allclose(whole.curvature, sum(one.curvature for one in alone), rtol=1e-9)
+
+
+# Parameters of each point's place, at every other mounting.
+PLACES = ((1, 2), (4, 5))
+OTHER = np.array([[0, 1], [1, 0], [1, 1]])
+
+
+def test_what_acts_on_single_mountings_counts_as_whole_columns_do():
+    """Of two points, each with two parameters of its own, beside three that act everywhere."""
+    rng = np.random.default_rng(9)
+    tolerances = load_arm("rv4frl").tolerances
+    weighings = [Weighing(made_lines(rng), tolerances, Discrepancy()) for _ in range(3)]
+    shape = weighings[0].lines.values.shape
+
+    def drawn(*more):
+        return rng.standard_normal((*more, 3, *shape)) + 1j * rng.standard_normal(
+            (*more, 3, *shape)
+        )
+
+    y = drawn()
+    columns = Columns(
+        n=3 + 4,
+        rows=np.array([0, 3, 6]),
+        shared=drawn(3),
+        own_rows=np.array([np.where(OTHER, *of) for of in PLACES]),
+        own=drawn(2),
+    )
+    parted, costs = summed(weighings, y, columns, [0, 1, 2])
+    whole, same_costs = summed(weighings, y, Columns.of(columns.whole()), [0, 1, 2])
+    assert costs == same_costs
+    np.testing.assert_allclose(parted.gradient, whole.gradient, rtol=1e-10)
+    np.testing.assert_allclose(parted.curvature, whole.curvature, rtol=1e-10)
 
 
 def test_a_turned_mounting_costs_little_and_a_flipped_axis_much(setup):

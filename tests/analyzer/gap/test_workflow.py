@@ -36,6 +36,11 @@ def hidden():
 
 
 @pytest.fixture(scope="module")
+def plain():
+    return small_case(4, "rv4frl").session()
+
+
+@pytest.fixture(scope="module")
 def found(hidden):
     _, session, loaded = hidden
     return find_gap(session, more=[loaded], gates=False, modes=False, advice=False).result
@@ -69,67 +74,59 @@ def test_a_known_mass_is_held_out_and_a_right_name_foretells_it(found):
     assert after.frf_error < before.frf_error / 2
 
 
-def test_nothing_is_found_where_nothing_is_hidden():
-    session = small_case(4, "rv4frl").session()
-    result = find_gap(session, gates=False, modes=False, advice=False).result
+def test_nothing_is_found_where_nothing_is_hidden(plain):
+    result = find_gap(plain, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NOTHING_DETECTABLE
     assert not result.effects
     assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)
 
 
-def test_one_posture_is_not_enough_and_says_what_to_measure(hidden):
-    _, session, _ = hidden
-    first = session.hits[0].posture
-    alone = replace(session, hits=tuple(h for h in session.hits if h.posture == first))
+def test_one_posture_is_not_enough_and_says_what_to_measure(plain):
+    first = plain.hits[0].posture
+    alone = replace(plain, hits=tuple(h for h in plain.hits if h.posture == first))
     with pytest.raises(EstimateError, match=r"at least 2 postures .* got 1; measure two more"):
         find_gap(alone)
 
 
-def test_points_hit_once_tell_nothing_of_scatter_and_are_to_be_hit_again(hidden):
-    _, session, _ = hidden
-    once = {(hit.posture, hit.sensor_point): hit for hit in session.hits}
-    alone = replace(session, hits=tuple(once.values()))
+def test_points_hit_once_tell_nothing_of_scatter_and_are_to_be_hit_again(plain):
+    once = {(hit.posture, hit.sensor_point): hit for hit in plain.hits}
+    alone = replace(plain, hits=tuple(once.values()))
     with pytest.raises(EstimateError, match=r"two good hits .* one at \d+ of \d+.*hit them again"):
         find_gap(alone)
 
 
-def test_a_further_test_is_checked_as_the_session_is(hidden):
-    _, session, _ = hidden
-    header = replace(session.header, session_id="b" * 16)
-    once = {(hit.posture, hit.sensor_point): hit for hit in session.hits}
-    alone = replace(session, header=header, hits=tuple(once.values()))
+def test_a_further_test_is_checked_as_the_session_is(plain):
+    header = replace(plain.header, session_id="b" * 16)
+    once = {(hit.posture, hit.sensor_point): hit for hit in plain.hits}
+    alone = replace(plain, header=header, hits=tuple(once.values()))
     with pytest.raises(EstimateError, match=r"two good hits .* of test 2, .*hit them again"):
-        find_gap(session, more=[alone])
-    refused = replace(session.hits[0].verdict, accepted=False)
-    none = tuple(replace(hit, verdict=refused) for hit in session.hits)
+        find_gap(plain, more=[alone])
+    refused = replace(plain.hits[0].verdict, accepted=False)
+    none = tuple(replace(hit, verdict=refused) for hit in plain.hits)
     with pytest.raises(EstimateError, match="no hit of test 2 was accepted"):
-        find_gap(session, more=[replace(session, header=header, hits=none)])
+        find_gap(plain, more=[replace(plain, header=header, hits=none)])
     with pytest.raises(EstimateError, match="test 2 is a session that is there already"):
-        find_gap(session, more=[session])
+        find_gap(plain, more=[plain])
 
 
-def test_what_was_not_judged_and_what_closed_the_levels_is_said(hidden):
-    _, session, _ = hidden
+def test_what_was_not_judged_and_what_closed_the_levels_is_said(plain):
     averaged = SimpleNamespace(posture="averaged")
-    mixed = SimpleNamespace(
-        hits=session.hits, frfs=(averaged,), complete=True, header=session.header
-    )
+    mixed = SimpleNamespace(hits=plain.hits, frfs=(averaged,), complete=True, header=plain.header)
     assert any("were not judged: averaged" in note for note in notes_on(mixed, ()))
-    levels = make_case(seed=4, arm="rv4frl", ladder=True).session()
+    levels = small_case(4, "rv4frl", ladder=True).session()
     assert not any("softly and hard" in note for note in notes_on(levels, [levels]))
-    assert any("test 3 was not hit softly" in note for note in notes_on(levels, [levels, session]))
+    assert any("test 3 was not hit softly" in note for note in notes_on(levels, [levels, plain]))
 
 
-def test_where_every_posture_carries_a_known_mass_the_planned_ones_are_held_out(hidden):
-    _, session, _ = hidden
+def test_where_every_posture_carries_a_known_mass_the_planned_ones_are_held_out(plain):
     body = KnownMass(link="l", mass_kg=1.0, center_m=np.zeros(3))
-    planned = session.header.plan.postures
+    planned = plain.header.plan.postures
     lines = [SimpleNamespace(name=p.name, known_mass=body) for p in planned]
     held = [i for i, p in enumerate(planned) if p.validation]
     assert held
-    assert held_out_postures(session, lines) == tuple(held)
+    assert held_out_postures(plain, lines) == tuple(held)
     lines[0].known_mass = None  # one that is not for validation
-    assert held_out_postures(session, lines) == tuple(range(1, len(lines)))
+    assert held_out_postures(plain, lines) == tuple(range(1, len(lines)))
 
 
 @pytest.mark.long

@@ -19,6 +19,7 @@ from armodal.analyzer.identification.doubted_axes import doubted_axes
 from armodal.analyzer.identification.mode_fit import MeasuredModes
 from armodal.analyzer.identification.penalty import fit_by_penalty
 from armodal.analyzer.identification.penalty_of_session import chosen_joints, penalty_of_session
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import EstimateError
 
 POSTURES = [np.deg2rad(q) for q in TESTS_DEG]
@@ -182,8 +183,8 @@ def test_on_a_session_it_starts_from_one_joint_values_and_nears_the_truth(tmp_pa
         (["²"], "by name or number"),
     ],
 )
-def test_wrong_joints_are_refused(wanted, message, tmp_path_factory):
-    arm = viper_session(tmp_path_factory.getbasetemp()).header.arm
+def test_wrong_joints_are_refused(wanted, message):
+    arm = load_arm("viper_s650")
     with pytest.raises(EstimateError, match=message):
         chosen_joints(arm, wanted)
 

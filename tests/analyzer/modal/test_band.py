@@ -13,7 +13,7 @@ from armodal.protocols.frf_records import FrfForm
 
 def fading(*, told):
     """FRFs whose force falls with frequency, so that noise rises; and where both are alike."""
-    frf = eight_modes(np.random.default_rng(0), form=FrfForm.ACCELERANCE).frf
+    frf = eight_modes(np.random.default_rng(0), form=FrfForm.ACCELERANCE, top_hz=400.0).frf
     rng = np.random.default_rng(1)
     sigma = 0.01 * np.sqrt(np.mean(np.abs(frf.values) ** 2)) * np.exp((frf.freq_hz / 60.0) ** 2)
     noise = rng.standard_normal((2, *frf.values.shape)) / np.sqrt(2.0)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import t as student
-from support.drifting import drifting
+from support.drifting import TWO_HZ, drifting
 from support.several_references import several_references, without
 from support.simulated_frfs import eight_modes
 
@@ -152,7 +152,7 @@ def test_a_roving_hammer_may_leave_out_driving_points():
 
 
 def test_moving_modes_are_told_where_an_frf_is_missing():
-    made = drifting(np.random.default_rng(4), 1.0)
+    made = drifting(np.random.default_rng(4), 1.0, nominal_hz=TWO_HZ)
     measured = np.ones(made.frf.values.shape[:2], dtype=bool)
     measured[[1, 5, 9]] = False  # one axis of three mountings; of one reference each must drop out
     rows = np.flatnonzero(measured[:, 0])

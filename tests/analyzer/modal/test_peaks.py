@@ -47,7 +47,9 @@ def test_only_a_pole_within_reach_explains_a_peak():
     assert unexplained([peak], np.empty(0, dtype=complex), 0.3) == (peak,)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(i, marks=pytest.mark.long) for i in range(1, 4))]
+)
 def test_a_peak_three_lines_wide_in_noise_that_grows_with_it_is_a_mode(seed):
     """Few averages of a shaken structure: half of every line is scatter."""
     rng = np.random.default_rng(seed)

@@ -92,10 +92,18 @@ def test_shared_shapes_leave_less_error_than_free_residues():
     assert np.mean(bound) < 0.85 * np.mean(free)
 
 
-@pytest.mark.parametrize("n_ref", [2, pytest.param(3, marks=pytest.mark.long)])
-def test_several_references_reach_the_bound_of_all_of_them(n_ref):
+# Of n draws 16 n errors: four deviations of their root mean square above one.
+@pytest.mark.parametrize(
+    ("n_ref", "draws", "most"),
+    [
+        (2, 2, 1.5),
+        pytest.param(2, 6, 1.3, marks=pytest.mark.long),
+        pytest.param(3, 6, 1.3, marks=pytest.mark.long),
+    ],
+)
+def test_several_references_reach_the_bound_of_all_of_them(n_ref, draws, most):
     scaled = []
-    for seed in range(6):
+    for seed in range(draws):
         truth = eight_modes(np.random.default_rng(seed), n_resp=12, n_ref=n_ref)
         model = fit_modes(truth.frf)
         assert len(model.modes) == 8
@@ -116,14 +124,18 @@ def test_several_references_reach_the_bound_of_all_of_them(n_ref):
                 # exceed ten times what is stated once in e^10.
                 stated = np.linalg.norm(std) / np.linalg.norm(found)
                 assert 1.0 - mac(found, of_truth) < 10.0 * stated**2
-    # 96 errors: one standard deviation of the root mean square is 7 %.
-    assert np.sqrt(np.mean(np.square(scaled))) < 1.3
+    assert np.sqrt(np.mean(np.square(scaled))) < most
 
 
-def test_stated_shape_deviations_cover():
+# Of n draws 46 n and 6 n intervals of nominal 95 %: four deviations of a quarter's smaller share.
+@pytest.mark.parametrize(
+    ("draws", "low", "high"),
+    [(25, 0.88, 0.99), pytest.param(100, 0.9, 0.98, marks=pytest.mark.long)],
+)
+def test_stated_shape_deviations_cover(draws, low, high):
     poles = poles_of([12.0, 14.0], [0.03, 0.03])
     inside, sides = [], []
-    for seed in range(100):
+    for seed in range(draws):
         rng = np.random.default_rng(seed)
         shapes = rng.standard_normal((2, 12, 1))
         participation = rng.uniform(0.3, 1.0, (2, 1, 2)) * [[[1.0, 1.0]], [[1.0, -1.0]]]
@@ -148,9 +160,8 @@ def test_stated_shape_deviations_cover():
             other = np.abs(turned) < 1.0 - 1e-9
             sides.append(np.abs(error.real[other]) < reach * std.real[other])
             sides.append(np.abs(error.imag) < reach * std.imag)
-    assert 0.90 <= np.mean(np.concatenate(inside)) <= 0.98
-    # 4600 and 600 intervals of nominal 95 %: the issue's own band.
-    assert 0.90 <= np.mean(np.concatenate(sides)) <= 0.98
+    assert low <= np.mean(np.concatenate(inside)) <= high
+    assert low <= np.mean(np.concatenate(sides)) <= high
 
 
 def test_orders_beyond_a_hundred_give_the_same_modes():

@@ -121,7 +121,7 @@ def test_the_information_on_joints_is_that_of_the_corrected_frfs(arm):
     assert (expected_std([found], n) > known).all()
 
 
-def test_a_plan_of_a_corrected_arm_shows_its_joints(arm):
+def test_a_plan_of_a_corrected_arm_shows_its_joints(arm, small_search):
     corrected = with_effects(arm, axis("shoulder"), any_of(arm, "rotor"), any_of(arm, "bearing"))
     plan = plan_tests(planned_arm(corrected), np.random.default_rng(0), n_tests=4)
     assert np.isfinite(plan.expected_std[-1]).all()

@@ -103,7 +103,7 @@ def test_the_inertias_tolerance_is_that_of_the_joint_s_own_moment(draft, made):
         q = test.joints_rad[None]
         own = ArmBatch(arm).mass(q)[joint, joint, 0]
         moved = []
-        for _ in range(150):
+        for _ in range(60):
             links = []
             for each in arm.joints:
                 link = each.link
@@ -120,8 +120,8 @@ def test_the_inertias_tolerance_is_that_of_the_joint_s_own_moment(draft, made):
                 )
             moved.append(ArmBatch(arm).with_links(links).mass(q)[joint, joint, 0] / own)
         scatter.append(np.std(moved))
-    # 150 draws tell a deviation to 6 %; three of these. The encoders' share is below that.
-    assert made.inertia_std[i] == pytest.approx(min(scatter), rel=0.18)
+    # 60 draws tell a deviation to 9 %; three of these. The encoders' share is below that.
+    assert made.inertia_std[i] == pytest.approx(min(scatter), rel=0.27)
 
 
 def test_minutes_are_those_of_postures_mountings_and_hits(draft, made):

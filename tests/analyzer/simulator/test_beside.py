@@ -15,7 +15,7 @@ mujoco = pytest.importorskip("mujoco")
 
 
 @pytest.fixture(scope="module")
-def session():
+def few_hits():
     """A few mountings of two postures."""
     whole = make_case(seed=8, arm="ur5").session()
     names = [posture.name for posture in whole.header.plan.postures[:2]]
@@ -25,24 +25,22 @@ def session():
 
 
 @pytest.mark.long
-def test_the_simulator_s_own_records_are_met_by_the_arm_that_made_them(session, tmp_path):
-    plain = session.header.arm
+def test_the_simulator_s_own_records_are_met_by_the_arm_that_made_them(few_hits, tmp_path):
+    plain = few_hits.header.arm
     corrected = with_effects(plain, axis("forearm", compliance=3e-5))
     model = tmp_path / "mine.xml"
     model.write_text(own_mjcf(plain), encoding="utf-8")
     # With one arm twice, what differs from the measurement is the same.
     told = []
-    rows = beside_simulator(session, plain, plain, model, mujoco, told.append)
+    rows = beside_simulator(few_hits, plain, plain, model, mujoco, told.append)
     assert [row.error_before for row in rows] == [row.error_after for row in rows]
     assert len(rows) == 2
     assert "hits on the corrected arm, in time" in told
     # The case hides nothing: beside it a wrong axis is worse.
-    worse = beside_simulator(session, plain, corrected, model, mujoco, told.append)
+    worse = beside_simulator(few_hits, plain, corrected, model, mujoco, told.append)
     assert all(row.error_after > row.error_before for row in worse)
 
 
-def test_a_session_without_records_of_hits_is_refused():
-    case = make_case(seed=8, arm="ur5")
-    empty = replace(case.session(), hits=())
+def test_a_session_without_records_of_hits_is_refused(session):
     with pytest.raises(EstimateError, match="wanted a session with records of hits"):
-        first_hits(empty)
+        first_hits(replace(session, hits=()))

@@ -20,7 +20,15 @@ from armodal.protocols.c.sizes import CODE_LIMIT_BYTES, RAM_LIMIT_BYTES, main, m
 PORTABLE = ("-ffreestanding", "-c")
 
 
-@pytest.mark.parametrize("options", [("-O2",), ("-Os", "-DAB_FAST_CRC=1"), ("-O0",)], ids=str)
+@pytest.mark.parametrize(
+    "options",
+    [
+        pytest.param(("-O2",), marks=pytest.mark.long),
+        ("-Os", "-DAB_FAST_CRC=1"),
+        pytest.param(("-O0",), marks=pytest.mark.long),
+    ],
+    ids=str,
+)
 def test_the_sources_are_clean_under_strict_warnings(options, tmp_path):
     compiler = next(compilers())
     for source in SOURCES:

@@ -28,7 +28,13 @@ def refused(said, *parts):
 
 
 @pytest.mark.parametrize(
-    ("robot", "joints"), [(six_joints, 6), (five_joints, 5), (seven_joints, 7), (scara, 3)]
+    ("robot", "joints"),
+    [
+        (six_joints, 6),
+        pytest.param(five_joints, 5, marks=pytest.mark.long),
+        (seven_joints, 7),
+        (scara, 3),
+    ],
 )
 def test_an_arm_is_made_that_loads_and_stands_as_described(robot, joints, tmp_path):
     text = robot()

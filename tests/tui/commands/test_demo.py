@@ -6,10 +6,13 @@ import json
 import re
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from support.gap_results import made_result
 from typer.testing import CliRunner
 
+import armodal.tui.command_parts.demo_run
 import armodal.tui.commands.demo
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import PLANS_DIRECTORY
@@ -44,14 +47,32 @@ def found(tmp_path_factory):
     return value
 
 
-def test_a_short_demo_runs_from_hits_to_truth_and_a_report(tmp_path, monkeypatch):
-    run = demo(tmp_path, points=("1", "6", "9", "14"), postures=2, hits=2)
+def short_demo(folder, monkeypatch):
+    """Output of a demo by two postures of four points, 16 hits."""
+    run = demo(folder, points=("1", "6", "9", "14"), postures=2, hits=2)
     monkeypatch.setattr(armodal.tui.commands.demo, "run_demo", run)
-    said = CliRunner().invoke(app, ["demo", "--out", str(tmp_path / "out"), "--seed", "5"])
+    said = CliRunner().invoke(app, ["demo", "--out", str(folder / "out"), "--seed", "5"])
     assert said.exit_code == 0, said.output
+    return said.output
+
+
+def test_a_short_demo_runs_from_hits_to_truth_and_a_report(tmp_path, monkeypatch):
+    """The search for a gap is left out: `found` has it."""
+    nothing = SimpleNamespace(result=made_result("nothing_detectable", []))
+    monkeypatch.setattr(
+        armodal.tui.command_parts.demo_run, "find_gap", lambda session, tell: nothing
+    )
+    said = short_demo(tmp_path, monkeypatch)
     for words in ("16 hits accepted", "joint_1", "truth", "report "):
-        assert words in said.output
+        assert words in said
     assert (tmp_path / "out" / "report.html").exists()
+
+
+@pytest.mark.long
+def test_a_short_demo_says_what_its_gap_is_and_where_its_corrected_arm_is(tmp_path, monkeypatch):
+    said = short_demo(tmp_path, monkeypatch)
+    assert "gap between model and measurement" in said
+    assert "arm file" in said
 
 
 @pytest.mark.long

@@ -26,25 +26,32 @@ from armodal.tui.command_parts.gap_results import with_arm
 
 @pytest.fixture(scope="module")
 def averaged():
-    """A session that has no hits, only FRFs with their coherence, and an axis is hidden in it."""
-    case = small_case(2, "bench57", "link_axis")
-    session = case.session()
-    frfs = estimate_frfs(session, Superset(session.header.arm))
-    return case, replace(session, hits=(), frfs=frfs)
+    """A session that has no hits, only FRFs with their coherence."""
+    return without_hits(small_case(2, "bench57").session())
+
+
+@pytest.fixture(scope="module")
+def hidden():
+    """The case of such a session in which an axis is hidden."""
+    return small_case(2, "bench57", "link_axis")
+
+
+def without_hits(session):
+    return replace(session, hits=(), frfs=estimate_frfs(session, Superset(session.header.arm)))
 
 
 @pytest.fixture(scope="module")
 def imported(averaged, tmp_path_factory):
     """Its file."""
-    _, session = averaged
     path = tmp_path_factory.mktemp("gap") / "imported.h5"
-    write_session(session, path)
+    write_session(averaged, path)
     return path
 
 
 @pytest.fixture(scope="module")
-def found(imported):
-    path = imported
+def found(hidden, tmp_path_factory):
+    path = tmp_path_factory.mktemp("hidden") / "imported.h5"
+    write_session(without_hits(hidden.session()), path)
     result = run("gap", str(path), "--json", "--html", str(path.with_suffix(".html")))
     assert result.exit_code == 0, result.output
     return path, json.loads(result.stdout)
@@ -61,10 +68,9 @@ def refused(*arguments: str) -> ArmodalError:
 
 
 @pytest.mark.long
-def test_averaged_frfs_are_enough_to_name_an_axis_and_what_stays_closed_is_said(averaged, found):
-    case, _ = averaged
+def test_averaged_frfs_are_enough_to_name_an_axis_and_what_stays_closed_is_said(hidden, found):
     _, value = found
-    truth = json.loads(case.open_truth())["effects"][0]
+    truth = json.loads(hidden.open_truth())["effects"][0]
     assert value["verdict"] == "named"
     (effect,) = value["effects"]
     assert effect["name"] == "link_axis"
@@ -119,7 +125,7 @@ def test_an_arm_that_does_not_match_is_refused(averaged, imported):
     problem = refused("gap", str(imported), "--arm", "rv4frl")
     assert isinstance(problem, ArmError)
     assert "does not match the session: wanted the joints" in str(problem)
-    _, session = averaged
+    session = averaged
     arm = session.header.arm
     moved = replace(arm.points[0], position_m=arm.points[0].position_m + 0.01)
     with pytest.raises(ArmError, match=r"not where the session measured it \(17 mm off"):
@@ -127,7 +133,7 @@ def test_an_arm_that_does_not_match_is_refused(averaged, imported):
 
 
 def test_too_few_postures_or_points_say_what_to_measure(averaged, tmp_path):
-    _, session = averaged
+    session = averaged
     one = tmp_path / "one.h5"
     write_session(replace(session, frfs=session.frfs[:1]), one)
     problem = refused("gap", str(one))

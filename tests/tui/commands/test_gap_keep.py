@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
+from support.small_case import small_case
 from typer.testing import CliRunner
 
 from armodal.analyzer.arm.superset import Superset
@@ -20,7 +21,6 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, Verdict
-from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 from armodal.protocols.arm.rewrite import text_with_effects
@@ -32,7 +32,7 @@ from armodal.tui.command_parts.gap_results import check_arm_out, keep_gap
 @pytest.fixture(scope="module")
 def session(tmp_path_factory):
     """A session of an arm whose file has a payload and a rotor added before."""
-    plain = make_case(seed=8, arm="ur5").session()
+    plain = small_case(8, "ur5").session()
     evidence = EffectEvidence(
         gain_nats=200.0,
         held_out_gain_nats=20.0,

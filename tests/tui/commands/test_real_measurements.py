@@ -35,6 +35,7 @@ def test_three_measured_accelerances_fit_as_the_reference_does(tmp_path):
 
 
 @real
+@pytest.mark.long
 def test_five_measured_hits_are_all_kept_and_coherent(tmp_path):
     files = json.dumps([str(DATA / "hammer_hits_5" / f"m{i}.npy") for i in range(1, 6)])
     armodal("import", plain(tmp_path, files), "--out", tmp_path / "s.h5")

@@ -33,7 +33,7 @@ def test_the_plane_names_an_elbow_for_every_place():
     assert len(value["elbow"]) == len(value["postures_deg"]) > 1000
 
 
-@pytest.mark.parametrize("lines", [1, 2])
+@pytest.mark.parametrize("lines", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_the_best_angle_of_a_tool_that_may_turn_is_told_beside_the_given_one(tmp_path, lines):
     path, html = tmp_path / "p.csv", tmp_path / "s.html"
     path.write_text("0,-60,160,20,50,0\n10,-40,140,0,60,0\n"[: 18 * lines])

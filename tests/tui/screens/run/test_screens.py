@@ -35,7 +35,7 @@ from armodal.tui.screens.run.steps.step import Pane
 from armodal.tui.screens.run.views.parts import losses_text
 from armodal.tui.screens.run.views.posture import joints_text
 
-SIZES = [(80, 24), (160, 45), (250, 70)]
+SIZES = [(80, 24), *(pytest.param(s, marks=pytest.mark.long) for s in ((160, 45), (250, 70)))]
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -1,0 +1,51 @@
+"""Matrices of the equations on every line, and their inverses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import lapack
+
+from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.gap.model.assembly import System
+
+__all__ = ["dynamic_stiffness", "inverses"]
+
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_BLOCK = 64  # columns that LAPACK works on at a time
+
+
+def dynamic_stiffness(system: System, s: ComplexArray) -> ComplexArray:
+    """Return (P, L, n, n) s^2 M + s C + K + L(s) D; few coordinates have a damper or a loss."""
+    Z = (s**2)[..., None, None] * system.mass[:, None]
+    Z += system.stiffness[:, None]
+    for weight, matrix in ((s, system.damping), (hysteresis(s), system.loss)):
+        i, j = np.nonzero(matrix.any(axis=0))
+        Z[..., i, j] += weight[..., None] * matrix[:, None, i, j]
+    return np.asarray(Z)
+
+
+def inverses(A: ComplexArray) -> ComplexArray:
+    """Return the inverses of matrices (..., n, n).
+
+    By their factors, which is three quarters of the work of solving for the identity.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If one is singular.
+    """
+    found = np.empty_like(A)
+    n = A.shape[-1]
+    for one, inverse in zip(A.reshape(-1, n, n), found.reshape(-1, n, n), strict=True):
+        factors, pivots, failed = lapack.zgetrf(one.T)
+        if failed == 0:
+            inverse.T[:], failed = lapack.zgetri(
+                factors, pivots, lwork=_BLOCK * n, overwrite_lu=True
+            )
+        if failed != 0:
+            raise np.linalg.LinAlgError("Singular matrix")
+    return found
