@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.drifting import FOUR_HZ, TWO_HZ, drifting
-from support.simulated_frfs import EIGHT_HZ, eight_modes, record
+from support.simulated_frfs import EIGHT_HZ, eight_modes, modal_frf, poles_of, record
 
 from armodal.analyzer.modal import drift_told, fit_modes, synthesise
+from armodal.analyzer.modal.drift import settle_drift
+from armodal.analyzer.modal.regression import modal_data, regress
+from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.frf_records import FrfForm
 
 # Below a twentieth of a half-power bandwidth nothing can be seen to move; two are the most asked.
@@ -126,3 +129,20 @@ def test_a_measured_beam_has_four_modes_and_not_twelve():
         assert mode.mpc > 0.98
         (told,) = drift_told(model)
         assert told.half_power_bandwidths > 0.2
+
+
+def test_resonances_seen_at_other_points_are_not_one_that_moves():
+    rng = np.random.default_rng(8)
+    freq = 0.05 * np.arange(1400, 3301)
+    poles = poles_of([100.0, 130.0], [0.01, 0.01])
+    shapes = rng.standard_normal((2, 8, 1)) / (2j * poles.imag[:, None, None])
+    shapes[0, 4:], shapes[1, :4] = 0.0, 0.0  # each at half of the points alone
+    clean = modal_frf(poles, shapes, freq, FrfForm.ACCELERANCE)
+    noise = 1e-3 * np.abs(clean).max()
+    noisy = clean + noise * (rng.normal(size=clean.shape) + 1j * rng.normal(size=clean.shape))
+    data = modal_data(
+        FrfForm.ACCELERANCE, laplace_lines(freq, 0.0), noisy, np.full(clean.shape, 2.0 * noise**2)
+    )
+    between = poles_of([115.0], [2.0 / 115.0])  # as a fit of too few poles has it
+    fit = regress(data, between)
+    assert settle_drift(data, fit, np.arange(8), line_share=1.0, searched=True) is None
