@@ -31,8 +31,8 @@ __all__ = [
 # Damping over stiffness of a seat, a bearing, a bolted flange, s. Damping ratios are below 0.01 in
 # metals, 0.02 to 0.04 in continuous and 0.03 to 0.07 in jointed metal structures (Adams and
 # Askenazi, Building Better Products with Finite Element Analysis (1999)): loss factors of twice
-# that, 0.002 to 0.14, are 1.6 us at 200 Hz to 1.1 ms at 20 Hz. Mean and deviation of an even draw of
-# the logarithm between these.
+# that, 0.002 to 0.14, are 1.6 us at 200 Hz to 1.1 ms at 20 Hz. Mean and deviation of an even draw
+# of the logarithm between these.
 INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S = 1.7e-4, 2.6e-4
 
 # Loss factor of a joint's drive beside its dashpot. The same range, its lower half: what grows with

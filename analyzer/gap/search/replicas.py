@@ -1,9 +1,9 @@
 """Replicas of a session without any further effect, and what every effect would gain on them.
 
 A replica is the model fitted, with errors drawn anew: error modes of every posture (`error_modes`)
-and ordinary errors with their priors' deviations, but longer tails. A model is wrong in its form, which pulls an effect the same
-way in every posture. A session cannot tell that from the effect itself; it tells only that B
-postures bring B times the variance at most, and so much is drawn.
+and ordinary errors with their priors' deviations, but longer tails. A model is wrong in its form,
+which pulls an effect the same way in every posture. A session cannot tell that from the effect
+itself; it tells only that B postures bring B times the variance at most, and so much is drawn.
 
 Every effect at every place has a few columns beside the ordinary ones. What they gain after the
 ordinary parameters have followed is a product of matrices, so thousands of replicas cost as much as
