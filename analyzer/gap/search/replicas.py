@@ -117,11 +117,12 @@ def replica_gains(
         gains.append(_added(S, slope, one_sided))
         k = [p.name for p in instance.parameters].index(instance.size)
         ratios.append(float(np.var(slope[k]) / S[k, k]))
+    typical = float(np.median(ratios)) if ratios else 0.0  # of a library that only relaxes
     return Gains(
         instances=instances,
         replicas=np.array(gains),
-        dispersion=float(np.median(ratios)),
-        error_ratio=float(np.median(ratios)) / len(parts),
+        dispersion=typical,
+        error_ratio=typical / len(parts),
     )
 
 

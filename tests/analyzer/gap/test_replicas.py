@@ -120,6 +120,11 @@ def test_dispersion_counts_errors_of_all_postures_alike(linear):
 
 
 @pytest.mark.usefixtures("linear")
+def test_a_library_that_only_widens_priors_tells_of_no_errors():
+    assert replica_gains(None, null(), (), [LOOSE]).dispersion == 0.0
+
+
+@pytest.mark.usefixtures("linear")
 def test_what_has_no_column_has_no_gains_and_disturbs_none():
     exchanged = Instance(effect=SimpleNamespace(name="exchanged"), place="test 1")
     found = replica_gains(None, null(), [exchanged], [EITHER_WAY, exchanged])
