@@ -29,9 +29,8 @@ __all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate"]
 Array = npt.NDArray[np.float64]
 
 FALSE_NAME = 0.01  # the user's: accepted probability of a false name
-# Variance of errors in effects' directions over the assumed: twice its deviation. Right models have
-# 0.1 to 1.1, wrong ones 10 to 60 (docs/decisions/0029).
-_MOST_ERROR = 4.0
+# Variance of errors in effects' directions, over what is assumed of a right model.
+_MOST_ERROR = 1.0
 _HALF = 0.5  # of replicas: more than they leave is worth a search
 _UPPER = 0.05  # of replicas, by which a tail is modelled
 

@@ -56,7 +56,7 @@ def test_a_misfit_beyond_what_replicas_leave_is_outside_the_library_whatever_was
 def test_errors_larger_than_a_right_model_s_where_effects_feel_them_are_outside_the_library():
     final = fit_that_leaves(0.5)
     found = Rivals(present=final, rivals=())
-    for error_ratio, verdict in ((3.9, Verdict.NAMED), (4.1, Verdict.OUTSIDE_LIBRARY)):
+    for error_ratio, verdict in ((0.9, Verdict.NAMED), (1.1, Verdict.OUTSIDE_LIBRARY)):
         judged = Judged(
             named=None,
             standing=(),
