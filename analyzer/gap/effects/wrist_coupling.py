@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -51,12 +52,20 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
         assembly.columns[at] = assembly.columns[at] - values[name] * turned
         assembly.motion_of[name] = [(at, -turned)]
 
+    def alternatives(
+        values: Mapping[str, float],
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        """Without a ratio it is the driven joint that gives way."""
+        rest = {k: v for k, v in values.items() if k != name}
+        return [(i, rest) for i in all_instances(ordinary) if i.key == ("released_joint", b)]
+
     return Instance(
         effect=WORDS,
         place=f"{a} and {b}",
         parameters=(Parameter(name=name, unit="", mean=0.0, std=_STD),),
         relaxes={own: compliance_parameter(own, ordinary, driven)},
         builder=build,
+        alternatives=alternatives,
         size=name,
         material=_MATERIAL,
     )
