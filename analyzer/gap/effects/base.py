@@ -34,6 +34,7 @@ _FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
 _HEIGHT_M, _HEIGHT_STD_M, _PIVOT_STD_M = 0.1, 0.1, 0.1
 # Of the moving mass. Pedestals weigh from a tenth of the arm to as much. No source: assumed.
 _MASS, _MASS_STD, _MASS_MOST = 0.3, 0.3, 2.0
+_ANY_TURN = np.pi / 2.0  # rad, either way: then the one line is the other
 # Radii of gyration of a disc over its radius, squared; the disc is the plate on its bolts.
 _DISC = np.diag([0.25, 0.25, 0.5])
 _UP = skew(np.array([0.0, 0.0, 1.0]))
@@ -42,17 +43,21 @@ _UP = skew(np.array([0.0, 0.0, 1.0]))
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
-    mass, height, pivot = "base mass", "base height", "base pivot"
+    mass, height, pivot, turn = "base mass", "base height", "base pivot", "base turn"
     radii_2_m2 = _DISC * 2.0 * ordinary.base_lever_m**2  # the lever is radius over root 2
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        by_pivot = []
-        for i, name in enumerate(names[3:5]):  # rocking about a line through the pivot
-            at, way = assembly.names[name], np.zeros(ordinary.superset.n)
-            way[:3] = _UP[:, i]
-            assembly.columns[at] = assembly.columns[at] + values[pivot] * way
-            by_pivot.append((at, way))
-        assembly.motion_of[pivot] = by_pivot
+        c, s = np.cos(values[turn]), np.sin(values[turn])
+        rocking = np.zeros((2, ordinary.superset.n))  # about lines through the pivot
+        lower = np.zeros((2, ordinary.superset.n))
+        rocking[:, 3:5], lower[:, :3] = np.eye(2), _UP[:, :2].T
+        rocking += values[pivot] * lower
+        turned, across = np.array([[c, s], [-s, c]]), np.array([[-s, c], [-c, -s]])
+        at = [assembly.names[name] for name in names[3:5]]
+        for i, column in zip(at, turned @ rocking, strict=True):
+            assembly.columns[i] = column
+        assembly.motion_of[pivot] = list(zip(at, turned @ lower, strict=True))
+        assembly.motion_of[turn] = list(zip(at, across @ rocking, strict=True))
         here, by_mass, by_height = _inertia(values[mass], values[height], radii_2_m2)
         assembly.base_inertia = assembly.base_inertia + here
         assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
@@ -98,6 +103,15 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     std=_PIVOT_STD_M,
                     low=-_FARTHEST_M,
                     high=_FARTHEST_M,
+                ),
+                # Softest about any level line: an even draw's deviation.
+                Parameter(
+                    name=turn,
+                    unit="rad",
+                    mean=0.0,
+                    std=_ANY_TURN / np.sqrt(3.0),
+                    low=-_ANY_TURN,
+                    high=_ANY_TURN,
                 ),
             ),
             relaxes=relaxes,

@@ -143,7 +143,7 @@ def test_a_damper_stretches_with_what_moves_a_coordinate_otherwise(lines, ordina
     axis = link_axis.at_axis(ordinary, 2, AXIS, np.array([0.02, 0.03, 0.01]))
     damper = kinds["nonproportional"]
     others = [
-        (kinds["base"], ["base pivot"]),
+        (kinds["base"], ["base pivot", "base turn"]),
         (axis, [p.name for p in axis.parameters[2:]]),
         (kinds["wrist_coupling"], [kinds["wrist_coupling"].size]),
     ]
@@ -152,6 +152,7 @@ def test_a_damper_stretches_with_what_moves_a_coordinate_otherwise(lines, ordina
         space = hypothesis.space()
         u = np.clip(space.start() + 0.3, space.low, space.high)
         u[space.index[damper.size]] = 1.0
+        u[space.index["base rock x"]] += 0.5  # not as soft as about the other line
         _, dy = posed.derivatives(hypothesis, lines, space, space.values(u))
         for name in names:
             i = space.index[name]
@@ -160,6 +161,25 @@ def test_a_damper_stretches_with_what_moves_a_coordinate_otherwise(lines, ordina
             np.testing.assert_allclose(
                 dy[i], want, atol=1e-3 * np.abs(want).max(), rtol=0, err_msg=name
             )
+
+
+def test_a_base_turned_a_quarter_is_one_that_rocks_about_the_other_line(lines, ordinary, posed):
+    (base,) = (i for i in all_instances(ordinary) if i.effect.name == "base")
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(base,))
+    space = hypothesis.space()
+    values = space.values(space.start())
+    soft, stiff = 2e-6, 5e-7
+
+    def response(x, y, turn):
+        here = {**values, "base rock x": x, "base rock y": y, "base turn": turn}
+        return Postures([posed], [lines]).response(hypothesis, here).values
+
+    along = response(soft, stiff, 0.0)
+    np.testing.assert_allclose(
+        response(stiff, soft, np.pi / 2), along, rtol=1e-9, atol=1e-9 * np.abs(along).max()
+    )
+    between = response(soft, stiff, np.pi / 4)
+    assert np.abs(between - along).max() > 1e-3 * np.abs(along).max()
 
 
 def test_the_equations_are_reciprocal(lines, ordinary, posed):
