@@ -1,4 +1,4 @@
-"""Fit of one hypothesis by Levenberg-Marquardt, its priors and bounds included.
+"""Fit of one hypothesis by Levenberg's steps, its priors and bounds included.
 
 Vectors count prior standard deviations, so the prior's curvature is the identity. At a bound a
 parameter whose slope points outward rests.
@@ -16,6 +16,12 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.inference.box import least_in_box
+from armodal.analyzer.gap.inference.levenberg import (
+    FIRST_DAMPING,
+    damped_step,
+    next_damping,
+    promise,
+)
 from armodal.analyzer.gap.model.assembly import BASE
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -33,11 +39,6 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 TOLERANCE = 0.05  # of cost
 _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
-# Of the priors' curvature, which is one: with as much a step goes half its way where the data tell
-# nothing, and all of it where they tell.
-_FIRST_DAMPING, _LEAST_DAMPING = 1.0, 1e-3
-_FELT = 0.1  # damping after a step that failed: less hardly changes the next
-_POOR, _GOOD = 0.25, 0.6  # of what a step promised: below and above, the damping changes
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
 _TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
@@ -58,7 +59,7 @@ class Fit:
     free: npt.NDArray[np.bool_]  # (n,) not at a bound
     converged: bool
     n_iterations: int
-    damping: float = _FIRST_DAMPING  # that its next step would have
+    damping: float = FIRST_DAMPING  # that its next step would have
     on: tuple[Stage, tuple[int, ...]] | None = None  # where slope and curvature are those at u
 
     @property
@@ -104,7 +105,7 @@ class Fit:
         """
         A = self.curvature + np.eye(len(self.u))
         low, high = self.space.low - self.u, self.space.high - self.u
-        return _promise(A, self.slope, least_in_box(A, self.slope, low, high))
+        return promise(A, self.slope, least_in_box(A, self.slope, low, high))
 
     def covariance(self, inflation: float = 1.0) -> Array:
         """Return (n, n) covariance in units of the priors; `inflation` of the data's variance."""
@@ -293,7 +294,7 @@ def fit_hypothesis(
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
     u = space.start(start) if resumed is None else resumed.u
-    damping = _FIRST_DAMPING
+    damping = FIRST_DAMPING
     if resumed is not None and resumed.on is not None and resumed.on == (stage, used):
         misfit, damping = resumed.misfit, resumed.damping
         now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
@@ -311,13 +312,13 @@ def fit_hypothesis(
         slope = now.gradient + u
         gained = 0.0
         for _ in range(_TRIALS):
-            step, promised = _damped_step(space, u, slope, now.curvature, damping)
+            step, promised = damped_step(space, u, slope, now.curvature, damping)
             if promised < _NOTHING * max(tolerance, _PART * cost):
                 break
             trial = np.clip(u + step, space.low, space.high)
             trial_cost = _cost(stage, hypothesis, space, trial, used)
             kept = (cost - trial_cost) / promised
-            damping = _next_damping(damping, kept)
+            damping = next_damping(damping, kept)
             if kept > 0.0:
                 gained, moved = cost - trial_cost, True
                 u, cost = trial, trial_cost
@@ -368,33 +369,6 @@ def _cost(
     except np.linalg.LinAlgError:
         return float("inf")
     return misfit + 0.5 * float(u @ u)
-
-
-def _damped_step(
-    space: Space, u: Array, slope: Array, curvature: Array, damping: float
-) -> tuple[Array, float]:
-    """The step within the bounds that is best by the damped quadratic; what it promises undamped.
-
-    Levenberg, Quart. Appl. Math. 2 (1944) 164, in prior deviations: the length of a step is
-    measured by what one believed. Damped by its own curvature (Marquardt 1963) a parameter whose
-    effect others take back would hardly move (`docs/decisions/0010-steps-within-bounds.md`).
-    """
-    A = curvature + np.eye(len(u))
-    step = least_in_box(A + damping * np.eye(len(u)), slope, space.low - u, space.high - u)
-    return step, _promise(A, slope, step)
-
-
-def _promise(A: Array, slope: Array, step: Array) -> float:
-    return -float(slope @ step + 0.5 * step @ (A @ step))
-
-
-def _next_damping(damping: float, kept: float) -> float:
-    """By how much of what a step promised it kept."""
-    if not kept > 0.0:
-        return max(10.0 * damping, _FELT)
-    if kept < _POOR:
-        return 4.0 * damping
-    return max(damping / 10.0, _LEAST_DAMPING) if kept > _GOOD else damping
 
 
 def _resting(space: Space, u: Array, slope: Array) -> npt.NDArray[np.bool_]:

@@ -190,7 +190,6 @@ def _begun(
     richer = replace(present, instances=(*present.instances, candidate.instance))
     values = about.values
     starts: list[Mapping[str, float]] = [values, start]
-    own = 0 if also is None else 1
     if also is not None and also is not about:
         starts.append(also.values)
     for base in [values] if also is None else [values, also.values]:
@@ -198,11 +197,10 @@ def _begun(
             starts += [_part_of_the_way(base, candidate, part) for part in _PARTS]
         if candidate.instance.initial_values is not None:
             starts += candidate.instance.initial_values(base)
-    begins = {id(begin): begin for begin in (better_start(stage, richer, starts), *starts[:own])}
-    fits = [
-        fit_hypothesis(stage, richer, start=begin, max_iterations=steps)
-        for begin in begins.values()
-    ]
+    best = better_start(stage, richer, starts)
+    fits = [fit_hypothesis(stage, richer, start=best, max_iterations=steps)]
+    if also is not None and best is not values:
+        fits.append(fit_hypothesis(stage, richer, start=values, max_iterations=steps))
     return min(fits, key=lambda fit: fit.evidence)
 
 
