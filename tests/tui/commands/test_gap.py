@@ -125,17 +125,15 @@ def test_an_arm_that_does_not_match_is_refused(averaged, imported):
     problem = refused("gap", str(imported), "--arm", "rv4frl")
     assert isinstance(problem, ArmError)
     assert "does not match the session: wanted the joints" in str(problem)
-    session = averaged
-    arm = session.header.arm
+    arm = averaged.header.arm
     moved = replace(arm.points[0], position_m=arm.points[0].position_m + 0.01)
     with pytest.raises(ArmError, match=r"not where the session measured it \(17 mm off"):
-        with_arm(session, replace(arm, points=(moved, *arm.points[1:])))
+        with_arm(averaged, replace(arm, points=(moved, *arm.points[1:])))
 
 
 def test_too_few_postures_or_points_say_what_to_measure(averaged, tmp_path):
-    session = averaged
     one = tmp_path / "one.h5"
-    write_session(replace(session, frfs=session.frfs[:1]), one)
+    write_session(replace(averaged, frfs=averaged.frfs[:1]), one)
     problem = refused("gap", str(one))
     assert isinstance(problem, EstimateError)
     assert "at least 2 postures" in str(problem)

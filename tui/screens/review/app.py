@@ -124,8 +124,7 @@ class ReviewApp(PrintableApp[int]):
         self.problem: ArmodalError | None = None
         self.next_run: NextRun | None = None
         self._opened, self._clock = opened, clock
-        self._environment = environment
-        self._command = command
+        self._environment, self._command = environment, command
         self.state: ReviewState | None = None
 
     def compose(self) -> Iterable[Widget]:
