@@ -89,7 +89,7 @@ def find_rivals(
     """
     *_, sharp = stages
     start = dict(start or {})
-    tell("the arm as believed" if not present.instances else present.name)
+    tell("the arm as believed" + "".join(f", with: {i.title}" for i in present.instances))
     base = _annealed(stages, present, start, fitted)
     others = other_candidates(sharp, base[-1])
     looked = all_candidates(
@@ -155,7 +155,9 @@ def _far(
     for before, stage, steps, kept in zip(stages, stages[1:], _STEPS[1:], _KEPT[1:], strict=False):
         fits = [*fits, *_alternatives(before, fits[:_LEADING], _FIRST)]
         fits = _hopeful([f for f in fits if f.last.key not in without])[:kept]
-        tell(fits[0].hypothesis.name if fits else "nothing")
+        if not fits:
+            return []
+        tell(f"{len(fits)} candidates fitted on sharper lines, first: {fits[0].hypothesis.name}")
         fits = _hopeful([_further(stage, f, steps) for f in fits])
     return fits
 
