@@ -26,7 +26,7 @@ NARROWS = "which would widen the range of k of"  # in the reason of a test that 
 _SEED = 2718  # proposals are repeatable
 _MOST_RIVALS = 3
 _WIDE = 0.05  # of ln k: a hidden effect that moves a stiffness so far is worth a test
-_MUCH = 1000  # nats: how much more does not matter
+_MUCH = 1000  # to one: how much more does not matter
 _WEAK = 20.0  # of evidence: the best rival may be there, and is worth a test
 _WORTH = 3.0  # nats: less is not worth an hour in the lab
 
@@ -90,8 +90,8 @@ def advise(
         alike = ", or ".join(fit.title for fit in standing[:_MOST_RIVALS])
         words = f"no further test here is expected to tell apart: {alike}"
         return Advice(why_none=words if len(standing) > 1 else "")
-    much = f"{gain:.0f}" if gain < _MUCH else f"more than {_MUCH}"
-    words = f"{test.words}; expected evidence {much} nats"
+    odds = f"{np.exp(gain):.0f}" if gain < np.log(_MUCH) else f"more than {_MUCH}"
+    words = f"{test.words}; expected to decide by odds of {odds} to 1"
     try:
         text = plan_text(test, plan, final.hypothesis.ordinary.arm, comment=f"Proposed: {why}")
     except PlanError as problem:

@@ -230,8 +230,6 @@ def _next_test(found: Mapping[str, Any]) -> RenderableType | None:
     told = Text("Next test: ", style="bold").append(str(test.get("words", "not told")))
     if test.get("why"):
         told.append(f"\n  why: {test['why']}", style="not bold")
-    if isinstance(test.get("gain"), (int, float)):
-        told.append(f"\n  expected gain: {_number(test['gain'], 3)} nats of evidence", "not bold")
     return told.append("\n  n: write it as a plan, and measure it", style="not bold")
 
 

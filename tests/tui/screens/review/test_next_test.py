@@ -41,7 +41,7 @@ def proposing(session):
 
 def test_the_next_test_is_shown_with_its_reason_and_its_key(session):
     shown = plain(gap_view(proposing(session)))
-    for words in ("Hit point 7 along y.", "why: It tells", "12.5 nats", "n: write it as a plan"):
+    for words in ("Hit point 7 along y.", "why: It tells", "n: write it as a plan"):
         assert words in shown
     assert "plan_toml" not in shown
 
