@@ -62,6 +62,11 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         assembly.base_inertia = assembly.base_inertia + here
         assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
 
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        """Level lines in the base's frame that it rocks about."""
+        c, s = float(np.cos(values[turn])), float(np.sin(values[turn]))
+        return {"rock_x_about": [c, s, 0.0], "rock_y_about": [-s, c, 0.0]}
+
     rock = compliance_parameter("", ordinary, 0)
     relaxes = {
         name: Parameter(
@@ -116,6 +121,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             ),
             relaxes=relaxes,
             builder=build,
+            describe=describe,
             size=names[3],
             sizes=tuple(names[3:6]),
             side_sizes=tuple(

@@ -131,6 +131,16 @@ def test_a_base_that_turns_about_the_vertical_alone_is_worth_a_name():
     assert instance.is_material({**nothing, turns: 2.0 * instance.material})
 
 
+def test_the_level_lines_a_base_rocks_about_are_told():
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    (instance,) = base.instances(ordinary)
+    (turn,) = (name for name in instance.owned if name.endswith("turn"))
+    told = instance.describe({turn: np.pi / 6.0})
+    # Cosine and sine of 30 degrees; the other line is across.
+    assert told["rock_x_about"] == pytest.approx([np.sqrt(0.75), 0.5, 0.0])
+    assert told["rock_y_about"] == pytest.approx([-0.5, np.sqrt(0.75), 0.0])
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_parameter_at_its_bound_has_a_one_sided_interval(side):
     """95 % of the draws of such a density lie inside, another parameter free beside it."""
