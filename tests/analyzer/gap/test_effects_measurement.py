@@ -72,6 +72,26 @@ def test_turned_hits_are_hits_along_the_turned_direction(posed, ordinary, lines)
     )
 
 
+def test_where_the_hammer_roves_the_hits_of_one_posture_may_be_turned(posed, ordinary, lines):
+    """As a common turn does there, and nothing elsewhere."""
+    common, here = hit_direction.instances(ordinary)
+    by = (0.1, -0.05, 0.2)
+    turned = [
+        predicted(posed, ordinary, lines, (own,), **dict(zip(own.sizes, by, strict=True)))
+        for own in (common, here)
+    ]
+    np.testing.assert_array_equal(*turned)
+    other = replace(lines, name="another posture")
+    np.testing.assert_array_equal(
+        predicted(posed, ordinary, other, (here,), **dict(zip(here.sizes, by, strict=True))),
+        predicted(posed, ordinary, other),
+    )
+    alone = replace(ordinary, hit_points=("b1",))
+    assert [own.effect.name for own in hit_direction.instances(alone) if own.relaxes] == [
+        "hit_direction"
+    ]
+
+
 def test_exchanged_points_are_recorded_under_each_other_s_name(posed, ordinary, lines):
     y = predicted(posed, ordinary, lines)
     got = predicted(posed, ordinary, lines, (wrong_point.exchanged(ordinary, "k2", "l1"),))
