@@ -138,3 +138,18 @@ def test_missing_inertials_share_what_the_data_sheet_leaves(tmp_path):
     assert any("by share of 30 kg" in guess.text for guess in said.of("guess"))
     without = believed_links(bodies, doubts, Remarks())
     assert (without.mass, believed.mass) == (0.45, 0.3)
+
+
+def test_a_picture_with_parts_far_off_gives_way_to_the_shape_to_run_into(tmp_path):
+    robot = six_joints()
+    seen = '<visual><geometry><box size="9 0.1 0.1"/></geometry></visual>'
+    text = robot.urdf()
+    start = text.index("<visual>", text.index('<link name="forearm">'))
+    text = text[:start] + seen + text[text.index("</visual>", start) + len("</visual>") :]
+    said = Remarks()
+    bodies = arm_bodies(cut_chain(read_tree(text, tmp_path, said), said), said)
+    forearm = next(body for body in bodies if body.name == "forearm")
+    assert forearm.seen.size_m == max(robot.links[3].box_m)
+    (note,) = (note.text for note in said.of("note"))
+    assert "got 9 m; the link's other shapes serve" in note
+    assert said.of("fault") == ()
