@@ -1,26 +1,21 @@
-"""Inertials of links of which none is given, or none to be believed: from their hulls.
-
-Links are not uniform: gears, motors and bearings sit in the short ones, long ones are tubes. Over
-the moving links of 19 public arms that have meshes and inertials the density of a link's convex
-hull falls with its slenderness,
-
-    density = DENSITY · compactness ** SLENDER,
-
-compactness the hull's volume over that of a ball with the same mean square about its centre. The
-exponent holds from maker to maker: fitted to all makers but one it is 0.48 to 0.61, and tells the
-links of the one left out to a factor of 1.37 (one standard deviation), against 1.65 with one
-density (`bench/bench_own_arm.py --inertials`, docs/own-arm.md).
-"""
+"""Inertials of links of which none is given, or none to be believed: from their hulls."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from armodal.analyzer.own_arm.bodies import ArmBody
-from armodal.analyzer.own_arm.plausible import NEAR_MISS, Doubts, nearest_body
+from armodal.analyzer.own_arm.hull_mass import (
+    DENSITY,
+    MASS_KNOWN_TOTAL,
+    MASS_NO_TOTAL,
+    SLENDER,
+    hull_mass,
+)
+from armodal.analyzer.own_arm.plausible import NEAR_MISS, Doubts, nearest_body, on_a_frame
 from armodal.analyzer.own_arm.surface import Surface
 from armodal.protocols.arm.inertial import physical_link
 from armodal.protocols.arm.records import InertialLink
@@ -28,13 +23,10 @@ from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.records import Inertial
 from armodal.protocols.robot.remarks import Remarks
 
-__all__ = ["BelievedLinks", "believed_links", "compactness", "guessed_inertial"]
+__all__ = ["BelievedLinks", "believed_links", "guessed_inertial"]
 
-DENSITY = 1750.0  # kg/m³ over the hull of a ball
-SLENDER = 0.55
-# One standard deviation over those arms' links: of the mass with the arm's total known and without,
-# of the moments beyond the mass, and of the centre in parts of the body's longest side.
-MASS_KNOWN_TOTAL, MASS_NO_TOTAL = 0.30, 0.45
+# One standard deviation over the arms of `hull_mass`: of the moments beyond the mass, and of the
+# centre in parts of the body's longest side.
 INERTIA = 0.35
 CENTER_OF_SIZE = 0.08
 # As a maker's drawings give them, rounded, without cables.
@@ -51,14 +43,6 @@ class BelievedLinks:
     mass: float
     inertia: float
     center_m: float
-
-
-def compactness(surface: Surface) -> float:
-    """Volume of the hull over that of a ball of the same mean square; 1 for a ball."""
-    filled = surface.hull_filling
-    # A ball of radius R has the mean square 3 R²/5.
-    radius = np.sqrt(5.0 / 3.0 * np.trace(filled.second_m2))
-    return float(filled.volume_m3 / (4.0 / 3.0 * np.pi * radius**3))
 
 
 def guessed_inertial(surface: Surface, mass_kg: float) -> Inertial:
@@ -87,7 +71,8 @@ def believed_links(
     doubts
         What is given and not believed. A doubted spread alone leaves the mass.
     total_kg
-        Mass of the whole arm, base included: what is guessed shares what is left of it.
+        Mass of the whole arm, base included unless the base is a frame that the arm stands on:
+        what is guessed shares what is left of it.
 
     Returns
     -------
@@ -95,11 +80,16 @@ def believed_links(
         None after a fault: a link that no inertial can be found for.
     """
     weighed = {
-        body.name: body.inertial.mass_kg
+        body.name: doubts.scale * body.inertial.mass_kg
         for body in bodies[1:]
         if body.inertial is not None and body.name not in doubts.mass
     }
-    masses = _masses(bodies, weighed, total_kg)
+    masses = _masses(_weighed_together(bodies, total_kg, said), weighed, total_kg)
+    if doubts.scale != 1.0:
+        said.guess(
+            "arm",
+            f"masses and moments as described times {doubts.scale:.3g}, to the data sheet's mass",
+        )
     links = []
     guessed = []
     for body in bodies[1:]:
@@ -109,7 +99,7 @@ def believed_links(
             own = guessed_inertial(body.seen, masses[body.name])
             shape = "convex hull" if body.drawn else "capsule"
             if body.name in weighed:
-                by = "as described"
+                by = "as described" if doubts.scale == 1.0 else "as described, scaled"
             elif total_kg is not None:
                 by = f"by share of {total_kg:g} kg"
             else:
@@ -118,6 +108,12 @@ def believed_links(
                 f"link {body.name}",
                 f"inertial of its {shape}, {own.mass_kg:.3g} kg {by} (docs/own-arm.md)",
             )
+        elif doubts.scale != 1.0:
+            own = replace(
+                own,
+                mass_kg=doubts.scale * own.mass_kg,
+                inertia_kg_m2=doubts.scale * own.inertia_kg_m2,
+            )
         try:
             links.append(_physical(body.name, own, said))
         except ArmError as problem:
@@ -125,6 +121,7 @@ def believed_links(
     if said.of("fault"):
         return None
     mass, inertia, center = GIVEN
+    mass = max(mass, abs(float(np.log(doubts.scale))))
     if len(weighed) < len(links):
         mass = MASS_NO_TOTAL if total_kg is None else MASS_KNOWN_TOTAL
     if guessed:
@@ -139,19 +136,28 @@ def believed_links(
     )
 
 
+def _weighed_together(
+    bodies: Sequence[ArmBody], total_kg: float | None, said: Remarks
+) -> Sequence[ArmBody]:
+    """The bodies that the data sheet's mass is of."""
+    if total_kg is None or not on_a_frame(bodies, total_kg):
+        return bodies
+    said.note(
+        f"link {bodies[0].name}",
+        f"too heavy or too large for an arm's base: the {total_kg:g} kg are the moving links'",
+    )
+    return bodies[1:]
+
+
 def _masses(
     bodies: Sequence[ArmBody], weighed: dict[str, float], total_kg: float | None
 ) -> dict[str, float]:
     """Mass of every body, kg: as described, or by hull with all others of a known total."""
-    weights = {
-        body.name: DENSITY * body.seen.hull_filling.volume_m3 * compactness(body.seen) ** SLENDER
-        for body in bodies
-        if body.name not in weighed
-    }
+    weights = {body.name: hull_mass(body.seen) for body in bodies if body.name not in weighed}
     if total_kg is None:
         return weighed | weights
     left = total_kg - sum(weighed.values())
-    scale = max(left, 0.0) / sum(weights.values())
+    scale = max(left, 0.0) / max(sum(weights.values()), 1e-12)
     return weighed | {name: scale * weight for name, weight in weights.items()}
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.robot_files import six_joints
 
 from armodal.analyzer.own_arm.bodies import arm_bodies
-from armodal.analyzer.own_arm.guess import believed_links
+from armodal.analyzer.own_arm.guess import believed_links, guessed_inertial
 from armodal.analyzer.own_arm.plausible import doubted, nearest_body
 from armodal.protocols.robot.chain import cut_chain
 from armodal.protocols.robot.remarks import Remarks
@@ -153,3 +156,36 @@ def test_a_picture_with_parts_far_off_gives_way_to_the_shape_to_run_into(tmp_pat
     (note,) = (note.text for note in said.of("note"))
     assert "got 9 m; the link's other shapes serve" in note
     assert said.of("fault") == ()
+
+
+def test_masses_that_miss_the_data_sheet_by_less_than_a_guess_would_are_scaled(tmp_path):
+    robot = six_joints()
+    bodies, _, _ = looked(robot, tmp_path)
+    base = replace(bodies[0], inertial=guessed_inertial(bodies[0].seen, 4.0))
+    bodies = (base, *bodies[1:])
+    whole = 4.0 + sum(link.mass() for link in robot.links)
+    for factor, kept in ((1.2, True), (2.0, False)):
+        said = Remarks()
+        doubts = doubted(bodies, said, total_kg=factor * whole)
+        assert "the data sheet's mass is" in str(said.of("doubt")[0])
+        believed = believed_links(bodies, doubts, said, total_kg=factor * whole)
+        assert (believed.guessed == ()) is kept
+        if kept:
+            assert [link.mass_kg for link in believed.links] == pytest.approx(
+                [factor * link.mass() for link in robot.links], rel=1e-5
+            )
+            assert believed.mass == pytest.approx(math.log(factor))
+
+
+def test_a_base_that_is_a_pedestal_is_not_weighed_with_the_arm(tmp_path):
+    robot = six_joints()
+    bodies, _, _ = looked(robot, tmp_path)
+    moving = sum(link.mass() for link in robot.links)
+    pedestal = replace(bodies[0], inertial=guessed_inertial(bodies[0].seen, 10.0 * moving))
+    said = Remarks()
+    doubts = doubted((pedestal, *bodies[1:]), said, total_kg=moving)
+    assert said.of("doubt") == ()
+    bare = [replace(body, inertial=None) for body in bodies[1:]]
+    believed = believed_links((pedestal, *bare), doubts, said, total_kg=moving)
+    assert sum(link.mass_kg for link in believed.links) == pytest.approx(moving)
+    assert any("too heavy or too large for an arm's base" in str(n) for n in said.of("note"))
