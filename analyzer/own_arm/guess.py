@@ -11,6 +11,7 @@ from armodal.analyzer.own_arm.bodies import ArmBody
 from armodal.analyzer.own_arm.hull_mass import (
     DENSITY,
     MASS_KNOWN_TOTAL,
+    MASS_LAST,
     MASS_NO_TOTAL,
     SLENDER,
     hull_mass,
@@ -18,31 +19,46 @@ from armodal.analyzer.own_arm.hull_mass import (
 from armodal.analyzer.own_arm.plausible import NEAR_MISS, Doubts, nearest_body, on_a_frame
 from armodal.analyzer.own_arm.surface import Surface
 from armodal.protocols.arm.inertial import physical_link
-from armodal.protocols.arm.records import InertialLink
+from armodal.protocols.arm.records import InertialLink, InertialStd
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.records import Inertial
 from armodal.protocols.robot.remarks import Remarks
 
 __all__ = ["BelievedLinks", "believed_links", "guessed_inertial"]
 
-# One standard deviation over the arms of `hull_mass`: of the moments beyond the mass, and of the
-# centre in parts of the body's longest side.
-INERTIA = 0.35
+# One standard deviation over the links of the same 26 arms: of the moments beyond the mass, and of
+# the centre in parts of the body's longest side, rounded up.
+INERTIA = 0.47
 CENTER_OF_SIZE = 0.08
 # As a maker's drawings give them, rounded, without cables.
 GIVEN = (0.05, 0.1, 0.005)
+DATA_SHEET = 0.02  # of its mass, which is rounded and may count cables
 _ROUNDING = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BelievedLinks:
-    """Inertials to put in the arm file, with one standard deviation of the worst of them."""
+    """Inertials to put in the arm file, and how well each is known."""
 
     links: tuple[InertialLink, ...]
     guessed: tuple[str, ...]
-    mass: float
-    inertia: float
-    center_m: float
+    stds: tuple[InertialStd, ...]  # of each link
+    moving_mass: float | None  # relative, of all links together, where a total is shared
+
+    @property
+    def mass(self) -> float:
+        """Relative standard deviation of the worst mass."""
+        return max(std.mass for std in self.stds)
+
+    @property
+    def inertia(self) -> float:
+        """Relative standard deviation of the worst moments."""
+        return max(std.inertia for std in self.stds)
+
+    @property
+    def center_m(self) -> float:
+        """Standard deviation of the worst centre."""
+        return max(std.center_m for std in self.stds)
 
 
 def guessed_inertial(surface: Surface, mass_kg: float) -> Inertial:
@@ -84,7 +100,8 @@ def believed_links(
         for body in bodies[1:]
         if body.inertial is not None and body.name not in doubts.mass
     }
-    masses = _masses(_weighed_together(bodies, total_kg, said), weighed, total_kg)
+    together = _weighed_together(bodies, total_kg, said)
+    masses = _masses(together, weighed, total_kg)
     if doubts.scale != 1.0:
         said.guess(
             "arm",
@@ -120,19 +137,48 @@ def believed_links(
             said.fault(f"link {body.name}", str(problem))
     if said.of("fault"):
         return None
-    mass, inertia, center = GIVEN
-    mass = max(mass, abs(float(np.log(doubts.scale))))
-    if len(weighed) < len(links):
-        mass = MASS_NO_TOTAL if total_kg is None else MASS_KNOWN_TOTAL
-    if guessed:
-        inertia = INERTIA
-        center = max(center, CENTER_OF_SIZE * max(body.seen.size_m for body in guessed))
+    names = {body.name for body in guessed}
+    stds = tuple(
+        _std(body, body.name in weighed, body.name in names, body is bodies[-1], doubts, total_kg)
+        for body in bodies[1:]
+    )
     return BelievedLinks(
         links=tuple(links),
         guessed=tuple(body.name for body in guessed),
-        mass=mass,
-        inertia=inertia,
-        center_m=center,
+        stds=stds,
+        moving_mass=None
+        if total_kg is None or len(weighed) == len(links)
+        else _moving_mass_std(links, stds, masses.get(bodies[0].name, 0.0), total_kg),
+    )
+
+
+def _std(
+    body: ArmBody,
+    weighed: bool,
+    guessed: bool,
+    last: bool,
+    doubts: Doubts,
+    total_kg: float | None,
+) -> InertialStd:
+    mass, inertia, center = GIVEN
+    mass = max(mass, abs(float(np.log(doubts.scale))))
+    if not weighed:
+        mass = MASS_NO_TOTAL if total_kg is None else MASS_KNOWN_TOTAL
+        mass = max(mass, MASS_LAST) if last else mass
+    if guessed:
+        inertia, center = INERTIA, max(center, CENTER_OF_SIZE * body.seen.size_m)
+    return InertialStd(mass=mass, inertia=inertia, center_m=center)
+
+
+def _moving_mass_std(
+    links: Sequence[InertialLink], stds: Sequence[InertialStd], base_kg: float, total_kg: float
+) -> float:
+    """How well the moving links' sum is known, relative: the base may have taken of theirs."""
+    moving = sum((std.mass * link.mass_kg) ** 2 for std, link in zip(stds, links, strict=True))
+    base = (MASS_KNOWN_TOTAL * base_kg) ** 2
+    shared = base * moving / max(base + moving, 1e-12)
+    return float(
+        np.sqrt(shared + (DATA_SHEET * total_kg) ** 2) / sum(link.mass_kg for link in links)
     )
 
 

@@ -18,12 +18,21 @@ import numpy as np
 
 from armodal.analyzer.own_arm.surface import Surface
 
-__all__ = ["DENSITY", "MASS_KNOWN_TOTAL", "MASS_NO_TOTAL", "SLENDER", "compactness", "hull_mass"]
+__all__ = [
+    "DENSITY",
+    "MASS_KNOWN_TOTAL",
+    "MASS_LAST",
+    "MASS_NO_TOTAL",
+    "SLENDER",
+    "compactness",
+    "hull_mass",
+]
 
 DENSITY = 1750.0  # kg/m³ over the hull of a ball
 SLENDER = 0.55
-# One standard deviation over those arms' links, with the arm's total known and without.
-MASS_KNOWN_TOTAL, MASS_NO_TOTAL = 0.30, 0.45
+# One standard deviation of the logarithm over the links of 26 other arms of nine makers, with the
+# arm's total known; without one over the first 20. The last link may be a bare flange.
+MASS_KNOWN_TOTAL, MASS_NO_TOTAL, MASS_LAST = 0.35, 0.45, 0.60
 
 
 def compactness(surface: Surface) -> float:

@@ -68,7 +68,9 @@ def test_a_wrist_of_that_radius_loses_its_spread_and_keeps_its_mass(tmp_path):
     believed = believed_links(bodies, doubts, said)
     assert believed.guessed == ("wrist",)
     assert believed.links[4].mass_kg == 1.2
-    assert believed.inertia == 0.35
+    # One guessed spread is not that of the links around it.
+    assert [std.inertia for std in believed.stds] == [0.1] * 4 + [0.47, 0.1]
+    assert believed.moving_mass is None
     a, b, c = np.square(wrist.box_m)
     np.testing.assert_allclose(
         np.diag(believed.links[4].inertia_kg_m2), 1.2 / 12 * np.array([b + c, a + c, a + b])
@@ -90,7 +92,7 @@ def test_an_arm_of_solid_metal_is_doubted_and_the_data_sheet_decides(tmp_path):
     believed = believed_links(bodies, doubts, said, total_kg=0.4 * whole)
     base_share = 0.4 * whole - sum(link.mass_kg for link in believed.links)
     assert 0.0 < base_share < 0.4 * 0.4 * whole
-    assert believed.mass == 0.3
+    assert [std.mass for std in believed.stds] == [0.35] * 5 + [0.6]
 
 
 def test_a_centre_off_the_body_and_all_mass_in_one_spot_are_doubted(tmp_path):
@@ -140,7 +142,14 @@ def test_missing_inertials_share_what_the_data_sheet_leaves(tmp_path):
     assert density["elbow"] > 1.3 * density["upper_arm"]
     assert any("by share of 30 kg" in guess.text for guess in said.of("guess"))
     without = believed_links(bodies, doubts, Remarks())
-    assert (without.mass, believed.mass) == (0.45, 0.3)
+    assert without.moving_mass is None
+    assert [std.mass for std in without.stds] == [0.45] * 5 + [0.6]
+    # The base may have taken of the links' mass, or they of its; together they are the 30 kg.
+    base = 0.35 * (30.0 - moving)
+    assert 0.02 < believed.moving_mass < base / moving + 0.02 * 30.0 / moving
+    # A centre is known to a part of its own link's length.
+    centers = [std.center_m for std in believed.stds]
+    assert centers == [max(0.005, 0.08 * max(link.box_m)) for link in robot.links]
 
 
 def test_a_picture_with_parts_far_off_gives_way_to_the_shape_to_run_into(tmp_path):

@@ -38,7 +38,7 @@ class MoveScreen(ModalScreen[str | None]):
         rows = [
             f"Point {here.id} on {here.link}: {_mm(here.position_m)} mm in the link's frame.",
             "Where is it instead? All in mm:",
-            "  20 0                 along x and y as the picture shows them",
+            "  20 0                 along x and y as pictured",
         ]
         if near:
             rows.append(f"  {near[0].id + ':30':<20} 30 mm towards point {near[0].id}")
