@@ -246,7 +246,8 @@ def try_guess(
         tolerances=replace(arm.tolerances, encoder_offset_rad=0.0, moving_mass=DATA_SHEET),
     )
     std = stated_std(believed, q[:N_STATED])
-    pulls = list(np.log1p(joints) / std)
+    # As `identify` states it, in parts of the k found: both are proportional to the M_jj guessed.
+    pulls = list((1.0 - 1.0 / (1.0 + np.array(joints))) / std)
     row = (
         f"masses {' '.join(f'{100 * e:+.0f}' for e in links)} %, M_jj "
         f"{' '.join(f'{100 * e:+.0f} ± {100 * s:.0f}' for e, s in zip(joints, std, strict=True))} %"
