@@ -129,9 +129,9 @@ def measured(draft, plan_text: str, pulls: dict[str, list[float]]) -> str:
     c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
     truth = [value for value in k if value is not None]
     began = time.process_time()
-    session = simulate_session(
-        1, plan=plan_from_text(plan_text, arm), arm=arm, plant=plant_of_arm(arm, k, c)
-    )
+    plan = plan_from_text(plan_text, arm)
+    plant = plant_of_arm(arm, k, c, sensor_kg=plan.sensor.mass_kg)
+    session = simulate_session(1, plan=plan, arm=arm, plant=plant)
     rows = []
     for how, believed in (("true", arm), ("guessed", guessed_arm(draft))):
         if believed is None:
