@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -73,7 +73,8 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
     guesses.append(f"mode {mode}: {reason}")
     common, keys = _in_common(keys)
     text = _text(files, keys, common, mode, reason, folder)
-    return Guess(text=text, guesses=_gathered(guesses), doubts=tuple(doubts))
+    names = {file.path.name for file in files}
+    return Guess(text=text, guesses=_gathered(guesses, names), doubts=tuple(doubts))
 
 
 def _like_the_others(file: LookedAt, kind: str) -> LookedAt:
@@ -267,15 +268,15 @@ def _inline(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _gathered(guesses: Sequence[str]) -> tuple[str, ...]:
+def _gathered(guesses: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
     """Return each sentence once, with the files it is about counted."""
     about: dict[str, list[str]] = {}
     for sentence in guesses:
         name, colon, text = sentence.partition(": ")
-        is_file = bool(colon) and "." in name and " " not in name
+        is_file = bool(colon) and name in names
         about.setdefault(text if is_file else sentence, []).append(name if is_file else "")
     result = []
-    for text, names in about.items():
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        result.append(f"{names[0]}{more}: {text}" if names[0] else text)
+    for text, of in about.items():
+        more = f" and {len(of) - 1} more" if len(of) > 1 else ""
+        result.append(f"{of[0]}{more}: {text}" if of[0] else text)
     return tuple(result)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from support.foreign_samples import accelerance
-from support.foreign_writers import kyowa, pulse, signalcalc, table
+from support.foreign_writers import kyowa, lms_text, pulse, signalcalc, table
 from support.manifests import RATE, hit_signals
 
 from armodal.protocols.errors import ForeignFileError
@@ -105,6 +105,21 @@ def test_a_section_that_is_no_measurement_is_left_out_with_a_word(tmp_path):
     content = read(tmp_path, pulse(FREQ, [FRF]) + spectrum)
     same(content)
     assert any("left out" in text for text in content.said)
+
+
+def test_testlab_facts_are_no_names_but_tell_points_and_averages(tmp_path):
+    content = read(tmp_path, lms_text(FREQ, FRF))
+    found = same(content, scale=9.80665, tolerance=1e-8)
+    assert (found.response.node, found.response.direction.tolist()) == ("3", [0, 0, -1])
+    assert (found.reference.node, found.reference.direction.tolist()) == ("10", [0, 0, -1])
+    assert content.averages == 3
+
+
+def test_columns_stay_in_their_order_where_two_are_named_after_the_axis(tmp_path):
+    """`1 Hz` and `2 Hz` hold a real and an imaginary part, though both are called after hertz."""
+    rows = table([FREQ, FRF.real, FRF.imag])
+    told = Hints(form=FrfForm.ACCELERANCE)
+    same(read(tmp_path, f"Frequency [Hz]\tat 1 Hz\tsecond\n{rows}", told), tolerance=1e-8)
 
 
 def test_kyowa_records_have_names_and_units_in_rows(tmp_path):
