@@ -15,7 +15,12 @@ from armodal.analyzer.modal.peaks import peak_poles, standing_peaks, unexplained
 from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
 from armodal.analyzer.modal.regression import ModalData, modal_data
 from armodal.analyzer.modal.second_look import left_over_poles, split_poles
-from armodal.analyzer.modal.selection import Selection, keep_modes, select_modes
+from armodal.analyzer.modal.selection import (
+    Selection,
+    adds_a_mode,
+    keep_modes,
+    select_modes,
+)
 from armodal.analyzer.modal.spans import Span, spans
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.frf_records import FrfForm
@@ -174,6 +179,8 @@ def _looked_again(problem: Problem, data: ModalData, chosen: Selection) -> Selec
 def _split(problem: Problem, data: ModalData, chosen: Selection) -> Selection:
     """Choose again with a second pole beside each mode that leaves a misfit, where needed."""
     for pole in split_poles(data, chosen.fit, problem.freq_hz, line_share=problem.line_share):
+        if not adds_a_mode(data, chosen.fit, pole, problem.line_share):
+            continue
         again = select_modes(
             data,
             np.append(chosen.fit.poles, pole),

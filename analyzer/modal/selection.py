@@ -8,6 +8,7 @@ determined, and when it is not a second copy of a neighbour.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white
 __all__ = [
     "Kept",
     "Selection",
+    "adds_a_mode",
     "keep_modes",
     "lack_of_fit",
     "off_resonance",
@@ -36,6 +38,7 @@ _LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequ
 _MOST_DAMPING_STD = 0.5  # of the damping ratio
 _LEAST_GAIN = 0.1  # of the way to where a mode is not needed, a step: else it is needed
 _NEAR = 10.0  # half bandwidths of the wider of two, within which they may stand in for one another
+_NEAR_LINES = 15  # on either side at least, where neighbours are to make up for a mode
 _LEFT = 6.0  # half bandwidths, of the narrower, beyond which a pole is no longer on its resonance
 _LEFT_LINES = 2.0  # added: what is narrower than a line is placed to no better
 _OWN_REACH, _OWN_LINES = 4.0, 6  # half bandwidths and lines at least on either side of a resonance
@@ -109,8 +112,8 @@ def _duplicate_of_a_stronger(
 
 def _weakest(
     fit: Regression, data: ModalData, band_hz: tuple[float, float], share: float, *, strict: bool
-) -> int | None:
-    """The mode to drop next, or None when all may stay."""
+) -> list[int]:
+    """The modes to drop next, none of them near another; none when all may stay."""
     n_freq = data.s.size
     significance = _significance(fit, n_freq, share)
     bad = significance < _LEAST_SIGNIFICANCE
@@ -123,10 +126,15 @@ def _weakest(
         std = np.sqrt(np.maximum(np.diag(J @ covariance @ J.T), 0.0))
         damping = -fit.poles.real / np.abs(fit.poles)
         bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
-    if np.any(bad):
-        return int(np.argmin(np.where(bad, significance, np.inf)))
+    drop: list[int] = []
+    for index in (int(i) for i in np.argsort(significance) if bad[i]):
+        if not np.any(_near(fit.poles[drop], complex(fit.poles[index]))):
+            drop.append(index)
+    if drop or not strict:
+        return drop
     line_rad_s = float(np.median(np.diff(data.s.imag)))
-    return _duplicate_of_a_stronger(fit, significance, line_rad_s) if strict else None
+    copy = _duplicate_of_a_stronger(fit, significance, line_rad_s)
+    return [] if copy is None else [copy]
 
 
 def _not_needed(
@@ -135,27 +143,73 @@ def _not_needed(
     """A doubtful mode the others make up for once they may move, and the fit without it.
 
     Two poles can split one mode between them, each seeming needed while the other stands where
-    it is. The likelihood ratio after a new refinement tells. Modes found to be needed are noted
-    in `settled`.
+    it is. The likelihood ratio after a new refinement tells, first on the lines about the mode
+    where only its neighbours move: what these cannot make up for, those farther off cannot.
+    Modes found to be needed are noted in `settled`.
     """
     significance = _significance(fit, data.s.size, line_share)
-    n_frf = fit.n_measured
-    noise = lack_of_fit(fit, data.s.size) * (2.0 * n_frf + 2.0) / line_share
-    most = float(fit.cost.sum()) + _LEAST_SIGNIFICANCE * noise
+    worth = _worth(fit, data.s.size, line_share)
 
-    def decided(before: float, after: float) -> bool:
-        return after < most or before - after < _LEAST_GAIN * (after - most)
+    def enough(most: float) -> Callable[[float, float], bool]:
+        return lambda before, after: after < most or before - after < _LEAST_GAIN * (after - most)
 
     for index in np.argsort(significance):
         if significance[index] > _DOUBTFUL_SIGNIFICANCE:
             return None
         if settled[index]:
             continue
-        without = refine_poles(data, np.delete(fit.poles, index), enough=decided)
+        settled[index] = True
+        near = np.flatnonzero(_near(fit.poles, complex(fit.poles[index])))
+        local = _about(data, fit, near, line_share)
+        most = float(refine_poles(local, fit.poles[near]).cost.sum()) + worth
+        start = fit.poles[near[near != index]]
+        without = refine_poles(local, start, enough=enough(most))
+        if float(without.cost.sum()) >= most:
+            continue
+        others = fit.poles.copy()
+        others[near[near != index]] = without.poles
+        most = float(fit.cost.sum()) + worth
+        without = refine_poles(data, np.delete(others, index), enough=enough(most))
         if float(without.cost.sum()) < most:
             return int(index), refine_poles(data, without.poles)
-        settled[index] = True
     return None
+
+
+def _without(fit: Regression, data: ModalData, drop: list[int], line_share: float) -> Regression:
+    """The fit without some modes, their neighbours moved to where the lines about have them."""
+    poles = fit.poles.copy()
+    for index in drop:
+        near = np.flatnonzero(_near(fit.poles, complex(fit.poles[index])))
+        left = near[near != index]
+        if left.size:
+            local = _about(data, fit, near, line_share)
+            poles[left] = refine_poles(local, fit.poles[left]).poles
+    return regress(data, np.delete(poles, drop))
+
+
+def adds_a_mode(data: ModalData, fit: Regression, pole: complex, line_share: float) -> bool:
+    """Whether the lines about a pole are worth one more mode there, beside those of the fit."""
+    near = np.flatnonzero(_near(fit.poles, pole))
+    local = _about(data, fit, near, line_share)
+    before = refine_poles(local, fit.poles[near])
+    after = refine_poles(local, np.append(before.poles, pole))
+    gain = float(before.cost.sum() - after.cost.sum())
+    return gain > _worth(fit, data.s.size, line_share)
+
+
+def _worth(fit: Regression, n_freq: int, line_share: float) -> float:
+    """Fall of the misfit that one more mode, with a pole of its own, must bring."""
+    noise = lack_of_fit(fit, n_freq) * (2.0 * fit.n_measured + 2.0) / line_share
+    return _LEAST_SIGNIFICANCE * noise
+
+
+def _about(
+    data: ModalData, fit: Regression, own: npt.NDArray[np.intp], line_share: float
+) -> ModalData:
+    """The lines about some modes, the others taken off."""
+    return about_modes(
+        data, fit, own, reach=_NEAR, least_lines=_NEAR_LINES, independent=line_share >= 1.0
+    ).data
 
 
 def _near(poles: npt.NDArray[np.complex128], pole: complex) -> npt.NDArray[np.bool_]:
@@ -204,17 +258,21 @@ def select_modes(
     fit = regress(data, poles, pole_terms=False)
     while poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=False)
-        if drop is None:
+        if not drop:
             break
         poles, share, settled = (np.delete(a, drop) for a in (poles, share, settled))
         fit = regress(data, poles, pole_terms=False)
-    fit = refine_poles(data, poles)
+    fit, moved = refine_poles(data, poles), False
     while fit.poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=True)
-        if drop is not None:
-            settled &= ~_near(fit.poles, complex(fit.poles[drop]))
+        if drop:
+            for pole in fit.poles[drop]:
+                settled &= ~_near(fit.poles, complex(pole))
             share, settled = np.delete(share, drop), np.delete(settled, drop)
-            fit = refine_poles(data, np.delete(fit.poles, drop))
+            fit, moved = _without(fit, data, drop, line_share), True
+            continue
+        if moved:
+            fit, moved = refine_poles(data, fit.poles), False
             continue
         spare = _not_needed(fit, data, line_share, settled)
         if spare is None:
@@ -287,7 +345,7 @@ def still_needed(
     while True:
         kept = keep_modes(data, poles[at], stability[at], line_share=line_share)
         drop = _weakest(kept.fit, data, band_hz, line_share, strict=True)
-        if drop is None:
+        if not drop:
             return replace(kept, given=at[kept.given])
         at = np.delete(at, kept.given[drop])
 

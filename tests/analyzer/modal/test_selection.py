@@ -5,7 +5,7 @@ from support.simulated_frfs import modal_frf, poles_of
 
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import modal_data
-from armodal.analyzer.modal.selection import keep_modes
+from armodal.analyzer.modal.selection import adds_a_mode, keep_modes
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.frf_records import FrfForm
 
@@ -47,3 +47,17 @@ def test_poles_come_back_by_frequency_with_what_they_were():
     assert np.array_equal(kept.share, kept.given)
     assert np.allclose(kept.fit.poles, poles, rtol=1e-6)
     assert not kept.held.any()
+
+
+def test_a_mode_that_was_missed_is_worth_adding_and_a_second_copy_is_not():
+    poles, data = crowd(np.random.default_rng(3), faint=0.5)
+    noise = np.random.default_rng(4).standard_normal((2, *data.values.shape))
+    level = np.sqrt(data.variance / 2.0)
+    data = modal_data(
+        data.form, data.s, data.values + level * (noise[0] + 1j * noise[1]), data.variance
+    )
+    missed = refine_poles(data, poles[[0, 1, 3]])
+    assert adds_a_mode(data, missed, poles[2], 1.0)
+    complete = refine_poles(data, poles)
+    for pole in complete.poles:
+        assert not adds_a_mode(data, complete, pole - 0.6j * pole.real, 1.0)
