@@ -17,7 +17,8 @@ from armodal.analyzer.modal.rank_one import refine_rank_one
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import ModalData, misfit, regress
 from armodal.analyzer.modal.search import Problem, search_poles, stabilisation
-from armodal.analyzer.modal.selection import keep_modes, lack_of_fit, off_resonance, still_needed
+from armodal.analyzer.modal.selection import keep_modes, off_resonance, still_needed
+from armodal.analyzer.modal.significance import lack_of_fit
 from armodal.analyzer.modal.spread import pole_spread
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse

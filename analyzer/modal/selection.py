@@ -18,7 +18,13 @@ from armodal.analyzer.modal.about_modes import about_modes
 from armodal.analyzer.modal.choice import physical
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.refine import refine_poles
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
+from armodal.analyzer.modal.regression import ModalData, Regression, regress
+from armodal.analyzer.modal.significance import (
+    LEAST_SIGNIFICANCE,
+    noise_about,
+    significance,
+    worth,
+)
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
 __all__ = [
@@ -26,13 +32,11 @@ __all__ = [
     "Selection",
     "adds_a_mode",
     "keep_modes",
-    "lack_of_fit",
     "off_resonance",
     "select_modes",
     "still_needed",
 ]
 
-_LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0
 _LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequency
 _MOST_DAMPING_STD = 0.5  # of the damping ratio
@@ -61,20 +65,6 @@ class Kept(Selection):
 
     given: npt.NDArray[np.intp]  # (n_modes,) which of the poles given each is
     held: npt.NDArray[np.bool_]  # (n_modes,) where the lines about it have it, not all lines
-
-
-def lack_of_fit(fit: Regression, n_freq: int) -> float:
-    """Weighted misfit per real degree of freedom; a half for noise of the stated variance."""
-    n_frf, n_modes = fit.n_measured, fit.poles.size
-    free = max(n_frf * (2 * n_freq - 2 * n_modes - N_RESIDUAL) - 2 * n_modes, 1)
-    return float(np.sum(fit.cost) / free)
-
-
-def _significance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
-    """Gain of each mode over what noise with correlated lines would give: (n_modes,)."""
-    expected = 2.0 * fit.n_measured * max(lack_of_fit(fit, n_freq), np.finfo(float).tiny) / share
-    result: npt.NDArray[np.float64] = fit.gain.sum(axis=0) / expected
-    return result
 
 
 def _visible(fit: Regression, data: ModalData) -> npt.NDArray[np.float64]:
@@ -114,26 +104,24 @@ def _weakest(
     fit: Regression, data: ModalData, band_hz: tuple[float, float], share: float, *, strict: bool
 ) -> list[int]:
     """The modes to drop next, none of them near another; none when all may stay."""
-    n_freq = data.s.size
-    significance = _significance(fit, n_freq, share)
-    bad = significance < _LEAST_SIGNIFICANCE
+    told = significance(data, fit, share)
+    bad = told < LEAST_SIGNIFICANCE
     if strict:
         bad |= ~physical(fit.poles, band_hz)
         bad |= _visible(fit, data) < _LEAST_VISIBLE
         J = frequency_damping_jacobian(fit.poles)
-        misfit = lack_of_fit(fit, n_freq)
-        covariance = white_covariance(fit.information.sum(axis=0), misfit, share)
-        std = np.sqrt(np.maximum(np.diag(J @ covariance @ J.T), 0.0))
+        covariance = white_covariance(fit.information.sum(axis=0), 1.0, share)
+        variance = np.diag(J @ covariance @ J.T)[1::2] * noise_about(data, fit)
         damping = -fit.poles.real / np.abs(fit.poles)
-        bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
+        bad |= np.sqrt(np.maximum(variance, 0.0)) > _MOST_DAMPING_STD * np.abs(damping)
     drop: list[int] = []
-    for index in (int(i) for i in np.argsort(significance) if bad[i]):
+    for index in (int(i) for i in np.argsort(told) if bad[i]):
         if not np.any(_near(fit.poles[drop], complex(fit.poles[index]))):
             drop.append(index)
     if drop or not strict:
         return drop
     line_rad_s = float(np.median(np.diff(data.s.imag)))
-    copy = _duplicate_of_a_stronger(fit, significance, line_rad_s)
+    copy = _duplicate_of_a_stronger(fit, told, line_rad_s)
     return [] if copy is None else [copy]
 
 
@@ -147,32 +135,38 @@ def _not_needed(
     where only its neighbours move: what these cannot make up for, those farther off cannot.
     Modes found to be needed are noted in `settled`.
     """
-    significance = _significance(fit, data.s.size, line_share)
-    worth = _worth(fit, data.s.size, line_share)
+    told = significance(data, fit, line_share)
+    noise = noise_about(data, fit)
 
     def enough(most: float) -> Callable[[float, float], bool]:
         return lambda before, after: after < most or before - after < _LEAST_GAIN * (after - most)
 
-    for index in np.argsort(significance):
-        if significance[index] > _DOUBTFUL_SIGNIFICANCE:
+    for index in np.argsort(told):
+        if told[index] > _DOUBTFUL_SIGNIFICANCE:
             return None
         if settled[index]:
             continue
         settled[index] = True
         near = np.flatnonzero(_near(fit.poles, complex(fit.poles[index])))
         local = _about(data, fit, near, line_share)
-        most = float(refine_poles(local, fit.poles[near]).cost.sum()) + worth
+        least = worth(fit.n_measured, float(noise[index]), line_share)
+        most = float(refine_poles(local, fit.poles[near]).cost.sum()) + least
         start = fit.poles[near[near != index]]
         without = refine_poles(local, start, enough=enough(most))
         if float(without.cost.sum()) >= most:
             continue
         others = fit.poles.copy()
         others[near[near != index]] = without.poles
-        most = float(fit.cost.sum()) + worth
+        most = float(fit.cost.sum()) + least
         without = refine_poles(data, np.delete(others, index), enough=enough(most))
         if float(without.cost.sum()) < most:
             return int(index), refine_poles(data, without.poles)
     return None
+
+
+def _roughly(before: float, after: float) -> bool:
+    """Whether poles are near enough to where they will end to tell which are worth keeping."""
+    return before - after < _LEAST_GAIN * after
 
 
 def _without(fit: Regression, data: ModalData, drop: list[int], line_share: float) -> Regression:
@@ -183,7 +177,7 @@ def _without(fit: Regression, data: ModalData, drop: list[int], line_share: floa
         left = near[near != index]
         if left.size:
             local = _about(data, fit, near, line_share)
-            poles[left] = refine_poles(local, fit.poles[left]).poles
+            poles[left] = refine_poles(local, fit.poles[left], enough=_roughly).poles
     return regress(data, np.delete(poles, drop))
 
 
@@ -194,13 +188,8 @@ def adds_a_mode(data: ModalData, fit: Regression, pole: complex, line_share: flo
     before = refine_poles(local, fit.poles[near])
     after = refine_poles(local, np.append(before.poles, pole))
     gain = float(before.cost.sum() - after.cost.sum())
-    return gain > _worth(fit, data.s.size, line_share)
-
-
-def _worth(fit: Regression, n_freq: int, line_share: float) -> float:
-    """Fall of the misfit that one more mode, with a pole of its own, must bring."""
-    noise = lack_of_fit(fit, n_freq) * (2.0 * fit.n_measured + 2.0) / line_share
-    return _LEAST_SIGNIFICANCE * noise
+    noise = float(noise_about(local, after)[-1])
+    return gain > worth(fit.n_measured, noise, line_share)
 
 
 def _about(
@@ -262,7 +251,7 @@ def select_modes(
             break
         poles, share, settled = (np.delete(a, drop) for a in (poles, share, settled))
         fit = regress(data, poles, pole_terms=False)
-    fit, moved = refine_poles(data, poles), False
+    fit, moved = refine_poles(data, poles, enough=_roughly), True
     while fit.poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=True)
         if drop:
@@ -284,7 +273,7 @@ def select_modes(
     rank = np.argsort(np.abs(fit.poles), kind="stable")
     if np.any(rank != np.arange(rank.size)):
         fit, share = regress(data, fit.poles[rank]), share[rank]
-    return Selection(fit=fit, share=share, significance=_significance(fit, data.s.size, line_share))
+    return Selection(fit=fit, share=share, significance=significance(data, fit, line_share))
 
 
 def keep_modes(
@@ -322,7 +311,7 @@ def keep_modes(
     return Kept(
         fit=fit,
         share=stability[given],
-        significance=_significance(fit, data.s.size, line_share),
+        significance=significance(data, fit, line_share),
         given=given,
         held=held[given],
     )
