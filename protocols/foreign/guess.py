@@ -92,28 +92,32 @@ def _kind(file: LookedAt) -> str:
 
 def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses: list[str]) -> None:
     """Name the points of FRFs that have none: by the numbers of their files."""
-    nameless = [
-        i
+    first = {
+        i: file.content.frfs[0]
         for i, file in enumerate(files)
-        if file.content is not None and file.content.frfs[0].response.node is None
-    ]
-    if len(files) < 2 or not nameless:
+        if file.content is not None and file.content.frfs
+    }
+    measured = list(first)
+    nameless = [i for i, frf in first.items() if frf.response.node is None]
+    if len(measured) < 2 or not nameless:
         return
-    pairs = _pairs([file.path.stem for file in files])
-    if pairs and len(nameless) == len(files):
-        for told, (response, reference) in zip(keys, pairs, strict=True):
-            told.setdefault("responses", [response])
-            told.setdefault("reference", reference)
+    stems = [files[i].path.stem for i in measured]
+    pairs = _pairs(stems)
+    if pairs and len(nameless) == len(measured):
+        for i, (response, reference) in zip(measured, pairs, strict=True):
+            keys[i].setdefault("responses", [response])
+            keys[i].setdefault("reference", reference)
         guesses.append(
             f"an FRF a file, the first response {pairs[0][0]} over reference {pairs[0][1]}: the "
             "two numbers in the files' names; exchange them if the first is what was struck"
         )
         return
-    names = _numbers([file.path.stem for file in files])
+    names = _numbers(stems)
     how = "the numbers in the names of the files" if names else "the order of the files"
-    names = names or [str(i + 1) for i in range(len(files))]
-    for i in nameless:
-        keys[i].setdefault("responses", [names[i]])
+    names = names or [str(i + 1) for i in range(len(measured))]
+    for i, name in zip(measured, names, strict=True):
+        if i in nameless:
+            keys[i].setdefault("responses", [name])
     guesses.append(f"one point a file, {names[0]} to {names[-1]}: {how}")
 
 
