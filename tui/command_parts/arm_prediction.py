@@ -7,7 +7,7 @@ from typing import Any
 from rich.table import Table
 
 from armodal.analyzer.corrected.prediction import ArmPrediction
-from armodal.tui.command_parts.deviation import deviation
+from armodal.tui.deviation import deviation
 
 __all__ = ["arm_prediction_json", "arm_prediction_table"]
 

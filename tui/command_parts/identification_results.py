@@ -11,8 +11,8 @@ from rich.table import Table
 from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
 from armodal.protocols.session.records import Session
-from armodal.tui.command_parts.deviation import deviation
 from armodal.tui.command_parts.narrow_table import narrow_table
+from armodal.tui.deviation import deviation
 
 __all__ = ["identification_json", "identification_tables"]
 

@@ -9,11 +9,11 @@ from rich.table import Table
 
 from armodal.protocols.frf_records import FrfEstimator
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui.command_parts.deviation import deviation
 from armodal.tui.command_parts.fit_settings import FitSettings
 from armodal.tui.command_parts.fit_values import fit_values
 from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.console import Json, out, print_json, say_next
+from armodal.tui.deviation import deviation
 
 __all__ = ["app"]
 

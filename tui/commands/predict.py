@@ -19,9 +19,9 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.command_parts.arm_prediction import arm_prediction_json, arm_prediction_table
-from armodal.tui.command_parts.deviation import deviation
 from armodal.tui.command_parts.options import comma_numbers, refuse_idle
 from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.deviation import deviation
 
 __all__ = ["app"]
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 from textual.widgets import DataTable
 
-from armodal.tui.command_parts.deviation import deviation
+from armodal.tui.deviation import deviation
 from armodal.tui.screens.review.state import ReviewState
 
 __all__ = ["ModesTable"]
