@@ -132,6 +132,28 @@ def test_kyowa_records_have_names_and_units_in_rows(tmp_path):
     assert not content.said
 
 
+def test_the_only_signal_in_volts_beside_accelerations_is_the_force(tmp_path):
+    _, force, responses = hit_signals(channels=2)
+    signals = [100.0 * responses[0], 100.0 * responses[1], force / 0.02]
+    data = kyowa(RATE, signals, ["cm/s2", "cm/s2", "V"])
+    with pytest.raises(NotToldError) as caught:
+        read(tmp_path, data, name="a.csv")
+    assert caught.value.key == "scale"  # newtons a volt, nobody tells
+    content = read(tmp_path, data, Hints(force_scale=0.02, response_scale=0.01), name="a.csv")
+    (hit,) = content.hits
+    assert np.allclose(hit.force_n, force, rtol=1e-8, atol=1e-9)
+    assert np.allclose(hit.acceleration_m_s2, responses, rtol=1e-8, atol=1e-9)
+    assert any("CH-3, in V, is the only signal" in text for text in content.said)
+
+
+def test_two_signals_in_volts_are_asked_about(tmp_path):
+    _, force, responses = hit_signals(channels=2)
+    data = kyowa(RATE, [force, *responses], ["V", "V", "m/s2"])
+    with pytest.raises(NotToldError) as caught:
+        read(tmp_path, data, name="a.csv")
+    assert caught.value.key == "variables"
+
+
 # Dialects ----------------------------------------------------------------------------------------
 
 HEADER = ("Frequency [Hz]", "Real [(m/s²)/N]", "Imag [(m/s²)/N]")
