@@ -8,7 +8,7 @@ determined, and when it is not a second copy of a neighbour.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,9 +30,9 @@ from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white
 __all__ = [
     "Kept",
     "Selection",
-    "adds_a_mode",
     "keep_modes",
     "off_resonance",
+    "second_poles",
     "select_modes",
     "still_needed",
 ]
@@ -43,6 +43,7 @@ _MOST_DAMPING_STD = 0.5  # of the damping ratio
 _LEAST_GAIN = 0.1  # of the way to where a mode is not needed, a step: else it is needed
 _NEAR = 10.0  # half bandwidths of the wider of two, within which they may stand in for one another
 _NEAR_LINES = 15  # on either side at least, where neighbours are to make up for a mode
+_PART_OF_PEAK = 3.0  # half bandwidths from where a second pole was tried to both that are found
 _LEFT = 6.0  # half bandwidths, of the narrower, beyond which a pole is no longer on its resonance
 _LEFT_LINES = 2.0  # added: what is narrower than a line is placed to no better
 _OWN_REACH, _OWN_LINES = 4.0, 6  # half bandwidths and lines at least on either side of a resonance
@@ -181,15 +182,29 @@ def _without(fit: Regression, data: ModalData, drop: list[int], line_share: floa
     return regress(data, np.delete(poles, drop))
 
 
-def adds_a_mode(data: ModalData, fit: Regression, pole: complex, line_share: float) -> bool:
-    """Whether the lines about a pole are worth one more mode there, beside those of the fit."""
-    near = np.flatnonzero(_near(fit.poles, pole))
-    local = _about(data, fit, near, line_share)
-    before = refine_poles(local, fit.poles[near])
-    after = refine_poles(local, np.append(before.poles, pole))
-    gain = float(before.cost.sum() - after.cost.sum())
-    noise = float(noise_about(local, after)[-1])
-    return gain > worth(fit.n_measured, noise, line_share)
+def second_poles(
+    data: ModalData, fit: Regression, tried: Sequence[complex], line_share: float
+) -> npt.NDArray[np.complex128]:
+    """Of poles tried beside modes those that the lines about them are worth: (n,).
+
+    A pole that ends more than three half bandwidths from where it was tried, or leaves no other
+    there, rounds the background and is no part of that peak. Of poles that overlap the first
+    stays: what it leaves can be looked at again.
+    """
+    found: list[complex] = []
+    for pole in tried:
+        if np.any(_near(np.array(found, dtype=np.complex128), pole)):
+            continue
+        near = np.flatnonzero(_near(fit.poles, pole))
+        local = _about(data, fit, near, line_share)
+        before = refine_poles(local, fit.poles[near])
+        after = refine_poles(local, np.append(before.poles, pole))
+        gain = float(before.cost.sum() - after.cost.sum())
+        noise = float(noise_about(local, after)[-1])
+        parts = np.abs(after.poles - pole) < _PART_OF_PEAK * -pole.real
+        if gain > worth(fit.n_measured, noise, line_share) and parts[-1] and parts.sum() > 1:
+            found.append(pole)
+    return np.array(found, dtype=np.complex128)
 
 
 def _about(

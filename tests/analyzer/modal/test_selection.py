@@ -5,7 +5,7 @@ from support.simulated_frfs import modal_frf, poles_of
 
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import modal_data
-from armodal.analyzer.modal.selection import adds_a_mode, keep_modes
+from armodal.analyzer.modal.selection import keep_modes, second_poles
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.frf_records import FrfForm
 
@@ -49,15 +49,24 @@ def test_poles_come_back_by_frequency_with_what_they_were():
     assert not kept.held.any()
 
 
-def test_a_mode_that_was_missed_is_worth_adding_and_a_second_copy_is_not():
-    poles, data = crowd(np.random.default_rng(3), faint=0.5)
-    noise = np.random.default_rng(4).standard_normal((2, *data.values.shape))
-    level = np.sqrt(data.variance / 2.0)
+def test_a_second_pole_is_found_beside_two_taken_for_one_and_beside_none_else():
+    poles = poles_of([500.0, 527.0, 527.9], [0.002, 0.0019, 0.0019])
+    rng = np.random.default_rng(3)
+    shapes = rng.standard_normal((3, 12, 1)) / (2j * poles.imag[:, None, None])
+    values = modal_frf(poles, shapes, FREQ, FrfForm.ACCELERANCE)[:, 0]
+    level = 1e-6 * np.mean(np.abs(values) ** 2)
+    noise = np.array([1.0, 1.0j]) @ rng.standard_normal((12, 2, FREQ.size))
     data = modal_data(
-        data.form, data.s, data.values + level * (noise[0] + 1j * noise[1]), data.variance
+        FrfForm.ACCELERANCE,
+        laplace_lines(FREQ, 0.0),
+        values + np.sqrt(level / 2.0) * noise,
+        np.full(values.shape, level),
     )
-    missed = refine_poles(data, poles[[0, 1, 3]])
-    assert adds_a_mode(data, missed, poles[2], 1.0)
+    one = refine_poles(data, poles[:2])
+    tried = [pole - 0.6j * pole.real for pole in one.poles]
+    (second,) = second_poles(data, one, tried, 1.0)
+    assert np.min(np.abs(second - poles[1:])) < -poles[1].real
     complete = refine_poles(data, poles)
-    for pole in complete.poles:
-        assert not adds_a_mode(data, complete, pole - 0.6j * pole.real, 1.0)
+    assert not second_poles(
+        data, complete, list(complete.poles - 0.6j * complete.poles.real), 1.0
+    ).size
