@@ -176,7 +176,8 @@ def _without(fit: Regression, data: ModalData, drop: list[int], line_share: floa
     for index in drop:
         near = np.flatnonzero(_near(fit.poles, complex(fit.poles[index])))
         left = near[near != index]
-        if left.size:
+        # A pole that has left the band has no lines about it.
+        if left.size and data.s.imag[0] <= fit.poles[index].imag <= data.s.imag[-1]:
             local = _about(data, fit, near, line_share)
             poles[left] = refine_poles(local, fit.poles[left], enough=_roughly).poles
     return regress(data, np.delete(poles, drop))

@@ -5,7 +5,7 @@ from support.simulated_frfs import modal_frf, poles_of
 
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import modal_data
-from armodal.analyzer.modal.selection import keep_modes, second_poles
+from armodal.analyzer.modal.selection import keep_modes, second_poles, select_modes
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.frf_records import FrfForm
 
@@ -70,3 +70,16 @@ def test_a_second_pole_is_found_beside_two_taken_for_one_and_beside_none_else():
     assert not second_poles(
         data, complete, list(complete.poles - 0.6j * complete.poles.real), 1.0
     ).size
+
+
+def test_two_modes_outside_the_lines_are_dropped_together():
+    inside, outside = poles_of([527.0], [0.002]), poles_of([725.0, 735.0], [0.01, 0.01])
+    poles = np.append(inside, outside)  # the lines end at 700 Hz
+    rng = np.random.default_rng(5)
+    shapes = rng.standard_normal((3, 12, 1)) / (2j * poles.imag[:, None, None])
+    values = modal_frf(poles, shapes, FREQ, FrfForm.ACCELERANCE)[:, 0]
+    data = modal_data(
+        FrfForm.ACCELERANCE, laplace_lines(FREQ, 0.0), values, np.full(values.shape, 1e-4)
+    )
+    chosen = select_modes(data, poles, np.ones(3), (450.0, 700.0), line_share=1.0)
+    assert np.allclose(chosen.fit.poles, inside, rtol=1e-3)
