@@ -12,9 +12,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
-from armodal.analyzer.modal.noise import SMOOTHED_LINES, smooth_lines
+from armodal.analyzer.modal.noise import SMOOTHED_LINES, rough_level, smooth_lines
 from armodal.analyzer.modal.peaks import standing_peaks
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import EstimateError
@@ -42,7 +41,7 @@ def carried_band(frf: FrequencyResponse) -> tuple[float, float] | None:
     if few or not values.any() or not np.isfinite(values).all():
         return None  # the fit says what is wrong
     told = bool(np.all(np.isfinite(variance) & (variance > 0.0)))
-    noise = variance if told else _rough(values)
+    noise = variance if told else rough_level(values) / 6.0
     power = smooth_lines(np.abs(values) ** 2, SMOOTHED_LINES)
     noise = smooth_lines(noise, SMOOTHED_LINES)
     ratio = np.mean(power / np.maximum(noise, np.finfo(float).tiny * 1e8), axis=0)
@@ -101,9 +100,3 @@ def lines_within(frf: FrequencyResponse, band_hz: tuple[float, float]) -> Freque
         variance=frozen_array(frf.variance[..., keep], np.float64),
         coherence=frozen_array(frf.coherence[..., keep], np.float64),
     )
-
-
-def _rough(values: npt.NDArray[np.complex128]) -> npt.NDArray[np.float64]:
-    """Power of noise on each line by second differences: (n_frf, n_freq)."""
-    inner = np.abs(values[:, :-2] - 2.0 * values[:, 1:-1] + values[:, 2:]) ** 2 / 6.0
-    return np.pad(inner, ((0, 0), (1, 1)), mode="edge")

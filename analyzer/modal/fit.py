@@ -12,12 +12,14 @@ from armodal.analyzer.modal.assemble import assemble_model, mountings
 from armodal.analyzer.modal.drift import ModeDrift, settle_drift
 from armodal.analyzer.modal.lines import FittedLines, fitted_lines, misfit_variance
 from armodal.analyzer.modal.modes import ModalModel
+from armodal.analyzer.modal.places import without_place
 from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.rank_one import refine_rank_one
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import ModalData, misfit, regress
 from armodal.analyzer.modal.search import Problem, search_poles, stabilisation
-from armodal.analyzer.modal.selection import keep_modes, lack_of_fit, off_resonance, still_needed
+from armodal.analyzer.modal.selection import keep_modes, off_resonance, still_needed
+from armodal.analyzer.modal.significance import lack_of_fit
 from armodal.analyzer.modal.spread import pole_spread
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
@@ -250,23 +252,10 @@ def _fitted(
                 spread=spread,
                 transposed=transposed,
             )
-            none = _nowhere(model, 2.0 * float(np.median(np.diff(problem.freq_hz))))
+            none = without_place(model.modes, float(np.median(np.diff(problem.freq_hz))))
             if not (put_together and np.any(none)):
                 return model
         at = at[chosen.given[~none]]
-
-
-def _nowhere(model: ModalModel, lines_hz: float) -> npt.NDArray[np.bool_]:
-    """Which modes have no place: their frequency is less well known than their width.
-
-    By two half bandwidths, or by one where the width is not known either; a resonance narrower
-    than a line is placed by lines.
-    """
-    told = [(m.f_std_hz, m.damping_std, m.damping_ratio, m.f_hz) for m in model.modes]
-    f_std, std, damping, f_hz = np.array(told).reshape(-1, 4).T
-    half = damping * f_hz
-    result: npt.NDArray[np.bool_] = f_std > np.where(std > damping, half, 2.0 * half) + lines_hz
-    return result
 
 
 def _singular(

@@ -10,7 +10,11 @@ import numpy.typing as npt
 from armodal.analyzer.modal.chosen_hits import HitChoice, accepted_hits, choose_hits, hit_pairs
 from armodal.analyzer.modal.estimators import single_reference
 from armodal.analyzer.modal.hit_selection import coherence_of_all
-from armodal.analyzer.modal.noise import hit_scatter_variance, independent_line_share
+from armodal.analyzer.modal.noise import (
+    hit_scatter_variance,
+    independent_line_share,
+    line_to_line_noise,
+)
 from armodal.analyzer.modal.sensor_axes import sensor_axes
 from armodal.analyzer.modal.spectra import HitSpectra, active_channels, hit_spectra
 from armodal.protocols.arrays import frozen_array
@@ -180,9 +184,12 @@ def _average(
         total(spectra.response_noise[kept])
         + np.abs(value) ** 2 * total(spectra.force_noise[kept])[:, None, :]
     ) / (mean_count * power_force)
-    independent = independent_line_share(
-        spectra.decay_rad_s, float(spectra.freq_hz[1] - spectra.freq_hz[0])
-    )
+    spacing_hz = float(spectra.freq_hz[1] - spectra.freq_hz[0])
+    independent = independent_line_share(spectra.decay_rad_s, spacing_hz)
+    alone = counts == 1
+    if np.any(alone):
+        rough = line_to_line_noise(value[alone], spectra.decay_rad_s, spacing_hz)
+        floor[alone] = np.maximum(floor[alone], rough)
     n_hits = np.repeat(counts[:, None], X.shape[1], axis=1)
     variance = np.zeros(value.shape)
     variance[there] = hit_scatter_variance(

@@ -11,18 +11,22 @@ all FRFs of the posture share, and held above the noise seen before the trigger:
 
 `floor` is the noise floor carried to the FRF, r the relative scatter of hits (aim, level,
 nonlinearity), nu1 the degrees of freedom of v1 and nu0 the weight of the model. With one hit
-v = v0 with r = 1 %.
+v = v0 with r = 1 %, and the floor is at least what differs from line to line about it: without a
+second hit nothing else tells how much of a line between resonances is noise.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import median_filter
 
 __all__ = [
     "SMOOTHED_LINES",
     "hit_scatter_variance",
     "independent_line_share",
+    "line_to_line_noise",
+    "rough_level",
     "scatter_dof",
     "smooth_lines",
 ]
@@ -31,6 +35,8 @@ SMOOTHED_LINES = 4  # lines on either side: about nine lines, some four of them 
 _SINGLE_HIT_RELATIVE = 0.01
 _MODEL_DOF = 12.0
 _CLEAR_SHARE = 0.25
+_SURROUNDINGS = 41  # lines of the running median: fewer than half of them a resonance's
+_LEAST_ROUGHNESS = 0.5  # of 6, that independent lines have: smoother ones tell no noise
 
 
 def smooth_lines(values: npt.NDArray[np.float64], half_width: int) -> npt.NDArray[np.float64]:
@@ -46,6 +52,48 @@ def smooth_lines(values: npt.NDArray[np.float64], half_width: int) -> npt.NDArra
     # A cumulative sum of a wide range of magnitudes may leave a negative rounding residue.
     positive: npt.NDArray[np.float64] = np.maximum(mean, 0.0)
     return positive
+
+
+def rough_level(values: npt.NDArray[np.complex128]) -> npt.NDArray[np.float64]:
+    """Power |H_(k-1) - 2 H_k + H_(k+1)|^2 of second differences over lines (..., n_freq).
+
+    Of noise alone it is six times the noise's power, of what is smooth next to nothing.
+    """
+    inner = np.abs(values[..., :-2] - 2.0 * values[..., 1:-1] + values[..., 2:]) ** 2
+    ends = [(0, 0)] * (values.ndim - 1)
+    return np.pad(inner, (*ends, (1, 1)), mode="edge")
+
+
+def line_to_line_noise(
+    values: npt.NDArray[np.complex128], decay_rad_s: float, line_spacing_hz: float
+) -> npt.NDArray[np.float64]:
+    """Power of what differs from line to line, a running median over lines: (..., n_freq).
+
+    Under an exponential window lines m apart correlate (`independent_line_share`): their noise
+    differs by less, (6 - 8 Re rho_1 + 2 Re rho_2) times its power.
+
+    Parameters
+    ----------
+    values
+        (..., n_freq), FRFs.
+    decay_rad_s, line_spacing_hz
+        The window's, and the distance of lines.
+
+    Returns
+    -------
+    (..., n_freq) float64
+        0 where lines are so much alike that they tell nothing, or too few.
+    """
+    c = decay_rad_s / line_spacing_hz
+    near, next_but_one = (c**2 / (c**2 + (np.pi * m) ** 2) for m in (1, 2))
+    share = 6.0 - 8.0 * near + 2.0 * next_but_one
+    if share < _LEAST_ROUGHNESS or values.shape[-1] < _SURROUNDINGS:
+        return np.zeros(values.shape)
+    width = (1,) * (values.ndim - 1) + (_SURROUNDINGS,)
+    median = median_filter(rough_level(values), size=width, mode="nearest")
+    # The median of a squared magnitude of complex noise is ln 2 of its mean.
+    result: npt.NDArray[np.float64] = median / (np.log(2.0) * share)
+    return result
 
 
 def independent_line_share(decay_rad_s: float, line_spacing_hz: float) -> float:

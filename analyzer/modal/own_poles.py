@@ -15,6 +15,7 @@ from scipy.optimize import linear_sum_assignment
 from armodal.analyzer.modal.about_modes import AboutModes
 from armodal.analyzer.modal.correlation import mpc
 from armodal.analyzer.modal.refine import refine_poles
+from armodal.analyzer.modal.refine_each import refine_each
 from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, misfit, regress
 
 __all__ = ["LINKED", "own_fits", "own_fits_again"]
@@ -27,6 +28,7 @@ LINKED = 6.0  # half bandwidths between neighbours that may be copies: two, of t
 VISIBLE = 0.05  # of the FRFs' weighted amplitude at a mode: less is no mode of its own
 CONSISTENT = 0.8  # MPC of a mode to be trusted: Pappa, Elliott, Schenk, J. Guidance 16 (1993) 860
 _LINES_OF_PEAK = 8  # of its bandwidth, that tell the start to begin from
+_FIRST = 4  # groups, of those that show most, that may tell that poles are too few
 _STARTS = 3  # of a group's own poles: the misfit over their place has several hollows
 
 
@@ -76,7 +78,8 @@ def own_fits(
 
 def own_fits_again(local: AboutModes, group: _Int, starts: _Complex) -> list[Regression]:
     """Every group from where its poles were: starts (n, n_groups)."""
-    return [refine_poles(local.of(group == g), start) for g, start in enumerate(starts.T)]
+    poles, _ = refine_each(local.data, group, starts.T[None])
+    return [regress(local.of(group == g), own) for g, own in enumerate(poles[0])]
 
 
 def _own_fits(
@@ -90,24 +93,35 @@ def _own_fits(
     """
     half = float(np.max(-poles.real))
     moves = np.arange(-2.0 * LINKED, 2.0 * LINKED + 1.0) if n == poles.size else np.zeros(1)
-    starts = [
-        poles[list(chosen)] + 1j * half * move
-        for chosen in combinations(range(poles.size), n)
-        for move in moves
-    ]
+    starts = np.array(
+        [
+            poles[list(chosen)] + 1j * half * move
+            for chosen in combinations(range(poles.size), n)
+            for move in moves
+        ]
+    )
     shown = np.bincount(group, np.sum(np.abs(local.data.values) ** 2 / local.variance, axis=1))
     every = max(int(local.core.sum(axis=1).min()) // _LINES_OF_PEAK, 1)
+    few = local.of(np.ones(group.size, dtype=bool), every=every) if every > 1 else local.data
+    costs = np.array(
+        [np.bincount(group, regress(few, start, pole_terms=False).cost) for start in starts]
+    )
+    best = np.argsort(costs, axis=0)[:_STARTS]  # (n_starts, n_groups)
+    order = np.argsort(-shown)
     fits: dict[int, Regression] = {}
     left = np.zeros(poles.size)
-    for g in np.argsort(-shown):
-        data = local.of(group == g)
-        few = local.of(group == g, every=every) if every > 1 else data
-        costs = [regress(few, start, pole_terms=False).cost.sum() for start in starts]
-        best = [starts[i] for i in np.argsort(costs)[:_STARTS]]
-        ends = [refine_poles(few, start) for start in best]
-        end = min(ends, key=lambda fit: float(fit.cost.sum()))
-        fits[int(g)] = refine_poles(data, end.poles) if every > 1 else end
-        left += _at_modes(local, misfit(data, fits[int(g)]), group == g)
+    for which in (order[:_FIRST], order[_FIRST:]):
+        if not which.size:
+            break
+        part = np.full(shown.size, -1)
+        part[which] = np.arange(which.size)
+        own, cost = refine_each(few, part[group], starts[best[:, which]])
+        ends = own[np.argmin(cost, axis=0), np.arange(which.size)]
+        if every > 1:
+            ends = refine_each(local.data, part[group], ends[None])[0][0]
+        for g, end in zip(which, ends, strict=True):
+            fits[int(g)] = regress(local.of(group == g), end)
+            left += _at_modes(local, misfit(local.of(group == g), fits[int(g)]), group == g)
         if np.any(left >= most):
             return None
     return [fits[g] for g in range(len(fits))], left

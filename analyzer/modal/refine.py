@@ -13,20 +13,26 @@ import numpy.typing as npt
 
 from armodal.analyzer.modal.regression import ModalData, Regression, regress
 
-__all__ = ["admissible", "refine_poles"]
+__all__ = ["MOST_STEPS", "TOLERANCE", "admissible", "admissible_each", "refine_poles"]
 
 _MOST_DAMPING = 0.6
-_MOST_STEPS = 12  # accepted or not
-_TOLERANCE = 1e-5  # of its half bandwidth, that a pole still moves by at the end
+MOST_STEPS = 12  # accepted or not
+TOLERANCE = 1e-5  # of its half bandwidth, that a pole still moves by at the end
+_LEAST_GAIN = 1e-3  # of a line's misfit: a step of all poles by a thirtieth of their scatter
 
 
 def admissible(poles: npt.NDArray[np.complex128]) -> bool:
     """Whether all poles decay, oscillate, and are damped less than a structure can be."""
-    return bool(
-        np.all(poles.real < 0.0)
-        and np.all(poles.imag > 0.0)
-        and np.all(-poles.real < _MOST_DAMPING * np.abs(poles))
+    return bool(admissible_each(poles[None])[0])
+
+
+def admissible_each(poles: npt.NDArray[np.complex128]) -> npt.NDArray[np.bool_]:
+    """Whether all poles of each row are `admissible`: (n, n_modes) to (n,)."""
+    fit: npt.NDArray[np.bool_] = (
+        (poles.real < 0.0) & (poles.imag > 0.0) & (-poles.real < _MOST_DAMPING * np.abs(poles))
     )
+    result: npt.NDArray[np.bool_] = np.all(fit, axis=1)
+    return result
 
 
 def refine_poles(
@@ -59,7 +65,7 @@ def refine_poles(
         return current
     damping = 1e-6
     total = float(current.cost.sum())
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         A = current.information.sum(axis=0)
         g = current.score.sum(axis=0)
         # A pole that nothing tells of stays where it is.
@@ -79,10 +85,12 @@ def refine_poles(
         if reached <= total * (1.0 + 1e-12):
             before, current, total = total, trial, reached
             damping = max(damping / 10.0, 1e-9)
-            if share < _TOLERANCE or (enough is not None and enough(before, total)):
+            gained = (before - total) / max(total, np.finfo(float).tiny)
+            done = share < TOLERANCE or gained * data.values.size < _LEAST_GAIN
+            if done or (enough is not None and enough(before, total)):
                 break
         else:
-            if share < _TOLERANCE:
+            if share < TOLERANCE:
                 break
             damping = min(max(damping * 30.0, 1e-3), 1e6)
     return current

@@ -26,17 +26,19 @@ from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
     "N_RESIDUAL",
+    "RIDGE",
     "ModalData",
     "Regression",
     "gram_system",
     "misfit",
     "modal_data",
+    "put_pairs",
     "regress",
     "residual_terms",
 ]
 
 N_RESIDUAL = 3
-_RIDGE = 1e-13  # relative to the scaled diagonal
+RIDGE = 1e-13  # relative to the scaled diagonal
 _FEW_FRFS = 16  # whose Gram matrices are quicker made one by one
 _MOST_PRODUCTS = 2**16  # of two regressors held at a time: what a processor keeps near
 
@@ -128,16 +130,16 @@ def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[
     return np.stack([lowest, lowest * s, lowest * s * s], axis=1)
 
 
-def _put_pairs(
+def put_pairs(
     out: npt.NDArray[np.float64],
     first: npt.NDArray[np.complex128],
     second: npt.NDArray[np.complex128],
 ) -> None:
-    """Regressors of Re and Im of a coefficient and its conjugate into rows (2 n, 2, n_freq)."""
-    np.add(first.real, second.real, out=out[0::2, 0])
-    np.add(first.imag, second.imag, out=out[0::2, 1])
-    np.subtract(second.imag, first.imag, out=out[1::2, 0])
-    np.subtract(first.real, second.real, out=out[1::2, 1])
+    """Regressors of Re and Im of a coefficient and its conjugate into rows (..., 2 n, 2, lines)."""
+    np.add(first.real, second.real, out=out[..., 0::2, 0, :])
+    np.add(first.imag, second.imag, out=out[..., 0::2, 1, :])
+    np.subtract(second.imag, first.imag, out=out[..., 1::2, 0, :])
+    np.subtract(first.real, second.real, out=out[..., 1::2, 1, :])
 
 
 def _gram(
@@ -183,11 +185,11 @@ def gram_system(
     q = (2 * n if pole_terms else n) + N_RESIDUAL
     direct, mirrored = 1.0 / (data.s - poles[:, None]), 1.0 / (data.s - poles.conj()[:, None])
     rows = np.empty((q, 2, data.s.size))
-    _put_pairs(rows[:n], direct, mirrored)
+    put_pairs(rows[:n], direct, mirrored)
     residual = residual_terms(data.form, data.s).T
     rows[n : n + N_RESIDUAL, 0], rows[n : n + N_RESIDUAL, 1] = residual.real, residual.imag
     if pole_terms:
-        _put_pairs(rows[n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
+        put_pairs(rows[n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
     size = np.sqrt(np.einsum("qak,qak->q", rows, rows) / data.s.size)
     rows /= size[:, None, None]
     G, b = _gram(rows, data)
@@ -229,7 +231,7 @@ def regress(
 
     diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)
     scale = 1.0 / np.sqrt(diagonal)
-    G11 = G[:, :p, :p] * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(p)
+    G11 = G[:, :p, :p] * scale[:, :, None] * scale[:, None, :] + RIDGE * np.eye(p)
     inverse = np.linalg.inv(G11) * scale[:, :, None] * scale[:, None, :]
     x = np.einsum("oij,oj->oi", np.broadcast_to(inverse, (n_frf, p, p)), b[:, :p])
     row = data.row_weight

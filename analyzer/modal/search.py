@@ -15,7 +15,12 @@ from armodal.analyzer.modal.peaks import peak_poles, standing_peaks, unexplained
 from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
 from armodal.analyzer.modal.regression import ModalData, modal_data
 from armodal.analyzer.modal.second_look import left_over_poles, split_poles
-from armodal.analyzer.modal.selection import Selection, keep_modes, select_modes
+from armodal.analyzer.modal.selection import (
+    Selection,
+    keep_modes,
+    second_poles,
+    select_modes,
+)
 from armodal.analyzer.modal.spans import Span, spans
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.frf_records import FrfForm
@@ -27,7 +32,6 @@ _Complex = npt.NDArray[np.complex128]
 
 _MOST_ROUNDS = 8  # of looking for poles in what the model leaves over
 _LEAST_PROGRESS = 0.99  # of the misfit before the round
-_PART_OF_PEAK = 3.0  # half bandwidths from where a second pole was tried to both that are found
 _ZOOM_ORDER_STEP = 3  # orders of a zoomed band: some fifteen suffice, each is an eigenvalue problem
 
 
@@ -173,18 +177,22 @@ def _looked_again(problem: Problem, data: ModalData, chosen: Selection) -> Selec
 
 def _split(problem: Problem, data: ModalData, chosen: Selection) -> Selection:
     """Choose again with a second pole beside each mode that leaves a misfit, where needed."""
-    for pole in split_poles(data, chosen.fit, problem.freq_hz, line_share=problem.line_share):
+    for _ in range(_MOST_ROUNDS):
+        tried = split_poles(data, chosen.fit, problem.freq_hz, line_share=problem.line_share)
+        found = second_poles(data, chosen.fit, tried, problem.line_share)
+        if not found.size:
+            break
         again = select_modes(
             data,
-            np.append(chosen.fit.poles, pole),
-            np.append(chosen.share, 0.0),
+            np.concatenate([chosen.fit.poles, found]),
+            np.concatenate([chosen.share, np.zeros(found.size)]),
             problem.band_hz,
             line_share=problem.line_share,
             chosen=chosen,
         )
-        parts = np.abs(again.fit.poles - pole) < _PART_OF_PEAK * -pole.real
-        if again.share.size > chosen.share.size and np.count_nonzero(parts) > 1:
-            chosen = again
+        if again.share.size <= chosen.share.size:
+            break
+        chosen = again
     return chosen
 
 

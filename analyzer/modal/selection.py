@@ -8,6 +8,7 @@ determined, and when it is not a second copy of a neighbour.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,25 +18,32 @@ from armodal.analyzer.modal.about_modes import about_modes
 from armodal.analyzer.modal.choice import physical
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.refine import refine_poles
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, regress
+from armodal.analyzer.modal.regression import ModalData, Regression, regress
+from armodal.analyzer.modal.significance import (
+    LEAST_SIGNIFICANCE,
+    noise_about,
+    significance,
+    worth,
+)
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
 __all__ = [
     "Kept",
     "Selection",
     "keep_modes",
-    "lack_of_fit",
     "off_resonance",
+    "second_poles",
     "select_modes",
     "still_needed",
 ]
 
-_LEAST_SIGNIFICANCE = 5.0
 _DOUBTFUL_SIGNIFICANCE = 1000.0
 _LEAST_VISIBLE = 0.05  # of the FRFs' weighted amplitude at the mode's own frequency
 _MOST_DAMPING_STD = 0.5  # of the damping ratio
 _LEAST_GAIN = 0.1  # of the way to where a mode is not needed, a step: else it is needed
 _NEAR = 10.0  # half bandwidths of the wider of two, within which they may stand in for one another
+_NEAR_LINES = 15  # on either side at least, where neighbours are to make up for a mode
+_PART_OF_PEAK = 3.0  # half bandwidths from where a second pole was tried to both that are found
 _LEFT = 6.0  # half bandwidths, of the narrower, beyond which a pole is no longer on its resonance
 _LEFT_LINES = 2.0  # added: what is narrower than a line is placed to no better
 _OWN_REACH, _OWN_LINES = 4.0, 6  # half bandwidths and lines at least on either side of a resonance
@@ -58,20 +66,6 @@ class Kept(Selection):
 
     given: npt.NDArray[np.intp]  # (n_modes,) which of the poles given each is
     held: npt.NDArray[np.bool_]  # (n_modes,) where the lines about it have it, not all lines
-
-
-def lack_of_fit(fit: Regression, n_freq: int) -> float:
-    """Weighted misfit per real degree of freedom; a half for noise of the stated variance."""
-    n_frf, n_modes = fit.n_measured, fit.poles.size
-    free = max(n_frf * (2 * n_freq - 2 * n_modes - N_RESIDUAL) - 2 * n_modes, 1)
-    return float(np.sum(fit.cost) / free)
-
-
-def _significance(fit: Regression, n_freq: int, share: float) -> npt.NDArray[np.float64]:
-    """Gain of each mode over what noise with correlated lines would give: (n_modes,)."""
-    expected = 2.0 * fit.n_measured * max(lack_of_fit(fit, n_freq), np.finfo(float).tiny) / share
-    result: npt.NDArray[np.float64] = fit.gain.sum(axis=0) / expected
-    return result
 
 
 def _visible(fit: Regression, data: ModalData) -> npt.NDArray[np.float64]:
@@ -109,24 +103,27 @@ def _duplicate_of_a_stronger(
 
 def _weakest(
     fit: Regression, data: ModalData, band_hz: tuple[float, float], share: float, *, strict: bool
-) -> int | None:
-    """The mode to drop next, or None when all may stay."""
-    n_freq = data.s.size
-    significance = _significance(fit, n_freq, share)
-    bad = significance < _LEAST_SIGNIFICANCE
+) -> list[int]:
+    """The modes to drop next, none of them near another; none when all may stay."""
+    told = significance(data, fit, share)
+    bad = told < LEAST_SIGNIFICANCE
     if strict:
         bad |= ~physical(fit.poles, band_hz)
         bad |= _visible(fit, data) < _LEAST_VISIBLE
         J = frequency_damping_jacobian(fit.poles)
-        misfit = lack_of_fit(fit, n_freq)
-        covariance = white_covariance(fit.information.sum(axis=0), misfit, share)
-        std = np.sqrt(np.maximum(np.diag(J @ covariance @ J.T), 0.0))
+        covariance = white_covariance(fit.information.sum(axis=0), 1.0, share)
+        variance = np.diag(J @ covariance @ J.T)[1::2] * noise_about(data, fit)
         damping = -fit.poles.real / np.abs(fit.poles)
-        bad |= std[1::2] > _MOST_DAMPING_STD * np.abs(damping)
-    if np.any(bad):
-        return int(np.argmin(np.where(bad, significance, np.inf)))
+        bad |= np.sqrt(np.maximum(variance, 0.0)) > _MOST_DAMPING_STD * np.abs(damping)
+    drop: list[int] = []
+    for index in (int(i) for i in np.argsort(told) if bad[i]):
+        if not np.any(_near(fit.poles[drop], complex(fit.poles[index]))):
+            drop.append(index)
+    if drop or not strict:
+        return drop
     line_rad_s = float(np.median(np.diff(data.s.imag)))
-    return _duplicate_of_a_stronger(fit, significance, line_rad_s) if strict else None
+    copy = _duplicate_of_a_stronger(fit, told, line_rad_s)
+    return [] if copy is None else [copy]
 
 
 def _not_needed(
@@ -135,27 +132,89 @@ def _not_needed(
     """A doubtful mode the others make up for once they may move, and the fit without it.
 
     Two poles can split one mode between them, each seeming needed while the other stands where
-    it is. The likelihood ratio after a new refinement tells. Modes found to be needed are noted
-    in `settled`.
+    it is. The likelihood ratio after a new refinement tells, first on the lines about the mode
+    where only its neighbours move: what these cannot make up for, those farther off cannot.
+    Modes found to be needed are noted in `settled`.
     """
-    significance = _significance(fit, data.s.size, line_share)
-    n_frf = fit.n_measured
-    noise = lack_of_fit(fit, data.s.size) * (2.0 * n_frf + 2.0) / line_share
-    most = float(fit.cost.sum()) + _LEAST_SIGNIFICANCE * noise
+    told = significance(data, fit, line_share)
+    noise = noise_about(data, fit)
 
-    def decided(before: float, after: float) -> bool:
-        return after < most or before - after < _LEAST_GAIN * (after - most)
+    def enough(most: float) -> Callable[[float, float], bool]:
+        return lambda before, after: after < most or before - after < _LEAST_GAIN * (after - most)
 
-    for index in np.argsort(significance):
-        if significance[index] > _DOUBTFUL_SIGNIFICANCE:
+    for index in np.argsort(told):
+        if told[index] > _DOUBTFUL_SIGNIFICANCE:
             return None
         if settled[index]:
             continue
-        without = refine_poles(data, np.delete(fit.poles, index), enough=decided)
+        settled[index] = True
+        near = np.flatnonzero(_near(fit.poles, complex(fit.poles[index])))
+        local = _about(data, fit, near, line_share)
+        least = worth(fit.n_measured, float(noise[index]), line_share)
+        most = float(refine_poles(local, fit.poles[near]).cost.sum()) + least
+        start = fit.poles[near[near != index]]
+        without = refine_poles(local, start, enough=enough(most))
+        if float(without.cost.sum()) >= most:
+            continue
+        others = fit.poles.copy()
+        others[near[near != index]] = without.poles
+        most = float(fit.cost.sum()) + least
+        without = refine_poles(data, np.delete(others, index), enough=enough(most))
         if float(without.cost.sum()) < most:
             return int(index), refine_poles(data, without.poles)
-        settled[index] = True
     return None
+
+
+def _roughly(before: float, after: float) -> bool:
+    """Whether poles are near enough to where they will end to tell which are worth keeping."""
+    return before - after < _LEAST_GAIN * after
+
+
+def _without(fit: Regression, data: ModalData, drop: list[int], line_share: float) -> Regression:
+    """The fit without some modes, their neighbours moved to where the lines about have them."""
+    poles = fit.poles.copy()
+    for index in drop:
+        near = np.flatnonzero(_near(fit.poles, complex(fit.poles[index])))
+        left = near[near != index]
+        # A pole that has left the band has no lines about it.
+        if left.size and data.s.imag[0] <= fit.poles[index].imag <= data.s.imag[-1]:
+            local = _about(data, fit, near, line_share)
+            poles[left] = refine_poles(local, fit.poles[left], enough=_roughly).poles
+    return regress(data, np.delete(poles, drop))
+
+
+def second_poles(
+    data: ModalData, fit: Regression, tried: Sequence[complex], line_share: float
+) -> npt.NDArray[np.complex128]:
+    """Of poles tried beside modes those that the lines about them are worth: (n,).
+
+    A pole that ends more than three half bandwidths from where it was tried, or leaves no other
+    there, rounds the background and is no part of that peak. Of poles that overlap the first
+    stays: what it leaves can be looked at again.
+    """
+    found: list[complex] = []
+    for pole in tried:
+        if np.any(_near(np.array(found, dtype=np.complex128), pole)):
+            continue
+        near = np.flatnonzero(_near(fit.poles, pole))
+        local = _about(data, fit, near, line_share)
+        before = refine_poles(local, fit.poles[near])
+        after = refine_poles(local, np.append(before.poles, pole))
+        gain = float(before.cost.sum() - after.cost.sum())
+        noise = float(noise_about(local, after)[-1])
+        parts = np.abs(after.poles - pole) < _PART_OF_PEAK * -pole.real
+        if gain > worth(fit.n_measured, noise, line_share) and parts[-1] and parts.sum() > 1:
+            found.append(pole)
+    return np.array(found, dtype=np.complex128)
+
+
+def _about(
+    data: ModalData, fit: Regression, own: npt.NDArray[np.intp], line_share: float
+) -> ModalData:
+    """The lines about some modes, the others taken off."""
+    return about_modes(
+        data, fit, own, reach=_NEAR, least_lines=_NEAR_LINES, independent=line_share >= 1.0
+    ).data
 
 
 def _near(poles: npt.NDArray[np.complex128], pole: complex) -> npt.NDArray[np.bool_]:
@@ -204,17 +263,21 @@ def select_modes(
     fit = regress(data, poles, pole_terms=False)
     while poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=False)
-        if drop is None:
+        if not drop:
             break
         poles, share, settled = (np.delete(a, drop) for a in (poles, share, settled))
         fit = regress(data, poles, pole_terms=False)
-    fit = refine_poles(data, poles)
+    fit, moved = refine_poles(data, poles, enough=_roughly), True
     while fit.poles.size:
         drop = _weakest(fit, data, band_hz, line_share, strict=True)
-        if drop is not None:
-            settled &= ~_near(fit.poles, complex(fit.poles[drop]))
+        if drop:
+            for pole in fit.poles[drop]:
+                settled &= ~_near(fit.poles, complex(pole))
             share, settled = np.delete(share, drop), np.delete(settled, drop)
-            fit = refine_poles(data, np.delete(fit.poles, drop))
+            fit, moved = _without(fit, data, drop, line_share), True
+            continue
+        if moved:
+            fit, moved = refine_poles(data, fit.poles), False
             continue
         spare = _not_needed(fit, data, line_share, settled)
         if spare is None:
@@ -226,7 +289,7 @@ def select_modes(
     rank = np.argsort(np.abs(fit.poles), kind="stable")
     if np.any(rank != np.arange(rank.size)):
         fit, share = regress(data, fit.poles[rank]), share[rank]
-    return Selection(fit=fit, share=share, significance=_significance(fit, data.s.size, line_share))
+    return Selection(fit=fit, share=share, significance=significance(data, fit, line_share))
 
 
 def keep_modes(
@@ -264,7 +327,7 @@ def keep_modes(
     return Kept(
         fit=fit,
         share=stability[given],
-        significance=_significance(fit, data.s.size, line_share),
+        significance=significance(data, fit, line_share),
         given=given,
         held=held[given],
     )
@@ -287,7 +350,7 @@ def still_needed(
     while True:
         kept = keep_modes(data, poles[at], stability[at], line_share=line_share)
         drop = _weakest(kept.fit, data, band_hz, line_share, strict=True)
-        if drop is None:
+        if not drop:
             return replace(kept, given=at[kept.given])
         at = np.delete(at, kept.given[drop])
 

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 __all__ = ["UsableBand", "usable_band"]
 
-_LOWEST_HZ = 3.0
+_LOWEST_HZ = 3.0  # or less, where a record holds so many periods of less
+_PERIODS = 16.0  # in which a mode of 2 % damping falls to an eighth
 _HIGHEST_OF_RATE = 0.39  # anti-alias filters of 24-bit boards are flat to about here
 _LEAST_FORCE = 0.02  # of the force spectrum's maximum: 34 dB below
 
@@ -27,7 +28,8 @@ class UsableBand:
     def words(self) -> str:
         """Return what is used where no band is asked for, and why no more."""
         return (
-            f"FRFs from {self.low_hz:.4g} to {self.high_hz:.5g} Hz: above, {self.limit}; "
+            f"FRFs from {self.low_hz:.4g} to {self.high_hz:.5g} Hz: above, {self.limit}; below, "
+            "drift and AC coupling; "
             "`armodal fit --band` takes other lines"
         )
 
@@ -71,16 +73,17 @@ def usable_band(
     Returns
     -------
     UsableBand
-        From 3 Hz to 0.39 of the sampling rate, or to where the median force first falls below 2 %
-        of its maximum.
+        From 3 Hz, or what a longer record holds 16 periods of, to 0.39 of the sampling rate, or to
+        where the median force first falls below 2 % of its maximum above 3 Hz.
     """
     top_hz = _HIGHEST_OF_RATE * rate_hz
     typical = np.median(force, axis=0)
-    above = freq_hz > _LOWEST_HZ  # an offset is no hit
+    low_hz = min(_LOWEST_HZ, _PERIODS * float(freq_hz[1] - freq_hz[0]))
+    above = freq_hz > _LOWEST_HZ  # an offset and drift are no hit
     weak = above & (typical < _LEAST_FORCE * np.max(typical, initial=0.0, where=above))
     end_hz = float(freq_hz[int(np.argmax(weak))]) * (1.0 - 1e-12) if np.any(weak) else np.inf
     if end_hz < top_hz:
         limit = f"the force is below {100 * _LEAST_FORCE:.0f} % of its spectrum's maximum"
-        return UsableBand(low_hz=_LOWEST_HZ, high_hz=end_hz, limit=limit, by_force=True)
+        return UsableBand(low_hz=low_hz, high_hz=end_hz, limit=limit, by_force=True)
     limit = "an anti-alias filter may not be flat"
-    return UsableBand(low_hz=_LOWEST_HZ, high_hz=top_hz, limit=limit)
+    return UsableBand(low_hz=low_hz, high_hz=top_hz, limit=limit)

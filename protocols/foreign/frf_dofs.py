@@ -11,12 +11,23 @@ from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.measured import Hints, NotToldError, ToldDof, parse_dof
 from armodal.protocols.foreign.variables import Variables
 
-__all__ = ["reference_dofs", "response_dofs"]
+__all__ = ["reference_dofs", "response_dofs", "told_dof"]
 
 # "3Z:1Z", "H(3z,1z)", "+3X/-1Y", "Tool:3:+Z/Tool:1:-Z" (Testlab): response, then reference.
 _ONE = r"(?:[^\W\d]\w*:)?([+-]?)(\d{1,8})[\s:]?([+-]?)([XYZ])"
 _NAMED = re.compile(rf"(?<![\w.]){_ONE}\s*[:,/;]\s*{_ONE}(?![\w.])", re.IGNORECASE)
+_SINGLE = re.compile(_ONE, re.IGNORECASE)
 _UNIT_LENGTH = 1e-3
+
+
+def told_dof(text: str) -> str:
+    """Return a file's one degree of freedom as a manifest names it; empty for none.
+
+    >>> told_dof("Tool:10:-Z")
+    '10:-z'
+    """
+    match = _SINGLE.fullmatch(text.strip())
+    return "" if match is None else _written(*match.groups())
 
 
 def response_dofs(
@@ -102,7 +113,11 @@ def _of_names(names: Sequence[str], which: int) -> list[ToldDof]:
         match = _NAMED.search(name)
         if match is None:
             return []
-        before, node, after, axis = match.groups()[4 * which : 4 * which + 4]
-        sign = "-" if "-" in {before, after} else ""
-        dofs.append(parse_dof(f"{node}:{sign}{axis}", name))
+        told = match.groups()[4 * which : 4 * which + 4]
+        dofs.append(parse_dof(_written(*told), name))
     return dofs
+
+
+def _written(before: str, node: str, after: str, axis: str) -> str:
+    sign = "-" if "-" in {before, after} else ""
+    return f"{node}:{sign}{axis.lower()}"

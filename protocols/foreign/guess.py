@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -73,7 +73,8 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
     guesses.append(f"mode {mode}: {reason}")
     common, keys = _in_common(keys)
     text = _text(files, keys, common, mode, reason, folder)
-    return Guess(text=text, guesses=_gathered(guesses), doubts=tuple(doubts))
+    names = {file.path.name for file in files}
+    return Guess(text=text, guesses=_gathered(guesses, names), doubts=tuple(doubts))
 
 
 def _like_the_others(file: LookedAt, kind: str) -> LookedAt:
@@ -91,28 +92,32 @@ def _kind(file: LookedAt) -> str:
 
 def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses: list[str]) -> None:
     """Name the points of FRFs that have none: by the numbers of their files."""
-    nameless = [
-        i
+    first = {
+        i: file.content.frfs[0]
         for i, file in enumerate(files)
-        if file.content is not None and file.content.frfs[0].response.node is None
-    ]
-    if len(files) < 2 or not nameless:
+        if file.content is not None and file.content.frfs
+    }
+    measured = list(first)
+    nameless = [i for i, frf in first.items() if frf.response.node is None]
+    if len(measured) < 2 or not nameless:
         return
-    pairs = _pairs([file.path.stem for file in files])
-    if pairs and len(nameless) == len(files):
-        for told, (response, reference) in zip(keys, pairs, strict=True):
-            told.setdefault("responses", [response])
-            told.setdefault("reference", reference)
+    stems = [files[i].path.stem for i in measured]
+    pairs = _pairs(stems)
+    if pairs and len(nameless) == len(measured):
+        for i, (response, reference) in zip(measured, pairs, strict=True):
+            keys[i].setdefault("responses", [response])
+            keys[i].setdefault("reference", reference)
         guesses.append(
             f"an FRF a file, the first response {pairs[0][0]} over reference {pairs[0][1]}: the "
             "two numbers in the files' names; exchange them if the first is what was struck"
         )
         return
-    names = _numbers([file.path.stem for file in files])
+    names = _numbers(stems)
     how = "the numbers in the names of the files" if names else "the order of the files"
-    names = names or [str(i + 1) for i in range(len(files))]
-    for i in nameless:
-        keys[i].setdefault("responses", [names[i]])
+    names = names or [str(i + 1) for i in range(len(measured))]
+    for i, name in zip(measured, names, strict=True):
+        if i in nameless:
+            keys[i].setdefault("responses", [name])
     guesses.append(f"one point a file, {names[0]} to {names[-1]}: {how}")
 
 
@@ -267,15 +272,15 @@ def _inline(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _gathered(guesses: Sequence[str]) -> tuple[str, ...]:
+def _gathered(guesses: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
     """Return each sentence once, with the files it is about counted."""
     about: dict[str, list[str]] = {}
     for sentence in guesses:
         name, colon, text = sentence.partition(": ")
-        is_file = bool(colon) and "." in name and " " not in name
+        is_file = bool(colon) and name in names
         about.setdefault(text if is_file else sentence, []).append(name if is_file else "")
     result = []
-    for text, names in about.items():
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        result.append(f"{names[0]}{more}: {text}" if names[0] else text)
+    for text, of in about.items():
+        more = f" and {len(of) - 1} more" if len(of) > 1 else ""
+        result.append(f"{of[0]}{more}: {text}" if of[0] else text)
     return tuple(result)

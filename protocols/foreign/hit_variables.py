@@ -90,6 +90,8 @@ def _hits_of_rows(
     part: Variables, found: Found, rows: _Rows, hints: Hints, said: list[str]
 ) -> list[ForeignHit]:
     forces, responses = rows.force, rows.responses
+    if not forces:
+        forces, responses = _force_by_unit(part, responses, said)
     if not forces or not responses:
         raise NotToldError(
             f"{part.origin}: wanted signals called time, force and at least one acceleration, got "
@@ -137,6 +139,22 @@ def _hits_of_rows(
         responses=told,
     )
     return cut_recording(recording, hints.cut, said)
+
+
+def _force_by_unit(
+    part: Variables, signals: list[Variable], said: list[str]
+) -> tuple[list[Variable], list[Variable]]:
+    """Force and responses where all signals but one tell a unit of acceleration."""
+    kinds = [unit(one.unit) for one in signals]
+    others = [i for i, kind in enumerate(kinds) if kind is None or kind[0] != "acceleration"]
+    if len(others) != 1 or len(signals) < 2 or not signals[others[0]].unit:
+        return [], signals
+    force = signals[others[0]]
+    said.append(
+        f"{part.origin}: {force.name[:40]}, in {force.unit[:20]}, is the only signal that is no "
+        "acceleration: it is taken as the force"
+    )
+    return [force], [one for one in signals if one is not force]
 
 
 def dofs_by_name(names: Sequence[str]) -> tuple[ToldDof, ...]:

@@ -102,7 +102,7 @@ def _found(part: Variables, hints: Hints, words: Words) -> Found:
         role = role_of(variable.name, variable.unit, is_complex=variable.is_complex)
         found.setdefault(role, []).append(variable)
     for axis in (Role.TIME, Role.FREQUENCY):
-        _only_rising(found, axis)
+        _only_rising(part, found, axis)
     _first_column(part, found)
     _frequencies_by_size(part, found, words)
     rest = found.get(Role.UNKNOWN, ())
@@ -171,13 +171,15 @@ def _mapped(part: Variables, hints: Hints) -> Found:
     return found
 
 
-def _only_rising(found: dict[Role, list[Variable]], axis: Role) -> None:
+def _only_rising(part: Variables, found: dict[Role, list[Variable]], axis: Role) -> None:
     """Take for signals what is named after an axis but does not rise, where another one does."""
     rising = [v for v in found.get(axis, ()) if _rises(v)]
     others = [v for v in found.get(axis, ()) if not _rises(v)]
     if rising and others:
         found[axis] = rising
-        found.setdefault(Role.UNKNOWN, []).extend(v for v in others if v.values.size > 1)
+        kept = [*found.get(Role.UNKNOWN, ()), *(v for v in others if v.values.size > 1)]
+        # In the file's order, which tells a real part from an imaginary one.
+        found[Role.UNKNOWN] = sorted(kept, key=part.variables.index)
 
 
 def _rises(variable: Variable) -> bool:
@@ -200,6 +202,9 @@ def _is_frf(part: Variables, found: Found, hints: Hints) -> bool:
 
 
 def _scalar(part: Variables, name: str) -> list[float]:
+    told = part.texts.get(name, ("",))[0]
+    if told.isdecimal():
+        return [float(told)]
     for variable in part.variables:
         if variable.name == name and variable.values.size == 1 and not variable.is_complex:
             number = float(variable.values.reshape(-1)[0])

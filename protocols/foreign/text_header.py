@@ -7,9 +7,10 @@ own; others write a fact a line, such as `X-axis unit: Hz` or `Sampling(Hz),5000
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
+from armodal.protocols.foreign.frf_dofs import told_dof
 from armodal.protocols.foreign.roles import Role, is_unit, role_of, split_unit
 from armodal.protocols.foreign.text_dialect import Dialect, is_number
 from armodal.protocols.foreign.units import hertz, seconds
@@ -22,6 +23,12 @@ _NUMBER_AND_UNIT = re.compile(r"([+-]?[\d.,]+(?:[eE][+-]?\d+)?)\s*(\S*)")
 _LABELS = {"unit", "units", "einheit", "einheiten", "unité", "y_unit_label", "dimension"}
 _NAME_LABELS = {"ch no", "ch no.", "ch name", "channel", "channels", "name", "kanal", "no", "ch"}
 _LONGEST_FACT, _LONGEST_NAME = 400, 200  # characters
+# Of Testlab's text files.
+_FACTS = {
+    "dof id": "responses",
+    "reference dof id": "references",
+    "number of averages": "averages",
+}
 _LETTERS = re.compile(r"[^\W\d_]")
 
 
@@ -35,6 +42,7 @@ class Header:
     x_unit: str = ""
     y_unit: str = ""
     rate_hz: float | None = None
+    texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def read_header(lines: Sequence[str], columns: Sequence[int], dialect: Dialect) -> Header:
@@ -75,6 +83,7 @@ def read_header(lines: Sequence[str], columns: Sequence[int], dialect: Dialect) 
         x_unit=facts.get("x", ""),
         y_unit=facts.get("y", ""),
         rate_hz=_rate(clean),
+        texts=_told(clean),
     )
 
 
@@ -131,7 +140,14 @@ def _are_names(row: Sequence[str], dialect: Dialect) -> bool:
     filled = [cell for cell in row if cell]
     wordy = [cell for cell in filled if _LETTERS.search(cell)]
     numbers = [cell for cell in filled if is_number(cell, dialect)]
-    return 2 * len(wordy) > len(row) and not numbers and len(set(filled)) > len(filled) // 2
+    # "Resolution<tab>1 Hz" above three columns is a fact: it has no name for the third.
+    complete = all(row[1:]) or len(row) == 1
+    return (
+        complete
+        and 2 * len(wordy) > len(row)
+        and not numbers
+        and len(set(filled)) > len(filled) // 2
+    )
 
 
 def _facts(lines: Sequence[str]) -> dict[str, str]:
@@ -146,6 +162,18 @@ def _facts(lines: Sequence[str]) -> dict[str, str]:
             found.setdefault("x", value)
         elif not re.search(r"\bx\b|x-axis|x axis", key) and is_unit(value):
             found.setdefault("y", value)
+    return found
+
+
+def _told(lines: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Return points, directions and averages that lines such as `DOF id: Tool:3:-Z` tell."""
+    found: dict[str, tuple[str, ...]] = {}
+    for line in lines:
+        key, value = _fact(line)
+        what = _FACTS.get(key)
+        text = value if what == "averages" and value.isdecimal() else told_dof(value)
+        if what is not None and text:
+            found.setdefault(what, (text,))
     return found
 
 

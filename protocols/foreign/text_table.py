@@ -218,6 +218,7 @@ def _variables(
         named=named,
         is_table=True,
         axis=axis,
+        texts=header.texts,
         words=header.words,
     )
 

@@ -61,6 +61,26 @@ def pulse(freq, frfs, unit="(m/s²)/N", *, coherence=None):
     return ("\r\n\r\n".join(blocks) + "\r\n").encode("latin-1")
 
 
+def lms_text(freq, frf, *, response="Point:3:-Z", reference="Point:10:-Z", averages=3):
+    """One FRF as Testlab exports it to text: a fact a line, in five columns that have no names."""
+    facts = {
+        "Span": "800 Hz",
+        "X axis unit": "Hz",
+        "Y axis unit": "g/N",
+        "Reference DOF id": reference,
+        "Reference point id node": reference.split(":")[1],
+        "DOF id": response,
+        "Number of averages": averages,
+        "Window type": "Exponential",
+        "Frequency resolution": "1 Hz",
+    }
+    head = [f"{key}\t{value}\t\t\t" for key, value in facts.items()]
+    rows = [
+        f"{f:25.9e}\t{h.real:25.9e}\t{h.imag:25.9e}\t\t" for f, h in zip(freq, frf, strict=True)
+    ]
+    return "\r\n".join([*head, *rows, ""]).encode("latin-1")
+
+
 def kyowa(rate_hz, signals, units):
     """Time records in the manner of Kyowa's recorders: a fact a line, names and units by rows."""
     n = len(signals)

@@ -7,6 +7,7 @@ from typing import Any
 from rich.table import Table
 
 from armodal.analyzer.corrected.prediction import ArmPrediction
+from armodal.tui.deviation import deviation
 
 __all__ = ["arm_prediction_json", "arm_prediction_table"]
 
@@ -45,9 +46,9 @@ def arm_prediction_table(found: ArmPrediction) -> Table:
         table.add_row(
             str(i + 1),
             f"{f_hz:.3f}",
-            f"{found.f_std_hz[i]:.3f}",
+            deviation(found.f_std_hz[i]),
             f"{100 * found.modes.damping_ratio[i]:.3f}",
-            f"{100 * found.damping_std[i]:.3f}",
+            deviation(100 * found.damping_std[i]),
             f"{found.posture.names[most]} ({100 * share[most]:.0f} %)",
         )
     return table

@@ -12,6 +12,7 @@ from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import half_width_95
 from armodal.protocols.session.records import Session
 from armodal.tui.command_parts.narrow_table import narrow_table
+from armodal.tui.deviation import deviation
 
 __all__ = ["identification_json", "identification_tables"]
 
@@ -143,9 +144,9 @@ def identification_tables(result: Identification) -> list[Table]:
         modes.add_row(
             mode.posture,
             f"{mode.f_hz:.3f}",
-            f"{mode.f_std_hz:.3f}",
+            deviation(mode.f_std_hz),
             f"{100 * mode.damping_ratio:.2f}",
-            f"{100 * mode.damping_std:.2f}",
+            deviation(100 * mode.damping_std, 2),
             f"{mode.joint_share:.2f}",
             "structural" if mode.structural else "",
             "-" if mode.model_f_hz is None else f"{mode.model_f_hz:.3f}",
@@ -174,13 +175,13 @@ def identification_tables(result: Identification) -> list[Table]:
                 row.posture,
                 str(row.mode),
                 f"{row.predicted_hz:.2f}",
-                f"{row.predicted_std_hz:.3f}",
+                deviation(row.predicted_std_hz),
                 f"{row.measured_hz:.2f}" if known else "none",
                 f"{100 * (row.predicted_hz / row.measured_hz - 1):+.2f}"
                 if row.measured_hz
                 else "-",
                 f"{100 * row.predicted_damping:.2f}",
-                f"{100 * row.predicted_damping_std:.2f}",
+                deviation(100 * row.predicted_damping_std, 2),
                 "-" if row.measured_damping is None else f"{100 * row.measured_damping:.2f}",
                 "-" if row.mac is None else f"{row.mac:.3f}",
             )

@@ -13,6 +13,7 @@ from armodal.tui.command_parts.fit_settings import FitSettings
 from armodal.tui.command_parts.fit_values import fit_values
 from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.console import Json, out, print_json, say_next
+from armodal.tui.deviation import deviation
 
 __all__ = ["app"]
 
@@ -99,7 +100,7 @@ def _table(value: dict[str, Any]) -> Table:
         table.add_row(
             mode["posture"],
             f"{mode['f_hz']:.3f}",
-            f"{mode['f_std_hz']:.3f}",
+            deviation(mode["f_std_hz"]),
             f"{100 * mode['damping_ratio']:.3g}",
             f"{100 * mode['damping_std']:.2g}",
             f"{mode['mpc']:.3f}",

@@ -40,8 +40,9 @@ def inspect_command(
         except ForeignFileError as error:
             errors[str(path)] = str(error)
     manifest, question = "", ""
+    measured = any(_is_measured(one) for one in looked)
     try:
-        guess = guess_manifest(looked, Path.cwd()) if looked else None
+        guess = guess_manifest(looked, Path.cwd()) if measured else None
         manifest = "" if guess is None else guess.text
     except ForeignFileError as error:
         guess, question = None, str(error)
@@ -63,6 +64,8 @@ def inspect_command(
             out.print(f"refused: {why}")
         _show_manifest(guess, question)
         _say_next(looked, guess)
+        if looked and not measured:
+            say("next: export FRFs or hits too: points and shapes alone are nothing to import")
     if errors:
         raise typer.Exit(_USER_ERROR)
 
@@ -106,6 +109,12 @@ def _holds(looked: LookedAt) -> str:
             f"samples at {rate}"
         )
     return "no FRF and no hit"
+
+
+def _is_measured(looked: LookedAt) -> bool:
+    """Whether a file may hold FRFs or hits: geometry and shapes alone are nothing to import."""
+    content = looked.content
+    return content is None or bool(content.frfs or content.hits)
 
 
 def _asks(looked: LookedAt, key: str) -> bool:

@@ -21,6 +21,7 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.command_parts.arm_prediction import arm_prediction_json, arm_prediction_table
 from armodal.tui.command_parts.options import comma_numbers, refuse_idle
 from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.deviation import deviation
 
 __all__ = ["app"]
 
@@ -83,11 +84,11 @@ def prediction_tables(prediction: Prediction) -> list[Table]:
         modes.add_row(
             str(i + 1),
             f"{f_hz:.3f}",
-            f"{found.f_std_hz[i]:.3f}",
-            f"{tolerated.f_std_hz[i]:.3f}",
+            deviation(found.f_std_hz[i]),
+            deviation(tolerated.f_std_hz[i]),
             f"{100 * found.modes.damping_ratio[i]:.3f}",
-            f"{100 * found.damping_std[i]:.3f}",
-            f"{100 * tolerated.damping_std[i]:.3f}",
+            deviation(100 * found.damping_std[i]),
+            deviation(100 * tolerated.damping_std[i]),
         )
     shapes = Table(
         title="Shapes: turn of each, 1 in the largest, and its part of the strain energy",

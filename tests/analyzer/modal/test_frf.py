@@ -233,6 +233,42 @@ def test_an_offset_of_the_force_ends_no_band():
         assert usable_band(freq, given, 1000.0).high_hz == pytest.approx(200.0, rel=1e-9)
 
 
+def test_a_long_record_has_lines_below_3_hz_whatever_its_force_drifts_by():
+    freq = np.arange(0.0, 20.0, 1.0 / 180.0)
+    force = np.ones((1, freq.size))
+    force[0, freq < 0.5] = 1e3  # drift
+    usable = usable_band(freq, force, 50.0)
+    assert usable.low_hz == pytest.approx(16.0 / 180.0)
+    assert usable.high_hz == pytest.approx(19.5)
+    assert usable_band(np.arange(0.0, 500.0), np.ones((1, 500)), 1000.0).low_hz == 3.0
+
+
+@pytest.mark.parametrize("seed", [12, 13, 14])
+def test_a_single_hit_triggered_at_once_still_has_its_modes(seed):
+    """Too few samples before the trigger to tell a noise, and no second hit: lines tell it."""
+    rng = np.random.default_rng(seed)
+    session = hammer.session(
+        POLES,
+        residues(rng, 4),
+        hits=1,
+        samples=65536,
+        exponential_end=1.0,
+        noise=0.3,
+        rng=rng,
+        widths_s=(2.5e-3, 2.5e-3),
+    )
+    cut = 90
+    hits = tuple(
+        dataclasses.replace(hit, counts=hit.counts[cut:], first_sample=hit.first_sample + cut)
+        for hit in session.hits
+    )
+    frf = posture_frf(dataclasses.replace(session, hits=hits), "p", axes)
+    model = fit_modes(frf)
+    wanted = np.sort(np.abs(POLES)) / (2.0 * np.pi)
+    found = np.array([np.abs(model.f_hz - f).min() for f in wanted])
+    assert np.all(found < 0.02 * wanted)
+
+
 def test_the_band_hits_excite_is_said_and_another_one_is_taken_with_a_warning():
     # A pulse of 4 ms has its spectrum's first zero near 375 Hz, and 2 % of its maximum there.
     session = hammer.session(POLES, residues(np.random.default_rng(11), 1), widths_s=(4e-3, 4e-3))

@@ -4,7 +4,7 @@ from support.simulated_frfs import modal_frf, poles_of
 
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import modal_data, regress
-from armodal.analyzer.modal.selection import lack_of_fit
+from armodal.analyzer.modal.significance import lack_of_fit
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian
 from armodal.protocols.frf_records import FrfForm
 

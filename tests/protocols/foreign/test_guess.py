@@ -5,7 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 from support.foreign_samples import accelerance, chain_file
-from support.foreign_writers import signalcalc, table
+from support.foreign_writers import lms_text, signalcalc, table
 from support.manifests import hit_signals, run
 
 from armodal.protocols.errors import ForeignFileError
@@ -165,3 +165,15 @@ def test_a_guess_finds_its_files_from_its_own_folder(tmp_path):
     (tmp_path / "out" / "m.toml").write_text(found.text, encoding="utf-8")
     assert load_manifest(tmp_path / "out" / "m.toml")
     assert run(tmp_path / "out" / "m.toml").frfs
+
+
+def test_what_is_guessed_of_many_files_is_one_sentence_whatever_their_names(tmp_path):
+    names = ["FRF 3-2.txt", "FRF 3-4.txt", "FRF 3-5.txt"]
+    for name, node in zip(names, "245", strict=True):
+        frf = accelerance(FREQ, int(node) % 3, 0)
+        (tmp_path / name).write_bytes(lms_text(FREQ, frf, reference=f"Point:{node}:-Z"))
+    found = guess(tmp_path, *names)
+    assert found.guesses == (
+        "FRF 3-2.txt and 2 more: the file names the points and directions",
+        "mode roving-hammer: 3 points are struck, 1 have sensors",
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from support.foreign_samples import accelerance
-from support.foreign_writers import kyowa, pulse, signalcalc, table
+from support.foreign_writers import kyowa, lms_text, pulse, signalcalc, table
 from support.manifests import RATE, hit_signals
 
 from armodal.protocols.errors import ForeignFileError
@@ -107,6 +107,21 @@ def test_a_section_that_is_no_measurement_is_left_out_with_a_word(tmp_path):
     assert any("left out" in text for text in content.said)
 
 
+def test_testlab_facts_are_no_names_but_tell_points_and_averages(tmp_path):
+    content = read(tmp_path, lms_text(FREQ, FRF))
+    found = same(content, scale=9.80665, tolerance=1e-8)
+    assert (found.response.node, found.response.direction.tolist()) == ("3", [0, 0, -1])
+    assert (found.reference.node, found.reference.direction.tolist()) == ("10", [0, 0, -1])
+    assert content.averages == 3
+
+
+def test_columns_stay_in_their_order_where_two_are_named_after_the_axis(tmp_path):
+    """`1 Hz` and `2 Hz` hold a real and an imaginary part, though both are called after hertz."""
+    rows = table([FREQ, FRF.real, FRF.imag])
+    told = Hints(form=FrfForm.ACCELERANCE)
+    same(read(tmp_path, f"Frequency [Hz]\tat 1 Hz\tsecond\n{rows}", told), tolerance=1e-8)
+
+
 def test_kyowa_records_have_names_and_units_in_rows(tmp_path):
     _, force, responses = hit_signals(channels=2)
     content = read(tmp_path, kyowa(RATE, [force, *responses], ["N", "m/s2", "m/s2"]), name="a.csv")
@@ -115,6 +130,28 @@ def test_kyowa_records_have_names_and_units_in_rows(tmp_path):
     assert np.allclose(hit.force_n, force, rtol=1e-8, atol=1e-9)
     assert np.allclose(hit.acceleration_m_s2, responses, rtol=1e-8, atol=1e-9)
     assert not content.said
+
+
+def test_the_only_signal_in_volts_beside_accelerations_is_the_force(tmp_path):
+    _, force, responses = hit_signals(channels=2)
+    signals = [100.0 * responses[0], 100.0 * responses[1], force / 0.02]
+    data = kyowa(RATE, signals, ["cm/s2", "cm/s2", "V"])
+    with pytest.raises(NotToldError) as caught:
+        read(tmp_path, data, name="a.csv")
+    assert caught.value.key == "scale"  # newtons a volt, nobody tells
+    content = read(tmp_path, data, Hints(force_scale=0.02, response_scale=0.01), name="a.csv")
+    (hit,) = content.hits
+    assert np.allclose(hit.force_n, force, rtol=1e-8, atol=1e-9)
+    assert np.allclose(hit.acceleration_m_s2, responses, rtol=1e-8, atol=1e-9)
+    assert any("CH-3, in V, is the only signal" in text for text in content.said)
+
+
+def test_two_signals_in_volts_are_asked_about(tmp_path):
+    _, force, responses = hit_signals(channels=2)
+    data = kyowa(RATE, [force, *responses], ["V", "V", "m/s2"])
+    with pytest.raises(NotToldError) as caught:
+        read(tmp_path, data, name="a.csv")
+    assert caught.value.key == "variables"
 
 
 # Dialects ----------------------------------------------------------------------------------------

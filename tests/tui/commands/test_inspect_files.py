@@ -110,6 +110,30 @@ def test_inspect_says_what_a_manifest_needs(tmp_path):
     assert [need["key"] for need in file["needs"]] == ["variables"]
 
 
+@pytest.mark.parametrize("with_frfs", [False, True])
+def test_inspect_proposes_no_import_of_geometry_alone(tmp_path, with_frfs):
+    cards = ["    -1", "  2411"]
+    for node in (1, 2):
+        cards += [
+            f"{node:10d}{0:10d}{0:10d}{7:10d}",
+            f"{0.1 * node:25.16E}{0.0:25.16E}{0.0:25.16E}",
+        ]
+    (tmp_path / "points.unv").write_text("\n".join([*cards, "    -1", ""]))
+    files = write_points(tmp_path, 2) if with_frfs else []
+    code, out, err = armodal("inspect", tmp_path / "points.unv", *files)
+    assert code == 0
+    assert "nodes (2)" in out
+    assert ("manifest:" in out) is with_frfs
+    assert ("armodal import" in err) is with_frfs
+    assert ("export FRFs or hits too" in err) is not with_frfs
+    # Where there are FRFs too, their points are drawn where the geometry has them.
+    assert ("points.unv" in out.partition("manifest:")[2]) is with_frfs
+    if with_frfs:
+        out_file = tmp_path / "s.h5"
+        code, _, err = armodal("import", tmp_path / "points.unv", *files, "--out", out_file)
+        assert code == 0, err
+
+
 def test_inspect_of_what_cannot_be_read_is_exit_code_2_and_shows_the_rest(tmp_path):
     files = write_points(tmp_path, 1)
     (tmp_path / "bad.bin").write_bytes(bytes(range(256)))

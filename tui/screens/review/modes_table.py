@@ -7,6 +7,7 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 from textual.widgets import DataTable
 
+from armodal.tui.deviation import deviation
 from armodal.tui.screens.review.state import ReviewState
 
 __all__ = ["ModesTable"]
@@ -33,9 +34,9 @@ def mode_rows(state: ReviewState) -> list[tuple[str, ...]]:
         rows.append(
             (
                 f"{mode.f_hz:.3f}",
-                f"{mode.f_std_hz:.3f}",
+                deviation(mode.f_std_hz),
                 f"{100 * mode.damping_ratio:.2f}",
-                f"{100 * mode.damping_std:.3f}",
+                deviation(100 * mode.damping_std),
                 f"{mode.mpc:.3f}",
                 f"{mode.mpd_deg:.1f}",
                 "unknown" if share is None else f"{100 * share:.0f}",
