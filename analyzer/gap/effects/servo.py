@@ -33,7 +33,7 @@ _LOSS_S = 3e-4  # no source: assumed, and as wide
 _MATERIAL = 0.05  # servo compliance over the joint's
 # Its part of the joint's compliance and its rotor, of what is typical, where a fit may begin: of no
 # size at all it changes nothing.
-_PARTS, _ROTORS = (0.1, 0.3), (0.1, 0.5, 1.5, 3.0)
+_PARTS, _ROTORS = (0.1, 0.3), (0.5, 1.5, 3.0)
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
