@@ -70,6 +70,7 @@ def find_rivals(
     fitted: Fit | None = None,
     without: Collection[tuple[str, str]] = (),
     tell: Progress = lambda _: None,
+    afresh: bool = True,
 ) -> Rivals:
     """Fit the present hypothesis and the effects that could improve on it.
 
@@ -86,6 +87,9 @@ def find_rivals(
         A sharp fit of the present hypothesis to all postures, if there is one.
     without
         Keys of instances that are not tried.
+    afresh
+        Whether `fitted` is set beside a fit from the start, before something more is looked for:
+        what a fit left that ended in a local minimum is no other effect.
     """
     *_, sharp = stages
     start = dict(start or {})
@@ -98,6 +102,20 @@ def find_rivals(
     promising = [c for c in looked if c.gain > _LOOK][:_NEAR]
     finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
     if needs_more(base[-1], finals):
+        if fitted is not None and afresh:
+            tell("from the start again, before more is looked for")
+            anew = _annealed(stages, present, _only_effects(present, start), None)[-1]
+            if anew.evidence < fitted.evidence:
+                return find_rivals(
+                    stages,
+                    present,
+                    needs_more,
+                    start=start,
+                    fitted=anew,
+                    without=without,
+                    tell=tell,
+                    afresh=False,
+                )
         finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
         finals = [*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])]
         finals = _hopeful([f for f in finals if f.last.key not in without])
@@ -138,8 +156,7 @@ def _far(
     """What wide lines lead to, whatever the sharp fit made of it."""
     widest = stages[0]
     # Ordinary errors begin anew: they may have taken on what is missing.
-    own = {name for instance in present.instances for name in instance.owned}
-    begin = {**start, **{k: v for k, v in base[-1].values.items() if k in own}}
+    begin = {**start, **_only_effects(present, base[-1].values)}
     unfitted = fit_hypothesis(widest, present, start=begin, max_iterations=0)
     pool: list[tuple[float, Fit, Candidate]] = []
     for about in (unfitted, base[0]):
@@ -160,6 +177,11 @@ def _far(
         tell(f"{len(fits)} candidates fitted on sharper lines, first: {fits[0].hypothesis.name}")
         fits = _hopeful([_further(stage, f, steps) for f in fits])
     return fits
+
+
+def _only_effects(present: Hypothesis, values: Mapping[str, float]) -> dict[str, float]:
+    own = {name for instance in present.instances for name in instance.owned}
+    return {name: value for name, value in values.items() if name in own}
 
 
 def _chosen(pool: Sequence[tuple[float, Fit, Candidate]], most: int) -> list[tuple[Fit, Candidate]]:

@@ -1,0 +1,45 @@
+"""What a search for rivals does with a fit that it is given."""
+
+from types import SimpleNamespace
+
+import pytest
+from support.made_gap_fits import made_fit
+
+from armodal.analyzer.gap.effects import hit_direction
+from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.search import rivals
+from armodal.analyzer.gap.search.rivals import find_rivals
+
+STAGES = ("widest", "broad", "middle", "sharp")
+NAMED = Hypothesis(
+    ordinary=SimpleNamespace(), instances=(Instance(effect=hit_direction.WORDS, place="p"),)
+)
+
+
+def fit(cost):
+    return made_fit(NAMED, cost=cost, space=Space([]), u=[])
+
+
+STUCK, FRESH = fit(100.0), fit(10.0)
+
+
+@pytest.fixture
+def fits_from_the_start_end_lower(monkeypatch):
+    """Of the model with what was named; no other effect has anything to promise."""
+    monkeypatch.setattr(rivals, "fit_hypothesis", lambda *_, **how: how.get("resumed", FRESH))
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: [])
+
+
+@pytest.mark.usefixtures("fits_from_the_start_end_lower")
+@pytest.mark.parametrize(("needs_more", "present"), [(True, FRESH), (False, STUCK)])
+def test_what_a_stuck_fit_leaves_is_sought_from_the_start_before_in_other_effects(
+    needs_more, present
+):
+    def more(base, _begun):
+        return needs_more and base is STUCK
+
+    found = find_rivals(STAGES, NAMED, more, start={}, fitted=STUCK)
+    assert found.present is present
