@@ -227,6 +227,10 @@ def _search(
             found = Rivals(present=fitted, rivals=())
             judged = replace(judged, named=None, standing=())
             break
+        else:
+            # What one mounting has of its own is of the motion that the better model foretells.
+            stages = tuple(stage.with_places(present, start) for stage in stages)
+            fitted = fit_hypothesis(stages[-1], present, start=start)
     ended = _Ended(
         stages=stages,
         before=before,
