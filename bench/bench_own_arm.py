@@ -24,15 +24,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from support.offline_lab import simulate_session
 
 from armodal.analyzer.identification.identify import identify
+from armodal.analyzer.identification.model_error import STEP, moved_arms
 from armodal.analyzer.own_arm.bodies import arm_bodies
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
-from armodal.analyzer.own_arm.guess import believed_links
+from armodal.analyzer.own_arm.guess import DATA_SHEET, believed_links
 from armodal.analyzer.own_arm.plausible import Doubts, doubted
 from armodal.analyzer.own_arm.solids import touches, triangle_solid
 from armodal.analyzer.planning.made import made_plan
@@ -40,6 +42,7 @@ from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.kinematics import link_pose
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.robot.chain import cut_chain
@@ -47,7 +50,10 @@ from armodal.protocols.robot.read import read_robot
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE
 
+Array = npt.NDArray[np.float64]
+
 OFF = 1.3  # truth over belief
+N_STATED = 100  # postures that a stated deviation is the mean of
 WITHIN = 1.96  # standard deviations, on either side, that hold 95 % of a normal distribution
 KINDS = (".urdf", ".xacro", ".xml")
 PART = re.compile(
@@ -109,15 +115,10 @@ def guessed_arm(draft):
     return replace(
         draft.arm,
         joints=tuple(
-            replace(joint, link=link)
-            for joint, link in zip(draft.arm.joints, guess.links, strict=True)
+            replace(joint, link=link, inertial_std=std)
+            for joint, link, std in zip(draft.arm.joints, guess.links, guess.stds, strict=True)
         ),
-        tolerances=replace(
-            draft.arm.tolerances,
-            mass=guess.mass,
-            inertia=guess.inertia,
-            center_m=guess.center_m,
-        ),
+        tolerances=replace(draft.arm.tolerances, moving_mass=guess.moving_mass),
     )
 
 
@@ -128,9 +129,9 @@ def measured(draft, plan_text: str, pulls: dict[str, list[float]]) -> str:
     c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
     truth = [value for value in k if value is not None]
     began = time.process_time()
-    session = simulate_session(
-        1, plan=plan_from_text(plan_text, arm), arm=arm, plant=plant_of_arm(arm, k, c)
-    )
+    plan = plan_from_text(plan_text, arm)
+    plant = plant_of_arm(arm, k, c, sensor_kg=plan.sensor.mass_kg)
+    session = simulate_session(1, plan=plan, arm=arm, plant=plant)
     rows = []
     for how, believed in (("true", arm), ("guessed", guessed_arm(draft))):
         if believed is None:
@@ -189,7 +190,19 @@ def try_arm(
     )
 
 
-def try_guess(path: Path, folders: tuple[Path, ...]) -> tuple[str, list[float], list[float]] | None:
+def stated_std(arm: Arm, q: Array) -> Array:
+    """What the tolerances leave of M_jj in postures q, relative, the mean of each joint's."""
+    joints = np.arange(len(arm.joints))
+    own = ArmBatch(arm).mass(q)[joints, joints]
+    square = np.zeros_like(own)
+    for moved, _ in moved_arms(arm):
+        square += ((ArmBatch(moved).mass(q)[joints, joints] - own) / own / STEP) ** 2
+    return np.asarray(np.sqrt(square).mean(axis=1))
+
+
+def try_guess(
+    path: Path, folders: tuple[Path, ...]
+) -> tuple[str, list[float], list[float], list[float]] | None:
     """How far guesses are off, with the total mass known, where there is something to compare."""
     said = Remarks()
     try:
@@ -219,11 +232,27 @@ def try_guess(path: Path, folders: tuple[Path, ...]) -> tuple[str, list[float], 
     ]
     joints = list(np.exp(np.log(own[0] / own[1]).mean(axis=1)) - 1.0)
     links = [a.mass_kg / b.mass_kg - 1.0 for a, b in zip(guessed, true.links, strict=True)]
+    believed = replace(
+        arm,
+        joints=tuple(
+            replace(joint, link=link, inertial_std=std)
+            for joint, link, std in zip(
+                arm.joints,
+                guessed,
+                believed_links(bare, nothing, said, total_kg=1.0).stds,
+                strict=True,
+            )
+        ),
+        tolerances=replace(arm.tolerances, encoder_offset_rad=0.0, moving_mass=DATA_SHEET),
+    )
+    std = stated_std(believed, q[:N_STATED])
+    # As `identify` states it, in parts of the k found: both are proportional to the M_jj guessed.
+    pulls = list((1.0 - 1.0 / (1.0 + np.array(joints))) / std)
     row = (
         f"masses {' '.join(f'{100 * e:+.0f}' for e in links)} %, M_jj "
-        f"{' '.join(f'{100 * e:+.0f}' for e in joints)} %"
+        f"{' '.join(f'{100 * e:+.0f} ± {100 * s:.0f}' for e, s in zip(joints, std, strict=True))} %"
     )
-    return row, links, joints
+    return row, links, joints, pulls
 
 
 def main() -> None:
@@ -238,7 +267,7 @@ def main() -> None:
     folders = tuple(
         sorted({path.parent.parent for path in given.folder.rglob("package.xml")} | {given.folder})
     )
-    pulls: dict[str, list[float]] = {"true": [], "guessed": []}
+    pulls: dict[str, list[float]] = {"true": [], "guessed": [], "M_jj of guessed": []}
     masses: list[float] = []
     moments: list[float] = []
     for path in descriptions(given.folder):
@@ -251,12 +280,13 @@ def main() -> None:
                 print(f"{name}: {found[0]}", flush=True)
                 masses += found[1]
                 moments += found[2]
+                pulls["M_jj of guessed"] += found[3]
         else:
             print(f"{name}: {try_arm(path, folders, given, pulls)}", flush=True)
     for how, each in pulls.items():
         if each:
             within = int(np.sum(np.abs(each) <= WITHIN))
-            print(f"{how} inertias: {within} of {len(each)} k within their 95 % interval")
+            print(f"{how} inertias: {within} of {len(each)} within their 95 % interval")
     if masses:
         for what, errors in (("masses", masses), ("M_jj", moments)):
             within = np.mean(np.abs(errors) <= 0.25)

@@ -49,6 +49,7 @@ from armodal.protocols.front_end import load_front_end
 from armodal.protocols.sensor_memory import load_sensors, remember_sensors, unlike_before
 from armodal.protocols.session.journal import End, Journal, Mark, MarkKind, encode_end, encode_mark
 from armodal.protocols.session.journal_payloads import CALIBRATION
+from armodal.protocols.session.moved_points import arm_with_moves
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import SessionHeader
 from armodal.protocols.teds import contradictions
@@ -179,6 +180,7 @@ def _run(
         polarities_before={
             hit.number: hit.verdict.polarity for hit in hits if hit.verdict.accepted
         },
+        arm=arm_with_moves(settings.arm, earlier.marks) if earlier else None,
         next_hit=hits[-1].number + 1 if hits else 1,
         turn_s=_turn_wall_s(settings) * settings.time_scale,
     )

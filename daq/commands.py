@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from armodal.protocols.arm.records import Point
+
 __all__ = [
     "Command",
+    "MovePoint",
     "Note",
     "Ready",
     "Retake",
@@ -68,10 +71,17 @@ class Withdraw:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MovePoint:
+    """A test point is elsewhere on its link than the arm file has it."""
+
+    point: Point
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TriggerLevel:
     """Before a session: set the board's trigger level for the next trial hits."""
 
     level_n: float
 
 
-Command = Ready | Skip | Retake | Stop | Note | Withdraw | ToldPosture | TriggerLevel
+Command = Ready | Skip | Retake | Stop | Note | Withdraw | ToldPosture | TriggerLevel | MovePoint

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.daq.session_machine import Progress, Prompt
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.board.records import BoardDictionary, BoardStatus
 from armodal.protocols.session.records import Hit, JointReading, Loss, Verdict
 
@@ -23,6 +24,7 @@ __all__ = [
     "JointsSeen",
     "LossNoted",
     "Noted",
+    "PointMoved",
     "Preview",
     "Prompted",
     "SessionOpened",
@@ -99,6 +101,14 @@ class HitWithdrawn:
     number: int
     posture: str
     point: str  # the roving one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointMoved:
+    """A test point was moved; the journal says so. The arm has it there."""
+
+    point: str
+    arm: Arm
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,6 +192,7 @@ Event = (
     | Preview
     | LossNoted
     | Noted
+    | PointMoved
     | Finished
     | Failed
 )

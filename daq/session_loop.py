@@ -14,13 +14,24 @@ from armodal.daq.arm_around import ArmAround
 from armodal.daq.blocks import CapturedBlock
 from armodal.daq.board_session import BoardSession
 from armodal.daq.clock import Clock
-from armodal.daq.commands import Command, Note, Ready, Retake, Skip, Stop, ToldPosture, Withdraw
+from armodal.daq.commands import (
+    Command,
+    MovePoint,
+    Note,
+    Ready,
+    Retake,
+    Skip,
+    Stop,
+    ToldPosture,
+    Withdraw,
+)
 from armodal.daq.events import (
     HitJudged,
     HitWithdrawn,
     JointsSeen,
     LossNoted,
     Noted,
+    PointMoved,
     Prompted,
 )
 from armodal.daq.geometry import hit_direction
@@ -32,14 +43,17 @@ from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import force_column, judge_record
 from armodal.daq.judge_posture import with_posture
 from armodal.daq.losses import LossTally
+from armodal.daq.moved_points import MovedPoints
 from armodal.daq.preview import PREVIEW_EVERY_WALL_S
 from armodal.daq.session_machine import PromptKind, SessionState
+from armodal.daq.session_marks import mark_of, what_was_done, withdrawal
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.stopping import Stopping, begin_stopping
 from armodal.daq.surroundings import EventQueue
 from armodal.daq.untriggered import UntriggeredPushes
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.force_pulse import TURNED
-from armodal.protocols.session.journal import Mark, MarkKind, encode_hit, encode_loss, encode_mark
+from armodal.protocols.session.journal import MarkKind, encode_hit, encode_loss
 from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import Hit, JointReading
@@ -80,6 +94,7 @@ class SessionLoop:
         state: SessionState,
         accepted_before: tuple[tuple[int, str, str], ...] = (),
         polarities_before: Mapping[int, int] | None = None,
+        arm: Arm | None = None,
         next_hit: int,
         turn_s: float,
     ) -> None:
@@ -94,6 +109,7 @@ class SessionLoop:
         self._state = state
         self._next_hit = next_hit
         self._arm = ArmAround(settings, clock, joints.joints, turn_s)
+        self._moved = MovedPoints(arm or settings.arm, settings.plan)
         self._armed: _Armed | None = None
         self._waiting: deque[CapturedBlock] = deque()
         self._asked: machine.Prompt | None = None
@@ -128,7 +144,7 @@ class SessionLoop:
         self._judge_blocks(now_s)
         self._report(now_s)
         if self._state.kind is PromptKind.DONE and self.ended is None and not self._waiting:
-            self.ended = _what_was_done(self._state)
+            self.ended = what_was_done(self._state)
         stopping = self._stopping
         if stopping is not None and self.ended is None:
             asked = self._state.kind is PromptKind.HIT
@@ -178,6 +194,8 @@ class SessionLoop:
                 self._mark(MarkKind.POINT, now_s, "retaken")  # it goes on here when come back to
         elif isinstance(command, Withdraw):
             self._withdraw(now_s)
+        elif isinstance(command, MovePoint):
+            self._move(command, now_s)
         elif isinstance(command, Note):
             self.note(command.text, now_s)
         elif isinstance(command, Stop):
@@ -189,18 +207,20 @@ class SessionLoop:
                 wall_s=self._clock.wall_s(1.0),
             )
 
+    def _move(self, command: MovePoint, now_s: float) -> None:
+        said, moved = self._moved.take(command, (point for _, _, point in self._kept))
+        if not moved:
+            self.note(said, now_s)
+            return
+        self._mark(MarkKind.NOTE, now_s, said, point=command.point.id)
+        self._outbox.put(PointMoved(point=command.point.id, arm=self._moved.arm))
+
     def _withdraw(self, now_s: float) -> None:
         if not self._kept:
             self.note("there is no accepted hit to take back", now_s)
             return
         number, posture, point = self._kept.pop()
-        self._journal.append(
-            encode_mark(
-                Mark(
-                    kind=MarkKind.WITHDRAWN, posture=posture, point=point, host_s=now_s, hit=number
-                )
-            )
-        )
+        self._journal.append(withdrawal(number, posture, point, now_s))
         self._polarity.drop(number)
         self.accepted -= 1
         self.rejected += 1
@@ -322,7 +342,7 @@ class SessionLoop:
             posture=posture.name,
             sensor_point=prompt.sensor_point,
             hit_point=prompt.hit_point,
-            hit_direction=hit_direction(self._settings.arm, posture, prompt.hit_point),
+            hit_direction=hit_direction(self._moved.arm, posture, prompt.hit_point),
             first_sample=block.first_sample,
             trigger_sample=block.info.trigger_sample,
             trigger_host_s=trigger_s,
@@ -376,23 +396,4 @@ class SessionLoop:
         return True
 
     def _mark(self, kind: MarkKind, now_s: float, note: str = "", point: str | None = None) -> None:
-        here = self._state.here
-        if kind in {MarkKind.POINT, MarkKind.SKIPPED} and here is not None:
-            point = here.point
-        self._journal.append(
-            encode_mark(
-                Mark(
-                    kind=kind,
-                    posture=here.posture if here else None,
-                    point=point,
-                    host_s=now_s,
-                    note=note,
-                )
-            )
-        )
-
-
-def _what_was_done(state: SessionState) -> str:
-    if state.lacking == 0:
-        return "every planned point has its hits"
-    return f"{state.lacking} of {len(state.progress)} planned points were skipped and lack hits"
+        self._journal.append(mark_of(self._state, kind, now_s, note, point))

@@ -100,6 +100,9 @@ def draw_plant(rehearsal: Rehearsal, seed: int) -> tuple[Plant, list[dict[str, A
     )
     tables, truth = hide_in(study, spec)
     tables = tables | {"hand": _hand(tables["hand"], study.plan.trigger.level_n, rehearsal.plan)}
+    if rehearsal.plan is not None:  # what the plan is measured with
+        sensor = tables["accelerometer"] | {"mass_kg": rehearsal.plan.sensor.mass_kg}
+        tables = tables | {"accelerometer": sensor}
     try:
         plant = build_plant(PlantFile.model_validate(tables))
     except ValidationError as error:

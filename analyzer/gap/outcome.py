@@ -47,9 +47,6 @@ __all__ = ["GapOutcome", "conclude", "notes_on_its_end"]
 
 # Nats that a fit's own quadratic still promises: a deviation and a half of a single parameter.
 _UNFINISHED = 1.0
-# Variance of an effect's parameters beyond what postures' disagreement shows: errors common to all
-# of them, such as cross talk. Calibrated on seeds that no study uses (`docs/theory-gap.md`).
-_COMMON = 2.25
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,8 +87,12 @@ def conclude(
     standing = judged.standing
     calibration = judged.calibration
     leaves = partial(misfit_of_replicas, sharp, beyond=limits.false_name)
-    spread = max(judged.phi, dispersion(sharp, final))
-    effects = tuple(_effect(step, final, _COMMON * spread) for step in named)
+    disagreement = dispersion(sharp, final)
+    spread = max(judged.phi, disagreement)
+    # Of effects, errors that all postures share, which no disagreement shows: as of replicas.
+    n_postures = len({lines.name for lines in sharp.lines})
+    shared = max(judged.phi, n_postures * disagreement)
+    effects = tuple(_effect(step, final, shared) for step in named)
     verdict, why = verdict_of(
         sharp, final, found, judged, named=bool(named), leaves=leaves, limits=limits
     )
@@ -128,7 +129,7 @@ def conclude(
         verdict=verdict,
         summary=summary_words(verdict, effects, standing, misfit, left),
         effects=effects if verdict is Verdict.NAMED else (),
-        rivals=_rivals(found, judged, _COMMON * spread),
+        rivals=_rivals(found, judged, shared),
         hidden=_hidden(hiding, spread),
         joint_stiffness_ranges=stiffness_ranges(
             stages[-2],

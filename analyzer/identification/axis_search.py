@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.reduced import model_modes, reduce_model
 from armodal.analyzer.arm.structure import Axis, Structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
@@ -18,7 +19,7 @@ from armodal.analyzer.identification.parameters import FitState
 from armodal.analyzer.identification.structural import moment_about, mozzi_of_shape, to_link
 from armodal.protocols.errors import EstimateError
 
-__all__ = ["best_axis_fit", "start_state"]
+__all__ = ["best_axis_fit", "start_state", "why_no_axis"]
 
 START_DAMPING_RATIO = 0.03
 
@@ -28,6 +29,18 @@ def start_state(structure: Structure, n_postures: int) -> FitState:
     return FitState(
         structure=structure, log_gain=np.zeros(3), hit_tilt_rad=np.zeros((n_postures, 2))
     )
+
+
+def why_no_axis(
+    superset: Superset, structure: Structure, data: tuple[PostureData, ...]
+) -> str | None:
+    """Why a fitted axis is none, or None: what does not swing is no compliance."""
+    for posture in data:
+        try:
+            model_modes(reduce_model(superset, posture.dynamics, structure))
+        except EstimateError as problem:
+            return f"an axis was looked for and left out: {problem}"
+    return None
 
 
 def axis_starts(

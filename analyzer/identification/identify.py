@@ -12,7 +12,7 @@ from armodal.analyzer.arm.structure import Structure, believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import HeldArm, held_arm
 from armodal.analyzer.identification.axis_results import axis_results
-from armodal.analyzer.identification.axis_search import best_axis_fit, start_state
+from armodal.analyzer.identification.axis_search import best_axis_fit, start_state, why_no_axis
 from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
 from armodal.analyzer.identification.frf_model import PostureData, posture_data
@@ -126,7 +126,7 @@ def identify(
     mass_kg = session.header.plan.sensor.mass_kg
     top_hz = BAND_ABOVE * max(mode.f_hz for model in models for mode in model.modes)
     banded = [lines_within(frf, (float(frf.freq_hz[0]), top_hz)) for frf in fitted]
-    fit, rivals = _fit(superset, ready, banded, measured, shares, mass_kg, say)
+    fit, rivals, left_out = _fit(superset, ready, banded, measured, shares, mass_kg, say)
     say("uncertainty")
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
     moves = model_moves(superset, coarse, fit)
@@ -164,6 +164,7 @@ def identify(
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
             *ready.notes,
+            *left_out,
             *(note for _, said in proposed.values() for note in said),
             *(
                 note
@@ -194,7 +195,7 @@ def _fit(
     shares: list[list[float]],
     mass_kg: float,
     say: Callable[[str], None],
-) -> tuple[FrfFit, tuple[tuple[str, float], ...]]:
+) -> tuple[FrfFit, tuple[tuple[str, float], ...], tuple[str, ...]]:
     believed = replace(believed_structure(superset.arm), axes=ready.axes, held=ready.held)
     if not believed.joints:
         raise EstimateError(
@@ -206,17 +207,21 @@ def _fit(
     coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
     if believed.axes:  # those the arm file has are fitted, no further one is looked for
         say("model fit, all lines")
-        return fit_frfs(superset, full, start_state(baseline, len(full))), ()
+        return fit_frfs(superset, full, start_state(baseline, len(full))), (), ()
     suspected = any(share < STRUCTURAL_SHARE for posture in shares for share in posture)
     if not suspected or _explained_by_joints(superset, baseline, coarse):
         say("model fit, all lines")
-        return fit_frfs(superset, full, start_state(baseline, len(full))), ()
+        return fit_frfs(superset, full, start_state(baseline, len(full))), (), ()
     _, at, mode = min(
         (share, at, mode) for at, posture in enumerate(shares) for mode, share in enumerate(posture)
     )
     best, rivals = best_axis_fit(superset, baseline, coarse, measured, (at, mode), say)
     say("model fit, all lines")
-    return fit_frfs(superset, full, best.state), rivals
+    with_axis = fit_frfs(superset, full, best.state)
+    why = why_no_axis(superset, with_axis.state.structure, full)
+    if why is None:
+        return with_axis, rivals, ()
+    return fit_frfs(superset, full, start_state(baseline, len(full))), rivals, (why,)
 
 
 def _explained_by_joints(

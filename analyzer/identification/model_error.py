@@ -69,31 +69,50 @@ def model_moves(
 
 def moved_arms(arm: Arm) -> Iterator[tuple[Arm, Array]]:
     """Arms and encoder offsets, each with one quantity off by `STEP` standard deviations."""
-    tolerances = arm.tolerances
     still = np.zeros(len(arm.joints))
-    for i, joint in enumerate(arm.joints):
-        link = joint.link
-        heavier = 1.0 + STEP * tolerances.mass
-        changes = [
+    for factors in 1.0 + STEP * _mass_directions(arm).T:
+        joints = tuple(
             replace(
-                link,
-                mass_kg=link.mass_kg * heavier,
-                inertia_kg_m2=link.inertia_kg_m2 * heavier,
+                joint,
+                link=replace(
+                    joint.link,
+                    mass_kg=joint.link.mass_kg * float(factor),
+                    inertia_kg_m2=joint.link.inertia_kg_m2 * float(factor),
+                ),
             )
+            for joint, factor in zip(arm.joints, factors, strict=True)
+        )
+        yield replace(arm, joints=joints), still
+    for i, joint in enumerate(arm.joints):
+        link, std = joint.link, arm.inertial_std(joint)
+        changes = [
+            replace(link, center_m=link.center_m + STEP * std.center_m * side) for side in np.eye(3)
         ]
-        changes += [
-            replace(link, center_m=link.center_m + STEP * tolerances.center_m * side)
-            for side in np.eye(3)
-        ]
-        changes += list(_principal(link, STEP * tolerances.inertia))
+        changes += list(_principal(link, STEP * std.inertia))
         for changed in changes:
-            joints = list(arm.joints)
-            joints[i] = replace(joint, link=changed)
-            yield replace(arm, joints=tuple(joints)), still
+            own = (replace(joint, link=changed),)
+            yield replace(arm, joints=arm.joints[:i] + own + arm.joints[i + 1 :]), still
     for i in range(len(arm.joints)):
         angles = still.copy()
-        angles[i] = STEP * tolerances.encoder_offset_rad
+        angles[i] = STEP * arm.tolerances.encoder_offset_rad
         yield arm, angles
+
+
+def _mass_directions(arm: Arm) -> Array:
+    """Independent changes of the links' masses, relative, one a column; their squares add.
+
+    Where all moving links are weighed together, links heavier than believed leave less to others:
+    the covariance of the masses is conditioned on their sum (C. Rasmussen, C. Williams, Gaussian
+    Processes for Machine Learning, 2006, Eq. A.6).
+    """
+    mass = np.array([joint.link.mass_kg for joint in arm.joints])
+    std = mass * [arm.inertial_std(joint).mass for joint in arm.joints]
+    if arm.tolerances.moving_mass is None:
+        return np.diag(std / mass)
+    square = std**2
+    of_sum = square.sum() + (arm.tolerances.moving_mass * mass.sum()) ** 2
+    values, vectors = np.linalg.eigh(np.diag(square) - np.outer(square, square) / of_sum)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) / mass[:, None])
 
 
 def _principal(link: InertialLink, tolerance: float) -> Iterator[InertialLink]:

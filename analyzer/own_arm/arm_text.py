@@ -89,7 +89,7 @@ def arm_text(
         f"urdf = {_text(urdf)}",
         f"gravity_m_s2 = {_list(gravity_m_s2)}",
     ]
-    for body, drive in zip(chain.bodies, drives, strict=True):
+    for body, drive, std in zip(chain.bodies, drives, believed.stds, strict=True):
         if body.joint is None:
             continue
         rows += ["", "[[joints]]", f"name = {_text(body.joint.name)}"]
@@ -100,6 +100,11 @@ def arm_text(
             ]
         else:
             rows.append("# believed rigid: its own mode lies above the band")
+        if believed.guessed:
+            rows.append(
+                f"inertial_std = {{ mass = {std.mass:.3g}, inertia = {std.inertia:.3g}, "
+                f"center_m = {std.center_m:.3g} }}"
+            )
     names = ["base", *(body.name for body in chain.bodies)]
     for point in points:
         rows += [
@@ -123,12 +128,13 @@ def arm_text(
     rows += [
         "",
         "# One standard deviation. A stiffness is proportional to the inertias: none can be known",
-        "# better than `mass` and `inertia` are.",
+        "# better than `mass` and `inertia` are; where a joint has `inertial_std`, that counts.",
         "[tolerances]",
         f"mass = {believed.mass:g}",
         f"inertia = {believed.inertia:g}",
         f"center_m = {believed.center_m:.3g}",
         *(f"{key} = {value:g}" for key, value in _OTHERS),
+        *([f"moving_mass = {believed.moving_mass:.3g}"] if believed.moving_mass else []),
     ]
     return "\n".join([*rows, ""])
 

@@ -19,8 +19,9 @@ __all__ = ["ArmBody", "arm_bodies", "joined", "reach_m", "say_missing_files"]
 
 Array = npt.NDArray[np.float64]
 
-# A mesh this much larger than the arm is in other units: mm are 1000, inches 39 times too large.
-_TOO_LARGE = 10.0
+# In parts of the arm's length. A shape beyond is in other units, mm are 1000 and inches 39 times
+# too large, or has parts far off. The base may stand on a tall frame.
+_TOO_LARGE, _TOO_LARGE_BASE = 2.0, 10.0
 _TOO_SMALL = 1e-3
 _ARM_M = (0.02, 30.0)  # from a toy to the longest boom
 
@@ -60,8 +61,14 @@ def arm_bodies(
     cuts = (chain.base, *chain.bodies)
     for number, cut in enumerate(cuts):
         follower = cuts[number + 1] if number + 1 < len(cuts) else None
-        shells = _shells(cut, "collision", reach, said) if use_meshes else []
-        seen = _shells(cut, "visual", reach, said) if use_meshes else []
+        odd: list[tuple[str, str]] = []
+        shells = _shells(cut, "collision", reach, odd, said) if use_meshes else []
+        seen = _shells(cut, "visual", reach, odd, said) if use_meshes else []
+        for where, why in odd:
+            if shells or seen:
+                said.note(where, f"{why}; the link's other shapes serve")
+            else:
+                said.fault(where, f'{why}; a mesh in mm needs scale="0.001 0.001 0.001"')
         _say_missing(cut, bool(shells or seen), use_meshes, said)
         drawn = bool(shells or seen)
         opened = sum(bool(shell.open_edges) for shell in (*seen, *shells))
@@ -134,8 +141,12 @@ def _inertial(cut: Body) -> Inertial | None:
     return joined(parts) if parts else None
 
 
-def _shells(cut: Body, kind: str, reach: float, said: Remarks) -> list[Surface]:
+def _shells(
+    cut: Body, kind: str, reach: float, odd: list[tuple[str, str]], said: Remarks
+) -> list[Surface]:
+    """The shapes of a kind; what is not of the arm's size goes to `odd`, with why."""
     found = []
+    largest = reach * (_TOO_LARGE_BASE if cut.joint is None else _TOO_LARGE)
     for part in cut.parts:
         shapes: tuple[Shape, ...] = getattr(part.link, kind)
         for shape in shapes:
@@ -148,11 +159,9 @@ def _shells(cut: Body, kind: str, reach: float, said: Remarks) -> list[Surface]:
                 said.fault(f"link {part.link.name}: {kind}", str(problem))
                 continue
             size = float(np.ptp(vertices, axis=0).max())
-            if size > _TOO_LARGE * reach or size < _TOO_SMALL * reach:
-                said.fault(
-                    where,
-                    f"wanted a shape of the arm's size, {reach:.3g} m, got {size:.4g} m; "
-                    'a mesh in mm needs scale="0.001 0.001 0.001"',
+            if not _TOO_SMALL * reach <= size <= largest:
+                odd.append(
+                    (where, f"wanted a shape of the arm's size, {reach:.3g} m, got {size:.4g} m")
                 )
                 continue
             T = part.T_body_link

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.own_arm.mesh_parts import parts_untangled
 from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.robot.records import Shape
 
@@ -84,7 +85,13 @@ def read_mesh(path: Path) -> tuple[Array, Triangles]:
         raise ArmError(
             f"mesh {path.name}: wanted triangles round a body, got {len(triangles)} triangles"
         )
-    return vertices, triangles
+    untangled = parts_untangled(len(vertices), triangles)
+    if untangled is None:
+        raise ArmError(
+            f"mesh {path.name}: wanted parts whose triangles can be told apart, got vertices that "
+            "belong to none; export it as STL"
+        )
+    return vertices, untangled
 
 
 def _unit_m(path: Path) -> float:

@@ -17,11 +17,12 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.own_arm.bodies import ArmBody
+from armodal.analyzer.own_arm.hull_mass import MASS_KNOWN_TOTAL, hull_mass
 from armodal.analyzer.own_arm.surface import Surface
 from armodal.protocols.robot.records import Inertial
 from armodal.protocols.robot.remarks import Remarks
 
-__all__ = ["Doubts", "doubted", "nearest_body"]
+__all__ = ["Doubts", "doubted", "nearest_body", "on_a_frame"]
 
 Array = npt.NDArray[np.float64]
 
@@ -45,6 +46,7 @@ class Doubts:
 
     mass: frozenset[str]
     spread: frozenset[str]  # centre and moments; where the mass is doubted these are too
+    scale: float = 1.0  # of all masses described, so that they are the data sheet's together
 
 
 def nearest_body(inertia_kg_m2: Array) -> tuple[Array, float]:
@@ -91,8 +93,11 @@ def doubted(bodies: Sequence[ArmBody], said: Remarks, *, total_kg: float | None 
             masses.add(body.name)
         if of_spread:
             spreads.add(body.name)
-    masses |= _alike(moving, said) | _of_all(bodies, total_kg, said)
-    return Doubts(mass=frozenset(masses), spread=frozenset(masses | spreads))
+    masses |= _alike(moving, said)
+    scale = _of_all(bodies, total_kg, said)
+    if scale is None or (masses and scale != 1.0):
+        masses, scale = {body.name for body in moving}, 1.0
+    return Doubts(mass=frozenset(masses), spread=frozenset(masses | spreads), scale=scale)
 
 
 def _of_mass(body: ArmBody, inertial: Inertial) -> list[str]:
@@ -196,12 +201,15 @@ def _alike(moving: Sequence[ArmBody], said: Remarks) -> set[str]:
     return found
 
 
-def _of_all(bodies: Sequence[ArmBody], total_kg: float | None, said: Remarks) -> set[str]:
+def _of_all(bodies: Sequence[ArmBody], total_kg: float | None, said: Remarks) -> float | None:
+    """The factor that gives all links the data sheet's mass; None if none of theirs is believed.
+
+    Where they are off by less than a guess from hulls would be, their shares are the better guess.
+    """
     moving = bodies[1:]
     given = [body.inertial for body in moving if body.inertial is not None]
     if len(given) < len(moving):
-        return set()
-    names = {body.name for body in moving}
+        return 1.0
     mass = sum(inertial.mass_kg for inertial in given)
     volume = sum(body.seen.hull_filling.volume_m3 for body in moving)
     if all(body.drawn for body in moving) and mass > _ARM_DENSITY * volume:
@@ -211,16 +219,29 @@ def _of_all(bodies: Sequence[ArmBody], total_kg: float | None, said: Remarks) ->
             f"{mass / volume:.0f} kg/m³, nearly solid metal; wanted below {_ARM_DENSITY:.0f}; "
             "give the data sheet's mass with --mass",
         )
-        return names
+        return None
     if total_kg is None:
-        return set()
-    base = bodies[0].inertial
+        return 1.0
+    frame = on_a_frame(bodies, total_kg)
+    base = None if frame else bodies[0].inertial
     whole = mass + (base.mass_kg if base is not None else 0.0)
-    low = total_kg * ((1.0 - _TOTAL) if base is not None else _LEAST_MOVING)
-    if not low <= whole <= total_kg * (1.0 + _TOTAL):
-        what = "links and base" if base is not None else "moving links"
-        said.doubt(
-            "arm", f"its {what} are {whole:.4g} kg, the data sheet's mass is {total_kg:.4g} kg"
-        )
-        return names
-    return set()
+    known = base is not None or frame
+    low = total_kg * ((1.0 - _TOTAL) if known else _LEAST_MOVING)
+    if low <= whole <= total_kg * (1.0 + _TOTAL):
+        return 1.0
+    what = "links and base" if base is not None else "moving links"
+    said.doubt("arm", f"its {what} are {whole:.4g} kg, the data sheet's mass is {total_kg:.4g} kg")
+    near = known and abs(np.log(total_kg / whole)) <= MASS_KNOWN_TOTAL
+    return float(total_kg / whole) if near else None
+
+
+def on_a_frame(bodies: Sequence[ArmBody], total_kg: float) -> bool:
+    """Whether the base is no part of the arm that the data sheet weighs: a pedestal, a vehicle.
+
+    Its described mass is more than that of all, or its hull would weigh more than all moving ones.
+    """
+    base = bodies[0]
+    heavy = base.inertial is not None and base.inertial.mass_kg > total_kg
+    return heavy or (
+        base.drawn and hull_mass(base.seen) > sum(hull_mass(body.seen) for body in bodies[1:])
+    )

@@ -26,11 +26,13 @@ Array = npt.NDArray[np.float64]
 
 FOOT_M = 0.005  # radius of an accelerometer's foot: 10 mm across
 FLAT_M = 0.0005  # what wax or glue fills beneath it
+_CURVED_M = 0.002  # what an adapter or putty fills, where nothing is flat
 _FREE_M = 0.25  # before a face, for the sensor, its cable and a hammer's head
 _TRIED = 400  # places looked at on a body, at most
 _ENOUGH = 40  # to choose from
 _SHORT_M, _LONG_M = 0.12, 0.35  # bodies with three points and with five
 _ON_BASE = 2
+_FEWEST = 3  # on a moving body: they tell its six motions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +54,8 @@ def body_points(
 ) -> tuple[FoundPoint, ...]:
     """Three to five points a moving body and two on the base, numbered from the flange inwards.
 
+    Where a body has fewer than three flat places, curved ones serve, and that is said.
+
     Parameters
     ----------
     reached
@@ -62,7 +66,16 @@ def body_points(
     for number in [*range(len(bodies) - 1, 0, -1), 0]:
         surface = bodies[number].seen
         wanted = _ON_BASE if number == 0 else _wanted(surface)
-        places = _places(surface, rng)
+        fewest = min(wanted, _FEWEST)
+        places = _places(surface, rng, FLAT_M)
+        if len(places) < fewest:
+            places += _places(surface, rng, _CURVED_M)
+            if len(places) >= fewest:
+                said.note(
+                    f"link {bodies[number].name}",
+                    f"has too few places that are flat over {2e3 * FOOT_M:.0f} mm: points lie on "
+                    f"curved ones, up to {1e3 * _CURVED_M:g} mm beneath a foot; use an adapter",
+                )
         if reached is not None:
             near = [one for one in places if reached(number, *one)]
             places = (
@@ -70,14 +83,17 @@ def body_points(
                 if len(near) >= 2 * wanted
                 else near + [one for one in places if not any(one is other for other in near)]
             )
-        if len(places) < wanted:
+        if len(places) < fewest:
             said.fault(
                 f"link {bodies[number].name}",
-                f"wanted {wanted} outer places that are flat over {2e3 * FOOT_M:.0f} mm, found "
-                f"{len(places)}; use a shape with faces, or place its points by hand",
+                f"wanted {fewest} outer places for a foot of {2e3 * FOOT_M:.0f} mm, found "
+                f"{len(places)}; use a shape with faces, cut the arm before it with --tip, or "
+                "place its points by hand",
             )
             continue
-        chosen = _spread(np.array([place for place, _ in places]), surface, wanted)
+        chosen = _spread(
+            np.array([place for place, _ in places]), surface, min(wanted, len(places))
+        )
         for i in chosen:
             place, normal = places[i]
             found.append(
@@ -113,10 +129,13 @@ def probe(place: Array, normal: Array, *, free_m: float = _FREE_M) -> tuple[obje
     return library.Capsule(FOOT_M, free_m), T
 
 
-def flat_normal(surface: Surface, place: Array, normal: Array) -> Array | None:
+def flat_normal(
+    surface: Surface, place: Array, normal: Array, *, filled_m: float = FLAT_M
+) -> Array | None:
     """The mean normal of a sensor's foot at a place, or None where the surface is not flat there.
 
-    Eight rays round the foot and one in its middle go down onto the triangles.
+    Eight rays round the foot and one in its middle go down onto the triangles; what they find may
+    lie `filled_m` off a plane.
     """
     near = 3.0 * FOOT_M
     low, high = surface.boxes
@@ -130,12 +149,12 @@ def flat_normal(surface: Surface, place: Array, normal: Array) -> Array | None:
     starts = place + near * normal + np.vstack([np.zeros(3), ring])
     down = np.array([_first_hit(corners, start, -normal) for start in starts])
     height = near - down
-    if not np.isfinite(height).all() or np.abs(height).max() > 4.0 * FLAT_M:
+    if not np.isfinite(height).all() or np.abs(height).max() > 4.0 * filled_m:
         return None
     # A plane through the nine, and what is left over it.
     A = np.column_stack([np.ones(9), (starts - place) @ x, (starts - place) @ y])
     plane = np.linalg.lstsq(A, height, rcond=None)[0]
-    if np.abs(height - A @ plane).max() > FLAT_M:
+    if np.abs(height - A @ plane).max() > filled_m:
         return None
     tilted = normal - plane[1] * x - plane[2] * y
     return np.asarray(tilted / np.linalg.norm(tilted))
@@ -160,8 +179,10 @@ def _wanted(surface: Surface) -> int:
     return 3 if surface.size_m < _SHORT_M else 4 if surface.size_m < _LONG_M else 5
 
 
-def _places(surface: Surface, rng: np.random.Generator) -> list[tuple[Array, Array]]:
-    """Outer, flat places, drawn evenly over the surface, with their outward normals."""
+def _places(
+    surface: Surface, rng: np.random.Generator, filled_m: float
+) -> list[tuple[Array, Array]]:
+    """Outer places, flat to `filled_m`, drawn evenly over the surface, with outward normals."""
     corners = surface.vertices_m[surface.triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross, axis=1)
@@ -180,7 +201,7 @@ def _places(surface: Surface, rng: np.random.Generator) -> list[tuple[Array, Arr
             normal = -normal
         if touches(solid, *probe(place, normal)):
             continue
-        flat = flat_normal(surface, place, normal)
+        flat = flat_normal(surface, place, normal, filled_m=filled_m)
         if flat is not None:
             found.append((place, flat))
         if len(found) == _ENOUGH:

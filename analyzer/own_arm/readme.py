@@ -22,20 +22,20 @@ def readme_text(draft: Draft, said: Remarks) -> str:
         f"# {arm.name}: check this before you measure",
         "",
         f"{len(arm.joints)} joints, {moving:.4g} kg that move, {len(arm.points)} points.",
-        f"Masses are believed to {100 * believed.mass:.0f} %, moments of inertia to",
-        f"{100 * believed.inertia:.0f} %, centres to {1e3 * believed.center_m:.0f} mm.",
-        "No stiffness can be known better than the inertias.",
+        "No stiffness can be known better than the inertias: mass, moments and centre of each link",
+        "are believed to one standard deviation, as the table says.",
         "",
-        "| joint | range, degrees | link | mass kg | inertial | stiffness N m/rad |",
-        "|---|---|---|---|---|---|",
+        "| joint | range, deg | link | mass kg | inertial | moments | centre | k, N m/rad |",
+        "|---|---|---|---|---|---|---|---|",
     ]
-    for joint in arm.joints:
+    for joint, std in zip(arm.joints, believed.stds, strict=True):
         low, high = (f"{57.29577951308232 * angle:.1f}" for angle in joint.range_rad)
         how = "guessed" if joint.link.name in believed.guessed else "described"
         k = "rigid" if joint.stiffness is None else f"{joint.stiffness.value:.3g} (guess)"
         rows.append(
             f"| {joint.name} | {low} to {high} | {joint.link.name} | {joint.link.mass_kg:.3g} "
-            f"| {how} | {k} |"
+            f"± {100 * std.mass:.0f} % | {how} | ± {100 * std.inertia:.0f} % "
+            f"| ± {1e3 * std.center_m:.0f} mm | {k} |"
         )
     for kind, title, reason in _KINDS:
         remarks = said.of(kind)

@@ -126,13 +126,13 @@ def link_torsion(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 def _all_along(kind: str, key: str, part: float, places: ArmPlaces, rng: Rng) -> Hidden:
     """A long link whose whole compliance is a part of the arm's own."""
     link = _long_link(places, rng)
-    reach = places.reach(link)
-    stiffness = float(np.linalg.norm(reach) / (part * places.compliance * about(rng)))
+    start, end = places.tube(link)
+    stiffness = float(np.linalg.norm(end - start) / (part * places.compliance * about(rng)))
     table = {
         "kind": kind,
         "link": link,
-        "from_m": (0.0, 0.0, 0.0),
-        "to_m": plain(reach),
+        "from_m": plain(start),
+        "to_m": plain(end),
         key: stiffness,
         "loss": loss_s(rng),
     }

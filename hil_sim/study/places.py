@@ -97,6 +97,21 @@ class ArmPlaces:
                 return result
         return 2.0 * np.array(self.links[link]["center_m"])
 
+    def tube(self, link: str) -> tuple[Array, Array]:
+        """(3,) ends of a casting, beside its joint and the next: a rod turns easiest about itself.
+
+        One as wide as long goes from joint to joint.
+        """
+        reach, own = self.reach(link), self.links[link]
+        xx, xy, xz, yy, yz, zz = own["inertia_kg_m2"]
+        turned, ways = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        way = ways[:, 0]
+        if turned[0] > 0.6 * turned[1] or (way @ reach) ** 2 < 0.6 * (reach @ reach):
+            return np.zeros(3), reach
+        center = np.array(own["center_m"])
+        start = center - (way @ center) * way
+        return start, start + (way @ reach) * way
+
     def carried(self, joint: str) -> float:
         """Inertia that a joint carries in the first posture, kg m^2."""
         plant = plant_of_tables(self.tables)

@@ -34,9 +34,18 @@ def plant_of_arm(
     arm: Arm,
     stiffness: Sequence[float | None],
     damping: Sequence[float | None],
+    *,
+    sensor_kg: float | None = None,
 ) -> Plant:
-    """Build the plant of an arm; `stiffness` and `damping` hold a value or None for every joint."""
-    return build_plant(plant_file_of_arm(arm, stiffness, damping, peak_n=PEAK_N))
+    """Build the plant of an arm; `stiffness` and `damping` hold a value or None for every joint.
+
+    `sensor_kg` is the accelerometer's mass; None: that of the shipped plant.
+    """
+    truth = plant_file_of_arm(arm, stiffness, damping, peak_n=PEAK_N)
+    if sensor_kg is not None:
+        sensor = truth.accelerometer.model_copy(update={"mass_kg": sensor_kg})
+        truth = truth.model_copy(update={"accelerometer": sensor})
+    return build_plant(truth)
 
 
 def plant_file_of_arm(

@@ -97,6 +97,14 @@ class LinkTable(FileModel):
         return self
 
 
+class InertialStdTable(FileModel):
+    """One standard deviation of one link's inertial."""
+
+    mass: Relative
+    inertia: Relative
+    center_m: Annotated[float, Field(gt=0.0, le=1.0)]
+
+
 class JointTable(FileModel):
     """One joint; a joint without stiffness is believed rigid while it is held."""
 
@@ -104,6 +112,7 @@ class JointTable(FileModel):
     range_deg: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
     stiffness_n_m_per_rad: EstimateTable | None = None
     damping_n_m_s_per_rad: EstimateTable | None = None
+    inertial_std: InertialStdTable | None = None
     dh: DhTable | None = None
     link: LinkTable | None = None
 
@@ -197,6 +206,7 @@ class TolerancesTable(FileModel):
     sensor_gain: Relative
     hammer_gain: Relative
     hit_direction_deg: SmallAngleDeg
+    moving_mass: Relative | None = None
 
 
 class SignalTable(FileModel):

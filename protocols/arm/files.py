@@ -22,6 +22,7 @@ from armodal.protocols.arm.records import (
     Arm,
     Estimate,
     InertialLink,
+    InertialStd,
     Joint,
     KeepOut,
     PastSession,
@@ -135,6 +136,7 @@ def arm_from_texts(
             sensor_gain=t.sensor_gain,
             hammer_gain=t.hammer_gain,
             hit_direction_rad=math.radians(t.hit_direction_deg),
+            moving_mass=t.moving_mass,
         ),
         can=can,
         text=text,
@@ -255,7 +257,7 @@ def _joint(
     range_rad: tuple[float, float],
     link: InertialLink,
 ) -> Joint:
-    k, c = table.stiffness_n_m_per_rad, table.damping_n_m_s_per_rad
+    k, c, std = table.stiffness_n_m_per_rad, table.damping_n_m_s_per_rad, table.inertial_std
     return Joint(
         name=table.name,
         T_parent_joint=T_parent_joint,
@@ -264,6 +266,9 @@ def _joint(
         link=link,
         stiffness=None if k is None else Estimate(value=k.value, std=k.std, source=k.source),
         damping=None if c is None else Estimate(value=c.value, std=c.std, source=c.source),
+        inertial_std=None
+        if std is None
+        else InertialStd(mass=std.mass, inertia=std.inertia, center_m=std.center_m),
     )
 
 

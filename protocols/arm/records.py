@@ -50,6 +50,15 @@ class InertialLink:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class InertialStd:
+    """One standard deviation of what is believed of a link's inertial."""
+
+    mass: float  # relative
+    inertia: float  # relative, of the principal moments
+    center_m: float  # along each axis
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
     """A revolute joint, from the base outwards, and what is believed of its drive.
 
@@ -63,6 +72,7 @@ class Joint:
     link: InertialLink  # the link it moves
     stiffness: Estimate | None  # N m / rad
     damping: Estimate | None  # N m s / rad
+    inertial_std: InertialStd | None = None  # of its link; None: as the arm's tolerances
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,6 +110,7 @@ class Tolerances:
     sensor_gain: float  # relative
     hammer_gain: float  # relative
     hit_direction_rad: float
+    moving_mass: float | None = None  # relative, of all moving links together; None: not weighed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,6 +209,13 @@ class Arm:
     effects: tuple[AddedEffect, ...] = ()
     history: tuple[PastSession, ...] = ()  # oldest first
     keep_outs: tuple[KeepOut, ...] = ()
+
+    def inertial_std(self, joint: Joint) -> InertialStd:
+        """Return what the link of a joint is believed to."""
+        own = self.tolerances
+        return joint.inertial_std or InertialStd(
+            mass=own.mass, inertia=own.inertia, center_m=own.center_m
+        )
 
     def point(self, point_id: str) -> Point:
         """Return the test point called `point_id`, or raise KeyError."""

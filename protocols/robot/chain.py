@@ -8,15 +8,15 @@ left out.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.robot.records import MOVING, Robot, RobotJoint, RobotLink
-from armodal.protocols.robot.remarks import Remarks
+from armodal.protocols.robot.remarks import Remarks, few
+from armodal.protocols.robot.tip import found_tip
+from armodal.protocols.robot.tree import joints_below, path_to
 
 __all__ = ["Body", "CutChain", "Part", "cut_chain"]
 
@@ -24,12 +24,6 @@ Array = npt.NDArray[np.float64]
 
 CONTINUOUS_DEG = 180.0  # a continuous joint turns on; half a turn each way shows all its postures
 MOST_JOINTS = 9
-# How makers and ROS-Industrial (REP 199) name what ends an arm and begins a tool.
-_TIP = re.compile(
-    r"(^|_)(tool0?|flange|link_eef|ee_link|tool_link|tcp|link_ee|end_effector|hand|attachment_site)$"
-)
-_FINGER_JOINT = re.compile(r"finger|grip|knuckle|jaw|claw|thumb", re.IGNORECASE)
-_FINGER_LINK = re.compile(r"finger|knuckle|jaw|claw|thumb", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,12 +76,12 @@ def cut_chain(robot: Robot, said: Remarks, *, tip: str | None = None) -> CutChai
     if root is None:
         return None
     if tip is not None and tip not in robot.links:
-        said.fault("tip", f"wanted a link of the file, got {tip!r}; it has {_few(robot.links)}")
+        said.fault("tip", f"wanted a link of the file, got {tip!r}; it has {few(robot.links)}")
         return None
-    chosen = tip or _tip(robot, root, said)
+    chosen = tip or found_tip(robot, root, said)
     if chosen is None:
         return None
-    path = _path(robot, root, chosen)
+    path = path_to(robot, root, chosen)
     moving = [joint for joint in path if joint.kind in MOVING and not joint.mimics]
     if not moving:
         said.fault("joints", f"wanted a revolute joint between {root} and {chosen}, found none")
@@ -118,70 +112,14 @@ def _root(robot: Robot, said: Remarks) -> str | None:
         parents[joint.child] = joint.parent
     roots = [name for name in robot.links if name not in parents]
     if len(roots) != 1:
-        said.fault(
-            "links", f"wanted one root, got {len(roots)}{': ' if roots else ''}{_few(roots)}"
-        )
+        said.fault("links", f"wanted one root, got {len(roots)}{': ' if roots else ''}{few(roots)}")
         return None
-    reached = set(roots) | {joint.child for joint in _below(robot, roots[0])}
+    reached = set(roots) | {joint.child for joint in joints_below(robot, roots[0])}
     if len(reached) < len(robot.links):
         loop = [name for name in robot.links if name not in reached]
-        said.fault("links", f"wanted every link on the tree, got a loop of {_few(loop)}")
+        said.fault("links", f"wanted every link on the tree, got a loop of {few(loop)}")
         tree = False
     return roots[0] if tree else None
-
-
-def _tip(robot: Robot, root: str, said: Remarks) -> str | None:
-    """The link named as one, else the end of the longest chain short of fingers."""
-    ends: dict[str, int] = {}
-    for name in robot.links:
-        path = _path(robot, root, name)
-        # A tool's own joints come after the tip.
-        if any(
-            joint.kind != "fixed"
-            and (_FINGER_JOINT.search(joint.name) or _FINGER_LINK.search(joint.child))
-            for joint in path
-        ):
-            continue
-        ends[name] = sum(joint.kind in MOVING and not joint.mimics for joint in path)
-    most = max(ends.values(), default=0)
-    if most == 0:
-        said.fault("joints", "wanted a chain with revolute joints, found none")
-        return None
-    last = [name for name, count in ends.items() if count == most]
-    firsts = {_last_moving(robot, root, name) for name in last}
-    if len(firsts) > 1:
-        said.fault(
-            "tip",
-            f"wanted one arm, found {len(firsts)} chains of {most} moving joints; "
-            f"give --tip, one of {_few(sorted(firsts))}",
-        )
-        return None
-    named = [name for name in last if _TIP.search(name)]
-    # Frames fixed to one another: the first that is named as a tip, else the moving link itself.
-    return min(named, key=lambda name: len(_path(robot, root, name))) if named else firsts.pop()
-
-
-def _last_moving(robot: Robot, root: str, link: str) -> str:
-    return next(joint.child for joint in reversed(_path(robot, root, link)) if joint.kind in MOVING)
-
-
-def _path(robot: Robot, root: str, link: str) -> list[RobotJoint]:
-    by_child = {joint.child: joint for joint in robot.joints}
-    path: list[RobotJoint] = []
-    while link != root and link in by_child and len(path) <= len(robot.links):
-        path.append(by_child[link])
-        link = by_child[link].parent
-    return path[::-1]
-
-
-def _below(robot: Robot, link: str) -> Iterator[RobotJoint]:
-    waiting, seen = [link], {link}
-    while waiting:
-        for joint in robot.children(waiting.pop()):
-            if joint.child not in seen:
-                seen.add(joint.child)
-                waiting.append(joint.child)
-                yield joint
 
 
 class _Cutter:
@@ -222,7 +160,7 @@ class _Cutter:
 
     def _holds_an_arm(self, joint: RobotJoint) -> bool:
         """Whether a joint of the base carries something else than this arm."""
-        below = {joint.name} | {other.name for other in _below(self._robot, joint.child)}
+        below = {joint.name} | {other.name for other in joints_below(self._robot, joint.child)}
         return not below & self._moving
 
     def _held(self, joint: RobotJoint) -> Array:
@@ -277,10 +215,4 @@ def _turned(axis: Array, angle: float) -> Array:
 def _say_left_out(robot: Robot, root: str, kept: set[str], said: Remarks) -> None:
     out = [name for name in robot.links if name not in kept and name != root]
     if out:
-        said.note("links", f"left out, not of this arm or beyond its tip: {_few(out)}")
-
-
-def _few(names: object) -> str:
-    listed = [str(name) for name in names]  # type: ignore[attr-defined]
-    more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
-    return ", ".join(listed[:12]) + more
+        said.note("links", f"left out, not of this arm or beyond its tip: {few(out)}")

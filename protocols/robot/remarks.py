@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from armodal.protocols.errors import ArmError
 
-__all__ = ["Remark", "Remarks", "refuse_faults"]
+__all__ = ["Remark", "Remarks", "few", "refuse_faults"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,3 +64,10 @@ def refuse_faults(name: str, said: Remarks) -> None:
     if faults:
         rows = "\n".join(f"  {fault}" for fault in faults)
         raise ArmError(f"{name} cannot be used, {len(faults)} fault(s):\n{rows}")
+
+
+def few(names: Iterable[str]) -> str:
+    """Names in a row, the first dozen of many."""
+    listed = list(names)
+    more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
+    return ", ".join(listed[:12]) + more

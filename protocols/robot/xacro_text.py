@@ -64,7 +64,7 @@ def expand_xacro(
             document = xacrodoc.XacroDoc.from_includes(
                 [str(path.resolve())],
                 name=_robot_name(path),
-                subargs=arguments or {},
+                subargs=_of_root(path) | (arguments or {}),
                 resolve_packages=False,
             )
             return str(document.to_urdf_string())
@@ -77,6 +77,18 @@ def expand_xacro(
         ) from problem
     finally:
         packages.reset()
+
+
+def _of_root(path: Path) -> dict[str, str]:
+    """Defaults of the arguments in the root's own attributes, which xacro reads before them."""
+    text = path.read_text("utf-8", "replace")
+    root = re.search(r"<robot\b[^>]*>", text)
+    wanted = re.findall(r"\$\(arg ([^)\s]+)\s*\)", root.group() if root else "")
+    return {
+        name: default.group(1)
+        for name, rest in _ARGUMENT.findall(text)
+        if name in wanted and (default := re.search(r"""default\s*=\s*["']([^"'$]+)["']""", rest))
+    }
 
 
 def _unset(path: Path, arguments: dict[str, str]) -> str:

@@ -37,6 +37,7 @@ from armodal.protocols.session.journal_payloads import (
     encode_mark,
 )
 from armodal.protocols.session.membership import check_membership
+from armodal.protocols.session.moved_points import arm_with_moves, move_words
 from armodal.protocols.session.progress import is_complete
 from armodal.protocols.session.records import Hit, Loss, Session, SessionHeader
 from armodal.protocols.session.told import told_by_hand
@@ -108,7 +109,11 @@ def read_journal(path: str | Path) -> Journal:
 
 
 def session_of(journal: Journal) -> Session:
-    """Return the session that a journal tells of; skips and calibrations become warnings."""
+    """Return the session that a journal tells of, its arm with the points where they were measured.
+
+    Skips, moves and calibrations become warnings.
+    """
+    arm = arm_with_moves(journal.header.arm, journal.marks)
     skipped = tuple(
         f"skipped: {_place(mark)}{': ' + mark.note if mark.note else ''}"
         for mark in journal.marks
@@ -119,12 +124,13 @@ def session_of(journal: Journal) -> Session:
         for mark in journal.marks
         if mark.kind is MarkKind.NOTE and mark.note.startswith(CALIBRATION)
     )
+    moved = move_words(journal.header.arm, arm)
     return Session(
-        header=journal.header,
+        header=replace(journal.header, arm=arm),
         hits=journal.hits,
         losses=journal.losses,
         complete=is_complete(journal.header.plan, journal.hits),
-        warnings=told_by_hand(journal.header) + journal.warnings + skipped + calibrated,
+        warnings=told_by_hand(journal.header) + journal.warnings + skipped + calibrated + moved,
     )
 
 

@@ -60,6 +60,15 @@ def test_a_shipped_arm_with_a_plant_of_its_own_is_that_plant_unless_something_is
     assert [effect["name"] for effect in effects] == ["delay"]
 
 
+@pytest.mark.parametrize("mass_kg", [0.0011, 0.025])
+def test_the_accelerometer_rides_with_the_mass_that_the_plan_gives_it(mass_kg):
+    arm = with_generic_can(chain_arm(3))
+    drawn = rehearsal_plan(arm)
+    plan = replace(drawn, sensor=replace(drawn.sensor, mass_kg=mass_kg))
+    plant, _ = draw_plant(Rehearsal(arm=arm, plan=plan), seed=1)
+    assert plant.truth.accelerometer.mass_kg == mass_kg
+
+
 def test_another_arm_by_a_shipped_name_is_drawn_by_itself():
     other = chain_arm(6, name="rv4frl")
     assert draw_plant(Rehearsal(arm=other), seed=1)[0].truth.links[0].name == "link 1"

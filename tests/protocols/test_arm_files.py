@@ -235,8 +235,8 @@ NAMES = "joint_1, joint_2, joint_3, joint_4, joint_5, joint_6"
         ("mass = 0.05", "", "tolerances.mass: wanted a value, got nothing; add the key"),
         ("hammer_gain", "hammer_gian",
          ("tolerances.hammer_gian: wanted one of the keys mass, inertia, center_m, "
-         "encoder_offset_deg, sensor_tilt_deg, sensor_gain, hammer_gain, hit_direction_deg, got "
-         "the unknown key 'hammer_gian' (did you mean hammer_gain?)")),
+         "encoder_offset_deg, sensor_tilt_deg, sensor_gain, hammer_gain, hit_direction_deg, "
+         "moving_mass, got the unknown key 'hammer_gian' (did you mean hammer_gain?)")),
         ("armodal_controller.dbc", "absent.dbc", "can.database: wanted the name of a file"),
         ("armodal_controller.dbc", "../dbc/cia402.dbc", "can.database: wanted"),
         ("armodal_controller.dbc", "cia402.dbc",

@@ -1,4 +1,4 @@
-"""The key screens of a session, by the events that lead to them; the grid is opened by a key."""
+"""The key screens of a session, by the events that lead to them; some are opened by a key."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ SCREENS = {
     "posture": SESSION_EVENTS,
     "approach": (*SESSION_EVENTS, prompted(AT_POINT)),
     "point": (*SESSION_EVENTS, prompted(AT_POINT), SafeConfirmed()),
+    "move": (*SESSION_EVENTS, prompted(AT_POINT), SafeConfirmed()),
     "accepted": AFTER_A_HIT,
     "rejected": (*HIT_EVENTS, judged(1, "double")),
     "grid": AFTER_A_HIT,
@@ -40,10 +41,13 @@ SCREENS = {
 }
 
 
+OPENED_BY = {"grid": "g", "move": "m"}
+
+
 async def go_to(stage: Stage, pilot: Pilot[int], name: str) -> None:
     """Bring the app to a screen, drawn to the end."""
     await stage.tell(pilot, *SCREENS[name])
-    if name == "grid":
-        await pilot.press("g")
+    if name in OPENED_BY:
+        await pilot.press(OPENED_BY[name])
     await stage.settle(pilot)
     await stage.settle(pilot)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -304,5 +304,7 @@ def _told(draft: Draft, said: Remarks) -> dict[str, Any]:
             "mass": draft.believed.mass,
             "inertia": draft.believed.inertia,
             "center_m": draft.believed.center_m,
+            "moving_mass": draft.believed.moving_mass,
+            "links": [asdict(std) for std in draft.believed.stds],
         },
     } | _remarks(said)

@@ -90,6 +90,7 @@ def run_app(
     place = find_place(session, the_arm, the_plan)
     options = RunOptions(
         place=place,
+        arm_folder=Path(arm).parent if isinstance(arm, str) else None,
         earlier=() if earlier is None else earlier_frfs(earlier, place.arm),
         std_wanted=None if std_wanted_percent is None else std_wanted_percent / 100.0,
         mirror=mirror,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.decision.calibration import Calibration
-from armodal.analyzer.gap.decision.judge import Judged
+from armodal.analyzer.gap.decision.judge import Judged, matters
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
@@ -160,7 +160,7 @@ def _still_earning(stage: Stage, fit: Fit, calibration: Calibration) -> tuple[Fi
         for instance in fit.hypothesis.instances[:-1]:
             start, hypothesis = _taken_out(fit, instance)
             fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
-            small = not instance.is_material(fit.values)
+            small = not matters(stage, fewer, fit, instance)
             limit = calibration.limit(instance.effect.name)
             if small or fewer.evidence - PATIENCE * fewer.promised < fit.evidence + limit:
                 fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)

@@ -17,6 +17,7 @@ import numpy as np
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
 from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.protocols.arm.records import Joint
@@ -31,6 +32,7 @@ __all__ = [
     "is_certain",
     "judge",
     "limit_of",
+    "matters",
     "one_mechanism",
 ]
 
@@ -41,6 +43,8 @@ _MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scat
 # three no more than 8 to 14.
 SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
+# Of the misfit, by an effect that is small as such: it explains more than all others together.
+_MOST_LEFT = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,16 +94,18 @@ def judge(
     """
     phi, apart = calibration.inflation, calibration.apart
     nothing = Judged(named=None, standing=(), phi=phi, calibration=calibration)
-    material = [
+    clear = [
         r
         for r in rivals
         if present.evidence - r.evidence > limit_of(r, calibration, thresholds)
-        and r.last.is_material(r.values)
         and (
             present.evidence - r.evidence > thresholds.unplaced * phi
             or (is_certain(r) and is_shared(stage, present, r))
         )
     ]
+    material = [r for r in clear if r.last.is_material(r.values)]
+    # What is small as such, but most of what is missing, where nothing larger is clear.
+    material = material or [r for r in clear if matters(stage, present, r, r.last)]
     if not material:
         return nothing
     best = _plainest(material, present, apart, phi)
@@ -119,6 +125,17 @@ def judge(
     others = [r for r in others if r.evidence > best.evidence]
     odds = sum(calibration.odds(r.evidence - best.evidence) for r in (present, *others))
     return replace(nothing, named=best, standing=(best,), confidence=1.0 / (1.0 + odds))
+
+
+def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance) -> bool:
+    """Whether an effect is large enough to be worth a name, or most of what is missing without it.
+
+    What a size means is known of joints and links. Of what acts at an unknown lever, or where the
+    hits hardly move anything else, the misfit tells it better.
+    """
+    if instance.is_material(fit.values):
+        return True
+    return misfit_per_line(stage, fit) < _MOST_LEFT * misfit_per_line(stage, without)
 
 
 def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> float:

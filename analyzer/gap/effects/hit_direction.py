@@ -29,15 +29,29 @@ _TURN_STD, _MATERIAL = 0.2, 0.035  # rad
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """All hits turned alike, or those of one posture, which have but two angles."""
-    turns = [f"hit turn {axis}" for axis in "xyz"]
+    """All hits turned alike, or those of one posture.
+
+    Where one point is hit, a posture's hits have but two angles, which the null has as their aim.
+    """
+    postures = ordinary.postures
+    if ordinary.hit_points:
+        return (_turned(None), *(_aimed(posture) for posture in postures))
+    return (_turned(None), *(_turned(posture) for posture in postures))
+
+
+def _turned(posture: str | None) -> Instance:
+    """Hits turned about base axes, of one posture or (None) of all."""
+    of = "" if posture is None else f" {posture}"
+    turns = [f"hit turn {axis}{of}" for axis in "xyz"]
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        assembly.hit_turn = Rotation.from_rotvec([values[name] for name in turns]).as_matrix()
+        if posture is None or assembly.lines.name == posture:
+            turn = Rotation.from_rotvec([values[name] for name in turns]).as_matrix()
+            assembly.hit_turn = turn @ assembly.hit_turn
 
-    common = Instance(
+    return Instance(
         effect=WORDS,
-        place="hammer",
+        place="hammer" if posture is None else f"posture {posture}",
         parameters=tuple(
             Parameter(name=name, unit="rad", mean=0.0, std=_TURN_STD) for name in turns
         ),
@@ -46,17 +60,16 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         sizes=tuple(turns),
         material=_MATERIAL,
     )
-    found = [common]
-    for posture in ordinary.postures:
-        names = [f"aim {side} {posture}" for side in "ab"]
-        found.append(
-            Instance(
-                effect=WORDS,
-                place=f"posture {posture}",
-                relaxes={n: Parameter(name=n, unit="rad", mean=0.0, std=_TURN_STD) for n in names},
-                size=names[0],
-                sizes=tuple(names),
-                material=_MATERIAL,
-            )
-        )
-    return tuple(found)
+
+
+def _aimed(posture: str) -> Instance:
+    """The aim of one posture's hits, beyond its tolerance."""
+    names = [f"aim {side} {posture}" for side in "ab"]
+    return Instance(
+        effect=WORDS,
+        place=f"posture {posture}",
+        relaxes={n: Parameter(name=n, unit="rad", mean=0.0, std=_TURN_STD) for n in names},
+        size=names[0],
+        sizes=tuple(names),
+        material=_MATERIAL,
+    )

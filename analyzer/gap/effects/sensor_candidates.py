@@ -1,10 +1,8 @@
-"""Faults of the sensor's axes, gains and places, sought in closed form on every channel.
+"""Faults of the sensor's axes and gains, sought in closed form on every channel.
 
 A recorded channel is set beside every axis of the prediction, with both signs; a signed
 permutation of the axes at a point, or everywhere, is a sum of three such entries. That needs no
 fit, so all 47 permutations are tried at every point; the best are then fitted like any effect.
-Likewise every mounting is set beside the prediction at every other point, for two that were
-exchanged, and beside its slope along a shift of its place.
 """
 
 from __future__ import annotations
@@ -15,12 +13,11 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.effects import channel_gain, sensor_axes, wrong_point
+from armodal.analyzer.gap.effects import channel_gain, sensor_axes
 from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["channel_candidates"]
@@ -31,14 +28,12 @@ _LEAST_GAIN = 12.0  # of cost, to be worth a fit
 _LEAST_POINT_GAIN = 0.03  # relative; less is not worth a fit
 _KEEP_POINTS = 3
 _KEEP_EVERYWHERE = 2
-_KEEP_PLACES = 2
-_SHIFT_STD_M, _LEAST_SHIFT_M = 0.1, 0.01
 
 
 def channel_candidates(
     stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
 ) -> list[Candidate]:
-    """Faults of axes, single gains and places that would lower the cost, best first."""
+    """Faults of axes and single gains that would lower the cost, best first."""
     ordinary = hypothesis.ordinary
     n_points = len(ordinary.arm.points)
     table = np.zeros((n_points, 3, 3, 2))
@@ -60,9 +55,24 @@ def channel_candidates(
         _turned(ordinary, int(k), None, float(everywhere[k]))
         for k in np.argsort(-everywhere)[:_KEEP_EVERYWHERE]
     ]
+    if measured.sum() > 1:  # at a single point a fault is one everywhere
+        found += _at_points(ordinary, measured, same, costs, slope, curve)
+    return sorted((c for c in found if c.gain > _LEAST_GAIN), key=lambda c: -c.gain)
+
+
+def _at_points(
+    ordinary: Ordinary,
+    measured: npt.NDArray[np.bool_],
+    same: Array,
+    costs: Array,
+    slope: Array,
+    curve: Array,
+) -> list[Candidate]:
+    """Axes and gains at single points, by costs as recorded (points,) and otherwise."""
+    found = []
     gains = np.where(measured[:, None], same[:, None] - costs, -np.inf)
     best = np.argmax(gains, axis=1)
-    for point in np.argsort(-gains[np.arange(n_points), best])[:_KEEP_POINTS]:
+    for point in np.argsort(-gains[np.arange(len(best)), best])[:_KEEP_POINTS]:
         name = ordinary.arm.points[point].id
         found.append(_turned(ordinary, int(best[point]), name, float(gains[point, best[point]])))
     single = 0.5 * slope**2 / (curve + 1.0)
@@ -72,72 +82,7 @@ def channel_candidates(
             continue
         instance = channel_gain.at_point(ordinary, "xyz"[row], ordinary.arm.points[point].id)
         found.append(Candidate(instance=instance, gain=float(single[point, row])))
-    found += _elsewhere(stage, hypothesis, values)
-    return sorted((c for c in found if c.gain > _LEAST_GAIN), key=lambda c: -c.gain)
-
-
-def _elsewhere(
-    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
-) -> list[Candidate]:
-    """Points exchanged, points taken for others, points off their place."""
-    ordinary = hypothesis.ordinary
-    ids = [point.id for point in ordinary.arm.points]
-    n_points = len(ids)
-    posture_of = {name: p for p, name in enumerate(ordinary.postures)}
-    gain = np.zeros((len(posture_of), n_points, n_points))  # of a point's sensor at another
-    slope = np.zeros((n_points, 3))
-    curve = np.zeros((n_points, 3, 3))
-    for model, lines, weighing in zip(stage.models, stage.lines, stage.weighings, strict=True):
-        p = posture_of[lines.name]  # soft and hard hits share one
-        response = Postures([model], [lines]).response(hypothesis, values)
-        y = response.values[0]
-        own = weighing.cost_by_mounting(y).sum(axis=1)
-        row_of = {
-            (int(point), int(hit)): m
-            for m, (point, hit) in enumerate(zip(lines.sensor_point, lines.hit, strict=True))
-        }
-        for other in np.unique(lines.sensor_point):
-            rows = np.array([row_of.get((int(other), int(hit)), -1) for hit in lines.hit])
-            cost = weighing.cost_by_mounting(y[rows]).sum(axis=1)
-            np.add.at(gain[p, :, other], lines.sensor_point, np.where(rows < 0, 0.0, own - cost))
-        g, h = weighing.own_slopes(y, response.by_shift()[:, 0])
-        np.add.at(slope, lines.sensor_point, g)
-        np.add.at(curve, lines.sensor_point, h)
-    found = [*_exchanged(ordinary, ids, gain.sum(axis=0)), *_taken_for(ordinary, ids, gain)]
-    step = -np.linalg.solve(curve + np.eye(3) / _SHIFT_STD_M**2, slope[..., None])[..., 0]
-    gains = -0.5 * np.sum(step * slope, axis=1)
-    for point in np.argsort(-gains)[:_KEEP_POINTS]:
-        if ordinary.superset.point_link[point] < 0 or np.abs(step[point]).max() < _LEAST_SHIFT_M:
-            continue
-        instance = wrong_point.beside(ordinary, ids[point])
-        shift = ordinary.arm.points[point].R_link_sensor @ step[point]
-        begin = {**values, **dict(zip(instance.sizes, shift.tolist(), strict=True))}
-        found.append(Candidate(instance=instance, gain=float(gains[point]), begin=begin))
     return found
-
-
-def _exchanged(ordinary: Ordinary, ids: list[str], gain: Array) -> list[Candidate]:
-    both = np.triu(gain + gain.T, 1)
-    found = []
-    for flat in np.argsort(-both, axis=None)[:_KEEP_PLACES]:
-        a, b = divmod(int(flat), len(ids))
-        instance = wrong_point.exchanged(ordinary, ids[a], ids[b])
-        found.append(Candidate(instance=instance, gain=float(both[a, b])))
-    return found
-
-
-def _taken_for(ordinary: Ordinary, ids: list[str], gain: Array) -> list[Candidate]:
-    """One point that was another, in all postures or in one."""
-    everywhere = gain.sum(axis=0)
-    a, b = divmod(int(np.argmax(everywhere)), len(ids))
-    found = [
-        Candidate(
-            instance=wrong_point.stood_at(ordinary, ids[a], ids[b]), gain=float(everywhere[a, b])
-        )
-    ]
-    p, a, b = (int(i) for i in np.unravel_index(np.argmax(gain), gain.shape))
-    instance = wrong_point.stood_at(ordinary, ids[a], ids[b], ordinary.postures[p])
-    return [*found, Candidate(instance=instance, gain=float(gain[p, a, b]))]
 
 
 def _all_others() -> list[Array]:

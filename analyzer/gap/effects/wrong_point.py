@@ -1,4 +1,4 @@
-"""A sensor that stood at another point than the record says, or beside it."""
+"""What goes round, sensor or hammer, was at another point than the record says, or beside it."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ __all__ = ["WORDS", "beside", "exchanged", "instances", "of_file", "stood_at"]
 WORDS = EffectWords(
     name="wrong_point",
     of_the_test=True,
-    title="Sensor stood at another point",
-    changes="the place of some mountings; nothing of the arm",
+    title="Point taken for another",
+    changes="where some sensors stood or hits fell; nothing of the arm",
     signature="one or two points alone disagree, and agree with the model at another place",
     confused_with=("swapped_axes", "flipped_axis", "channel_gain"),
     told_by="measure the named points again",
     remedy="correct the points' names in the session, or their place in the arm file",
 )
 _FAR_M, _MATERIAL_M = 0.1, 0.02
+_KEPT = "hits_along"
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -32,39 +33,39 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     return ()
 
 
-def exchanged(ordinary: Ordinary, first: str, second: str) -> Instance:
-    """Two points measured under each other's name."""
+def exchanged(ordinary: Ordinary, first: str, second: str, *, kept: bool = False) -> Instance:
+    """Two points measured under each other's name.
+
+    `kept`: hits went along as recorded, rather than as hits at the other point do.
+    """
     a, b = (ordinary.superset.point_index[point] for point in (first, second))
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         del values
-        points = _points(assembly)
-        was_a, was_b = points == a, points == b
-        points[was_a], points[was_b] = b, a
-        assembly.sensor_point = points
+        _move(assembly, {a: b, b: a}, kept=kept)
 
     return Instance(
         effect=WORDS,
         place=f"points {first} and {second} exchanged",
         builder=build,
-        describe=_saying({"exchanged": first, "with": second}),
+        describe=_saying({"exchanged": first, "with": second} | _hits(kept)),
     )
 
 
-def stood_at(ordinary: Ordinary, point: str, other: str, posture: str | None = None) -> Instance:
-    """A point's sensor at another point, in one posture or (None) all."""
+def stood_at(
+    ordinary: Ordinary, point: str, other: str, posture: str | None = None, *, kept: bool = False
+) -> Instance:
+    """A point's sensor or hits at another point, in one posture or (None) all; `kept` as above."""
     a, b = (ordinary.superset.point_index[name] for name in (point, other))
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         del values
         if posture is not None and assembly.lines.name != posture:
             return
-        points = _points(assembly)
-        points[assembly.lines.sensor_point == a] = b
-        assembly.sensor_point = points
+        _move(assembly, {a: b}, kept=kept)
 
     where = "" if posture is None else f" in posture {posture}"
-    words: dict[str, object] = {"point": point, "was": other}
+    words: dict[str, object] = {"point": point, "was": other} | _hits(kept)
     return Instance(
         effect=WORDS,
         place=f"point {point} was {other}{where}",
@@ -110,9 +111,10 @@ def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance |
     if any(point not in ordinary.superset.point_index for point in points):
         return None
     if "exchanged" in known and "with" in known:
-        return exchanged(ordinary, known["exchanged"], known["with"])
+        return exchanged(ordinary, known["exchanged"], known["with"], kept=_KEPT in known)
     if "point" in known and "was" in known:
-        return stood_at(ordinary, known["point"], known["was"], known.get("posture"))
+        where = known.get("posture")
+        return stood_at(ordinary, known["point"], known["was"], where, kept=_KEPT in known)
     return beside(ordinary, known["point"]) if "point" in known else None
 
 
@@ -124,6 +126,19 @@ def _saying(words: dict[str, object]) -> Describer:
     return describe
 
 
-def _points(assembly: Assembly) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    known = assembly.lines.sensor_point if assembly.sensor_point is None else assembly.sensor_point
-    return np.array(known)
+def _hits(kept: bool) -> dict[str, object]:
+    return {_KEPT: "as recorded"} if kept else {}
+
+
+def _move(assembly: Assembly, to: Mapping[int, int], *, kept: bool) -> None:
+    """Put what goes round to other points; a hit goes along as one there does, or as recorded."""
+    if not assembly.lines.hammer_roves:
+        moved = [to.get(point, point) for point in assembly.where.tolist()]
+        assembly.sensor_point = np.array(moved)
+        return
+    struck, forces = assembly.struck, assembly.forces
+    row_of = {point: row for row, point in enumerate(struck.tolist())}
+    truly = [to.get(point, point) for point in struck.tolist()]
+    assembly.hit_point = np.array(truly)
+    if not kept:
+        assembly.force = forces[[row_of.get(point, row) for row, point in enumerate(truly)]]

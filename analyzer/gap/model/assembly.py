@@ -173,6 +173,8 @@ class Assembly:
     decay_rad_s: float = 0.0
     # (m,) point where each mounting truly was; None: as recorded.
     sensor_point: npt.NDArray[np.int64] | None = None
+    # (n_hits,) point that each hit truly struck; None: as recorded.
+    hit_point: npt.NDArray[np.int64] | None = None
     shifts_m: dict[int, Array] = field(default_factory=dict)  # of points, along sensor axes there
     # By which all hits fall off their point, along the axes a sensor has there.
     hit_place_m: Array = field(default_factory=lambda: np.zeros(3))
@@ -319,6 +321,16 @@ class Assembly:
     def where(self) -> npt.NDArray[np.int64]:
         """Return (m,) the point where each mounting is taken to stand."""
         return self.lines.sensor_point if self.sensor_point is None else self.sensor_point
+
+    @property
+    def struck(self) -> npt.NDArray[np.int64]:
+        """Return (n_hits,) the point that each hit is taken to strike."""
+        return self.lines.hit_point if self.hit_point is None else self.hit_point
+
+    @property
+    def forces(self) -> Array:
+        """Return (n_hits, 3) directions of the hits, base frame."""
+        return self.lines.hit_direction if self.force is None else self.force
 
 
 _CONTAINERS = tuple(f.name for f in fields(Assembly) if f.default_factory in (dict, list))

@@ -166,6 +166,17 @@ class Solved:
                     name = self.ordinary.hit_place_names(self.ordinary.arm.points[point].id)[axis]
                     yield p, name, by_place[p]
 
+    def by_hit_shifts(self) -> ComplexArray:
+        """Derivatives (3, P, m, 3, L) by a shift of each mounting's hit along the axes there."""
+        system, own = self.exact.system, self.assemblies
+        found = []
+        for axis in range(3):
+            along = np.array([a.geometry.point_rotation[a.struck, :, axis] for a in own])
+            moments = np.cross(along, system.force)  # (P, n_hits, 3)
+            by_hit = (self.found.by_moment(h, moments[:, h]) for h in range(moments.shape[1]))
+            found.append(sum(by_hit))
+        return np.stack(found)
+
     def by_places(self) -> tuple[list[list[tuple[str, ...]]], ComplexArray]:
         """Places of points: names (P, m, 3) and derivatives (3, P, m, 3, L), there alone."""
         points = self.ordinary.arm.points

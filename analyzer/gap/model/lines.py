@@ -87,6 +87,16 @@ class PostureLines:
         )
 
     @property
+    def hammer_roves(self) -> bool:
+        """Return whether the hammer goes from point to point, rather than the sensor."""
+        return len(set(self.hit_point.tolist())) > len(set(self.sensor_point.tolist()))
+
+    @property
+    def moved_point(self) -> npt.NDArray[np.int64]:
+        """Return (n_mountings,) the point where what goes round, sensor or hammer, was."""
+        return self.hit_point[self.hit] if self.hammer_roves else self.sensor_point
+
+    @property
     def title(self) -> str:
         """Return the posture, what was done to the arm, and which hits where that matters."""
         words = [self.name]

@@ -1,9 +1,13 @@
-"""Links long enough to bend: each a line from its joint to the next."""
+"""Links long enough to bend: each a line along which it gives way.
+
+A slender casting's line is its axis of least inertia, through its centre: that of the tube, which
+on an arm with offsets passes beside its joints. Of any other it is from its joint to the next.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -11,23 +15,28 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Inside
 from armodal.analyzer.gap.model.geometry import skew
+from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["SLICES", "LongLink", "long_links", "reach_m"]
 
 Array = npt.NDArray[np.float64]
 
 _LEAST_M = 0.2  # shorter links are stiff
+# Least over next moment of inertia of a rod 1.5 times as long as it is wide; and its line goes to
+# the next joint rather than past it.
+_SLENDER, _TOWARDS = 0.5, np.sqrt(0.5)
 SLICES = 3  # three hinges at 1/6, 1/2, 5/6 give a tip wrench's deflection to 3 %
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LongLink:
-    """A link along the line from its joint to the next, in its own frame."""
+    """A link's line in the link's own frame, from beside its joint to beside the next."""
 
     link: int
     name: str
     along: Array  # (3,) unit
     length_m: float
+    start_m: Array = field(default_factory=lambda: np.zeros(3))  # square to it from the joint
 
     @property
     def places_m(self) -> tuple[float, ...]:
@@ -58,7 +67,7 @@ class LongLink:
     def twists(self, directions: Sequence[Array]) -> list[tuple[float, Array]]:
         """Return place and unit twist (6,), linear first, of every hinge."""
         return [
-            (s, np.concatenate([skew(s * self.along) @ u, u]))
+            (s, np.concatenate([skew(self.start_m + s * self.along) @ u, u]))
             for s in self.places_m
             for u in directions
         ]
@@ -72,12 +81,25 @@ def long_links(superset: Superset) -> tuple[LongLink, ...]:
         if superset.point_link.count(i) < 2:
             continue
         reach = reach_m(superset, i)
-        length = float(np.linalg.norm(reach))
-        if length >= _LEAST_M:
-            found.append(
-                LongLink(link=i, name=joint.link.name, along=reach / length, length_m=length)
-            )
+        if np.linalg.norm(reach) < _LEAST_M:
+            continue
+        along, start = _line(joint.link, reach)
+        length = float(along @ reach)
+        found.append(
+            LongLink(link=i, name=joint.link.name, along=along, length_m=length, start_m=start)
+        )
     return tuple(found)
+
+
+def _line(link: InertialLink, reach: Array) -> tuple[Array, Array]:
+    """Direction and start (3,) of the line of a link that reaches so far."""
+    towards = reach / np.linalg.norm(reach)
+    moments, axes = np.linalg.eigh(np.asarray(link.inertia_kg_m2))
+    along = axes[:, 0] * np.sign(axes[:, 0] @ towards)
+    if moments[0] > _SLENDER * moments[1] or along @ towards < _TOWARDS:
+        return towards, np.zeros(3)
+    center = np.asarray(link.center_m)
+    return along, center - along * (along @ center)
 
 
 def reach_m(superset: Superset, link: int) -> Array:

@@ -231,7 +231,8 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
     found += soft_part_parameters(ordinary.superset)
     for joint in arm.joints:
         link = joint.link.name
-        std = (tolerances.mass, *(tolerances.center_m,) * 3, *(tolerances.inertia,) * 6)
+        own = arm.inertial_std(joint)
+        std = (own.mass, *(own.center_m,) * 3, *(own.inertia,) * 6)
         found += [
             Parameter(name=f"{what} {link}", unit="m" if what in _CENTER else "", mean=0.0, std=s)
             for what, s in zip(_INERTIAL, std, strict=True)

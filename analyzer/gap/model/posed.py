@@ -101,6 +101,14 @@ class Postures:
         """Predict the postures' FRFs."""
         return self._solved(hypothesis, values).exact
 
+    def by_shift(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> ComplexArray:
+        """Derivatives (3, P, m, 3, L) by a shift of what goes round, along a sensor's axes there.
+
+        Of the sensor, or of the hits where the hammer goes from point to point.
+        """
+        solved = self._solved(hypothesis, values)
+        return solved.by_hit_shifts() if self.lines[0].hammer_roves else solved.found.by_shift()
+
     def derivatives(
         self, hypothesis: Hypothesis, space: Space, values: Mapping[str, float]
     ) -> tuple[ComplexArray, ComplexArray]:

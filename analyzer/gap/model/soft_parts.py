@@ -186,7 +186,7 @@ def _bends(superset: Superset) -> tuple[tuple[LongLink, Array, Inside], ...]:
     """
     found = []
     for line in long_links(superset):
-        middle = 0.5 * line.length_m * line.along
+        middle = line.start_m + 0.5 * line.length_m * line.along
         turns = np.array([*across(line.along).T, line.along])
         columns = np.zeros((3, superset.n))
         columns[:, superset.interface_columns(line.link)] = np.hstack(

@@ -113,12 +113,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         mix=np.array([unmixed if own.mix is None else own.mix for own in assemblies]),
         hit=_moved_beside(_at(motion, hits), _beside(assemblies, hits)),
         hit_turned=_at(motion, hits)[..., 3:, :],
-        force=np.array(
-            [
-                (own.lines.hit_direction if own.force is None else own.force) @ own.hit_turn.T
-                for own in assemblies
-            ]
-        ),
+        force=np.array([own.forces @ own.hit_turn.T for own in assemblies]),
         log_scale=np.array([own.log_scale for own in assemblies]),
         delay_s=np.array([own.delay_s for own in assemblies]),
         decay_rad_s=np.array([own.decay_rad_s for own in assemblies]),
@@ -259,7 +254,7 @@ def _mountings(assemblies: Sequence[Assembly]) -> tuple[Indices, Indices]:
     """Points (P, m) where sensors are taken to stand, and (P, n_hits) that are hit."""
     return (
         np.array([own.where for own in assemblies]),
-        np.array([own.lines.hit_point for own in assemblies]),
+        np.array([own.struck for own in assemblies]),
     )
 
 

@@ -9,8 +9,14 @@ from support.bench_effects import JOINTS
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
-from armodal.analyzer.gap.effects import exponential_window, hit_direction, wrong_point
-from armodal.analyzer.gap.effects.sensor_candidates import channel_candidates
+from armodal.analyzer.gap.effects import (
+    exponential_window,
+    hit_direction,
+    sensor_candidates,
+    wrong_point,
+)
+from armodal.analyzer.gap.effects.point_candidates import channel_candidates
+from armodal.analyzer.gap.effects.sensor_axes import turned_sensor
 from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -66,6 +72,25 @@ def test_turned_hits_are_hits_along_the_turned_direction(posed, ordinary, lines)
     )
 
 
+def test_where_the_hammer_roves_the_hits_of_one_posture_may_be_turned(posed, ordinary, lines):
+    """As a common turn does there, and nothing elsewhere."""
+    ordinary = replace(ordinary, postures=("p", "another posture"))
+    common, here, _ = hit_direction.instances(ordinary)
+    by = (0.1, -0.05, 0.2)
+    turned = [
+        predicted(posed, ordinary, lines, (own,), **dict(zip(own.sizes, by, strict=True)))
+        for own in (common, here)
+    ]
+    np.testing.assert_array_equal(*turned)
+    other = replace(lines, name="another posture")
+    np.testing.assert_array_equal(
+        predicted(posed, ordinary, other, (here,), **dict(zip(here.sizes, by, strict=True))),
+        predicted(posed, ordinary, other),
+    )
+    alone = replace(ordinary, hit_points=("b1",))
+    assert [bool(own.relaxes) for own in hit_direction.instances(alone)] == [False, True, True]
+
+
 def test_exchanged_points_are_recorded_under_each_other_s_name(posed, ordinary, lines):
     y = predicted(posed, ordinary, lines)
     got = predicted(posed, ordinary, lines, (wrong_point.exchanged(ordinary, "k2", "l1"),))
@@ -99,6 +124,65 @@ def test_a_shifted_point_is_one_that_the_arm_file_has_there(ordinary, lines, pos
         predicted(PosedModel(moved, JOINTS), Ordinary(superset=moved, postures=("p",)), lines),
         rtol=1e-9,
     )
+
+
+@pytest.fixture
+def of_hammer(ordinary, lines):
+    """The hammer goes from point to point, each hit along a direction of its own."""
+    n = len(ordinary.arm.points)
+    along = np.random.default_rng(3).standard_normal((n, 3))
+    return replace(
+        lines,
+        sensor_point=np.zeros(n, dtype=int),
+        hit=np.arange(n),
+        hit_point=np.arange(n),
+        hit_direction=along / np.linalg.norm(along, axis=1, keepdims=True),
+    )
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_hits_at_exchanged_points_are_hits_at_the_other(kept, posed, ordinary, of_hammer):
+    a, b = (ordinary.superset.point_index[p] for p in ("k2", "l1"))
+    order = np.arange(len(of_hammer.hit))
+    order[[a, b]] = b, a
+    along = of_hammer.hit_direction if kept else of_hammer.hit_direction[order]
+    truly = replace(of_hammer, hit_point=order, hit_direction=along)
+    made = wrong_point.exchanged(ordinary, "k2", "l1", kept=kept)
+    np.testing.assert_allclose(
+        predicted(posed, ordinary, of_hammer, (made,)),
+        predicted(posed, ordinary, truly),
+        rtol=1e-12,
+    )
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_the_scan_finds_points_that_the_hammer_exchanged(kept, ordinary, of_hammer, posed):
+    made = wrong_point.exchanged(ordinary, "k2", "l1", kept=kept)
+    found = looked_at(ordinary, of_hammer, posed, made).instance
+    assert found.key == made.key
+    assert found.describe({}) == made.describe({})
+
+
+def test_the_scan_finds_where_the_hammer_fell_beside_its_point(ordinary, of_hammer, posed):
+    made = wrong_point.beside(ordinary, "k2")
+    by = dict(zip(made.sizes, (0.02, -0.01, 0.03), strict=True))
+    found = looked_at(ordinary, of_hammer, posed, made, **by)
+    assert found.instance.key == made.key
+    for name, wanted in by.items():
+        # A hit's place along its own direction does nothing: the prior holds it.
+        assert abs(found.begin[name]) <= abs(wanted) + 3e-3
+
+
+def test_at_a_sensor_that_stays_a_fault_is_told_once(ordinary, of_hammer, posed):
+    """Of the sensor, not also of the one point where it stands."""
+    flip = turned_sensor(ordinary, np.diag([-1.0, 1.0, 1.0]), None)
+    data = replace(of_hammer, values=predicted(posed, ordinary, of_hammer, (flip,)))
+    stage = Stage(ordinary.superset, [data], Discrepancy(), models=[posed])
+    null = Hypothesis(ordinary=ordinary)
+    space = null.space()
+    found = sensor_candidates.channel_candidates(stage, null, space.values(space.start()))
+    assert found[0].instance.key == flip.key
+    assert [c.instance.place for c in found if c.instance.place.startswith("point ")] == []
 
 
 @pytest.mark.parametrize(
@@ -162,6 +246,7 @@ def test_the_scan_finds_a_shifted_point_and_where_it_is(ordinary, lines, posed):
         lambda o: hit_direction.instances(o)[0],
         lambda o: wrong_point.beside(o, "k2"),
         lambda o: wrong_point.exchanged(o, "k2", "l1"),
+        lambda o: wrong_point.exchanged(o, "k2", "l1", kept=True),
         lambda o: wrong_point.stood_at(o, "k2", "l1", "p"),
     ],
 )

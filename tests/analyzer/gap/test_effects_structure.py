@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support.bench_effects import JOINTS, instance_of, start_of
 
+from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects.gravity_compensator import share
 from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
@@ -13,7 +14,8 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.model.geometry import GeometryNear, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.long_links import LongLink, long_links
+from armodal.analyzer.gap.model.long_links import LongLink, long_links, reach_m
+from armodal.hil_sim.study import study_arm
 
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 
@@ -125,6 +127,21 @@ def test_long_links_are_those_that_bend(ordinary):
     ]
 
 
+def test_the_line_of_an_arm_with_offsets_is_its_tube():
+    """A UR5's upper arm stands 0.11 m beside its joints, its forearm goes across their line."""
+    superset = Superset(study_arm("ur5").arm)
+    upper, fore = long_links(superset)
+    for line in (upper, fore):
+        body = superset.arm.joints[line.link].link
+        center = np.asarray(body.center_m)
+        assert np.linalg.norm(np.cross(center - line.start_m, line.along)) < 1e-12
+        across = np.linalg.eigvalsh(body.inertia_kg_m2)[1]
+        assert line.along @ body.inertia_kg_m2 @ line.along < 0.1 * across
+    assert np.linalg.norm(upper.start_m) > 0.1
+    towards = reach_m(superset, fore.link) / np.linalg.norm(reach_m(superset, fore.link))
+    assert 0.9 < towards @ fore.along < 0.98
+
+
 def test_under_an_even_moment_points_follow_a_beam_s_parabola(ordinary, lines, posed):
     """Three hinges that yield alike: at s the link turns by kappa s and moves by kappa s^2 / 2."""
     instance = instance_of(ordinary, "link_bending", "lower_arm")
@@ -136,7 +153,7 @@ def test_under_an_even_moment_points_follow_a_beam_s_parabola(ordinary, lines, p
     turned = system.turned[..., -6::2].sum(axis=-1)
     kappa, checked = 3.0 / line.length_m, 0
     for m, point in enumerate(ordinary.arm.points):
-        off = point.position_m - (point.position_m @ line.along) * line.along
+        off = point.position_m - (point.position_m @ line.along) * line.along - line.start_m
         s = float(point.position_m @ line.along)
         if point.link != "lower_arm" or not 0.0 < s < line.length_m:
             continue

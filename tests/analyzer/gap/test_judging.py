@@ -27,6 +27,7 @@ from armodal.analyzer.gap.effects import (
     gravity_compensator,
     hysteretic,
     link_axis,
+    nonproportional,
     released_joint,
     sensor_axes,
     wrist_coupling,
@@ -244,6 +245,18 @@ def test_what_holds_the_best_inside_it_stands_beside_it_where_that_is_told(bette
     )
     assert (found.named is None) == stands
     assert (small in found.standing) == stands
+
+
+@pytest.mark.parametrize(("left", "is_named"), [(0.4, True), (0.6, False)])
+def test_what_is_small_is_named_where_it_explains_most_of_what_is_missing(left, is_named):
+    """A damper at a long lever: small as a damper, and half of all that the model leaves."""
+    small = replace(rival(nonproportional.WORDS, "l1", left * 2000.0), u=np.array([0.05]))
+    assert not small.last.is_material(small.values)
+    present = rival(coupling.WORDS, "before", 2000.0)
+    assert (judge(OF_1000, present, [small], LIMITS, Thresholds()).named is small) == is_named
+    # Beside something large that is clear too it is no name of its own.
+    large = rival(bearing.WORDS, "j1", 1500.0)
+    assert judge(OF_1000, present, [small, large], LIMITS, Thresholds()).named is None
 
 
 def test_an_axis_of_uncertain_size_is_only_a_patch():

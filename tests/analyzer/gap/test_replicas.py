@@ -1,5 +1,6 @@
 """What effects gain on replicas, beside fits of each replica."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -131,3 +132,20 @@ def test_what_has_no_column_has_no_gains_and_disturbs_none():
     alone = replica_gains(None, null(), (), [EITHER_WAY])
     assert found.instances == (EITHER_WAY,)
     np.testing.assert_array_equal(found.replicas, alone.replicas)
+
+
+def test_a_rival_without_parameters_is_part_of_what_its_replicas_are_drawn_of(monkeypatch, linear):
+    """Points that were exchanged are no error of the model that knows it."""
+    exchanged = Instance(effect=SimpleNamespace(name="exchanged"), place="test 1")
+    of_null = null()
+    hypothesis = replace(of_null.hypothesis, instances=(exchanged,))
+    best = made_fit(hypothesis, cost=1.0, space=of_null.space, u=np.zeros(len(of_null.space)))
+    looked = []
+
+    def seen(_stage, wide, space, _values):
+        looked.append(wide.instances)
+        return [replace(p, raw=p.raw[: len(space)], clean=p.clean[: len(space)]) for p in linear]
+
+    monkeypatch.setattr(replicas, "sensitivities", seen)
+    replica_gains(None, best, [exchanged], [EITHER_WAY])
+    assert exchanged.key in [instance.key for instance in looked[0]]

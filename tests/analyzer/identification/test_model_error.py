@@ -11,7 +11,7 @@ from armodal.analyzer.arm import Superset
 from armodal.analyzer.identification.frf_fit import fit_frfs
 from armodal.analyzer.identification.model_error import model_error_std, model_moves
 from armodal.analyzer.identification.parameters import step_state
-from armodal.protocols.arm.records import Tolerances
+from armodal.protocols.arm.records import InertialStd, Tolerances
 
 POINTS = ("1", "5", "9", "12")
 FREQ_HZ = np.linspace(8, 40, 12)
@@ -67,6 +67,35 @@ def test_no_tolerance_is_no_model_error(arm):
     std = model_error_std(model_moves(superset, data, fit))
     # Predictions with and without derivatives differ by rounding; the tolerances leave 1e-2.
     np.testing.assert_allclose(std, np.zeros(7), atol=1e-9)
+
+
+def test_links_weighed_together_leave_one_anothers_mass_to_one_another(arm):
+    """With the sum known, a spring sees only what the links' shares of the inertia differ by."""
+    q = np.deg2rad(TESTS_DEG[1])
+    whole = mass_matrix(arm, q)[1, 1]
+    shares = np.array([1 - mass_matrix(without_link(arm, j), q)[1, 1] / whole for j in range(6)])
+    mass = np.array([joint.link.mass_kg for joint in arm.joints])
+    for known in (0.02, 0.5):
+        weighed = weightless(arm, mass=0.1, moving_mass=known)
+        superset, data, fit = fitted(weighed, true_structure(joints=(1,)), 1)
+        # The shares are linear in the masses: the variance given their sum, in closed form.
+        square = (0.1 * mass) ** 2
+        slope = shares / mass
+        of_sum = square.sum() + (known * mass.sum()) ** 2
+        expected = np.sqrt(slope**2 @ square - (slope @ square) ** 2 / of_sum)
+        std = model_error_std(model_moves(superset, data, fit))
+        np.testing.assert_allclose(std[:2], expected, rtol=1e-4)
+
+
+def test_a_links_own_tolerance_goes_before_the_arms(arm):
+    own = InertialStd(mass=0.2, inertia=0.0, center_m=0.0)
+    joints = tuple(replace(j, inertial_std=own) for j in arm.joints)
+    structure = true_structure(joints=(1,))
+    stds = []
+    for one in (weightless(arm, mass=0.2), weightless(replace(arm, joints=joints), mass=0.9)):
+        superset, data, fit = fitted(one, structure, 1)
+        stds.append(model_error_std(model_moves(superset, data, fit)))
+    np.testing.assert_allclose(*stds, rtol=1e-12)
 
 
 def test_errors_of_several_kinds_add_as_variances(arm):

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from support.made_modes import made_modes
 from support.plain_arm import TESTS_DEG, mass_matrix
-from support.small_fit import true_axis, true_structure
+from support.small_fit import true_axis, true_structure, unmeasured
 
+from armodal.analyzer.arm import Superset
+from armodal.analyzer.identification.axis_search import why_no_axis
 from armodal.analyzer.identification.structural import (
     STRUCTURAL_SHARE,
     joint_share,
@@ -145,3 +147,13 @@ def test_a_shapes_phase_and_scale_do_not_move_its_mozzi_axis(superset):
     there = mozzi_of_shape(superset, measured, 3.0 * np.exp(2.1j) * shape, 0)
     assert line_angle_rad(here.direction, there.direction) < 1e-9
     assert line_distance_m(here.point_m, there.point_m, there.direction) < 1e-9
+
+
+def test_an_axis_damped_above_critical_is_left_out_with_the_reason(arm):
+    superset = Superset(arm)
+    data = (unmeasured(superset, 1, ("1", "5"), np.linspace(8, 40, 3)),)
+    assert why_no_axis(superset, true_structure(axes=(true_axis(),)), data) is None
+    creeping = replace(true_axis(), damping_n_m_s_per_rad=1e5)
+    why = why_no_axis(superset, true_structure(axes=(creeping,)), data)
+    assert why.startswith("an axis was looked for and left out")
+    assert "damped above critical" in why

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.robot_files import six_joints
 
 from armodal.analyzer.own_arm.bodies import arm_bodies
-from armodal.analyzer.own_arm.guess import believed_links
+from armodal.analyzer.own_arm.guess import believed_links, guessed_inertial
 from armodal.analyzer.own_arm.plausible import doubted, nearest_body
 from armodal.protocols.robot.chain import cut_chain
 from armodal.protocols.robot.remarks import Remarks
@@ -65,7 +68,9 @@ def test_a_wrist_of_that_radius_loses_its_spread_and_keeps_its_mass(tmp_path):
     believed = believed_links(bodies, doubts, said)
     assert believed.guessed == ("wrist",)
     assert believed.links[4].mass_kg == 1.2
-    assert believed.inertia == 0.35
+    # One guessed spread is not that of the links around it.
+    assert [std.inertia for std in believed.stds] == [0.1] * 4 + [0.47, 0.1]
+    assert believed.moving_mass is None
     a, b, c = np.square(wrist.box_m)
     np.testing.assert_allclose(
         np.diag(believed.links[4].inertia_kg_m2), 1.2 / 12 * np.array([b + c, a + c, a + b])
@@ -87,7 +92,7 @@ def test_an_arm_of_solid_metal_is_doubted_and_the_data_sheet_decides(tmp_path):
     believed = believed_links(bodies, doubts, said, total_kg=0.4 * whole)
     base_share = 0.4 * whole - sum(link.mass_kg for link in believed.links)
     assert 0.0 < base_share < 0.4 * 0.4 * whole
-    assert believed.mass == 0.3
+    assert [std.mass for std in believed.stds] == [0.35] * 5 + [0.6]
 
 
 def test_a_centre_off_the_body_and_all_mass_in_one_spot_are_doubted(tmp_path):
@@ -137,4 +142,59 @@ def test_missing_inertials_share_what_the_data_sheet_leaves(tmp_path):
     assert density["elbow"] > 1.3 * density["upper_arm"]
     assert any("by share of 30 kg" in guess.text for guess in said.of("guess"))
     without = believed_links(bodies, doubts, Remarks())
-    assert (without.mass, believed.mass) == (0.45, 0.3)
+    assert without.moving_mass is None
+    assert [std.mass for std in without.stds] == [0.45] * 5 + [0.6]
+    # The base may have taken of the links' mass, or they of its; together they are the 30 kg.
+    base = 0.35 * (30.0 - moving)
+    assert 0.02 < believed.moving_mass < base / moving + 0.02 * 30.0 / moving
+    # A centre is known to a part of its own link's length.
+    centers = [std.center_m for std in believed.stds]
+    assert centers == [max(0.005, 0.08 * max(link.box_m)) for link in robot.links]
+
+
+def test_a_picture_with_parts_far_off_gives_way_to_the_shape_to_run_into(tmp_path):
+    robot = six_joints()
+    seen = '<visual><geometry><box size="9 0.1 0.1"/></geometry></visual>'
+    text = robot.urdf()
+    start = text.index("<visual>", text.index('<link name="forearm">'))
+    text = text[:start] + seen + text[text.index("</visual>", start) + len("</visual>") :]
+    said = Remarks()
+    bodies = arm_bodies(cut_chain(read_tree(text, tmp_path, said), said), said)
+    forearm = next(body for body in bodies if body.name == "forearm")
+    assert forearm.seen.size_m == max(robot.links[3].box_m)
+    (note,) = (note.text for note in said.of("note"))
+    assert "got 9 m; the link's other shapes serve" in note
+    assert said.of("fault") == ()
+
+
+def test_masses_that_miss_the_data_sheet_by_less_than_a_guess_would_are_scaled(tmp_path):
+    robot = six_joints()
+    bodies, _, _ = looked(robot, tmp_path)
+    base = replace(bodies[0], inertial=guessed_inertial(bodies[0].seen, 4.0))
+    bodies = (base, *bodies[1:])
+    whole = 4.0 + sum(link.mass() for link in robot.links)
+    for factor, kept in ((1.2, True), (2.0, False)):
+        said = Remarks()
+        doubts = doubted(bodies, said, total_kg=factor * whole)
+        assert "the data sheet's mass is" in str(said.of("doubt")[0])
+        believed = believed_links(bodies, doubts, said, total_kg=factor * whole)
+        assert (believed.guessed == ()) is kept
+        if kept:
+            assert [link.mass_kg for link in believed.links] == pytest.approx(
+                [factor * link.mass() for link in robot.links], rel=1e-5
+            )
+            assert believed.mass == pytest.approx(math.log(factor))
+
+
+def test_a_base_that_is_a_pedestal_is_not_weighed_with_the_arm(tmp_path):
+    robot = six_joints()
+    bodies, _, _ = looked(robot, tmp_path)
+    moving = sum(link.mass() for link in robot.links)
+    pedestal = replace(bodies[0], inertial=guessed_inertial(bodies[0].seen, 10.0 * moving))
+    said = Remarks()
+    doubts = doubted((pedestal, *bodies[1:]), said, total_kg=moving)
+    assert said.of("doubt") == ()
+    bare = [replace(body, inertial=None) for body in bodies[1:]]
+    believed = believed_links((pedestal, *bare), doubts, said, total_kg=moving)
+    assert sum(link.mass_kg for link in believed.links) == pytest.approx(moving)
+    assert any("too heavy or too large for an arm's base" in str(n) for n in said.of("note"))

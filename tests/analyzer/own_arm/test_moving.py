@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.chain_arm import chain_arm
 
 from armodal.analyzer.own_arm.moving import by_distances
+from armodal.analyzer.own_arm.typed_move import typed_move
 from armodal.protocols.errors import ArmError
 
 KNOWN = [np.array(place) for place in ([0.1, 0.0, 0.0], [0.0, 0.3, 0.1], [-0.2, 0.1, 0.2])]
@@ -29,3 +31,25 @@ def test_distances_that_no_place_has_and_three_points_on_a_line_are_refused():
     line = [np.array([x, 0.0, 0.0]) for x in (0.0, 0.1, 0.2)]
     with pytest.raises(ArmError, match="not on one line"):
         by_distances(line, [0.1, 0.1, 0.1], "point 7")
+
+
+def test_what_is_typed_moves_a_point_along_its_sensor_towards_another_and_to_its_distances():
+    arm = chain_arm(2)
+    old, near, *_ = (point for point in arm.points if point.link == "link 1")
+    # Nothing is drawn of this arm: the point goes where it is told, and keeps its axes.
+    moved = typed_move(arm, None, old.id, "20, -10")
+    x, y, _ = old.R_link_sensor.T
+    np.testing.assert_allclose(moved.position_m, old.position_m + 0.02 * x - 0.01 * y, atol=1e-12)
+    np.testing.assert_array_equal(moved.R_link_sensor, old.R_link_sensor)
+    way = near.position_m - old.position_m
+    moved = typed_move(arm, None, old.id, f"{near.id}:30")
+    np.testing.assert_allclose(
+        moved.position_m, old.position_m + 0.03 * way / np.linalg.norm(way), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("typed", ["", "20", "far", "1:2:3", "20 nan", "4:30", "9:30", "1:3 2:3"])
+def test_words_that_name_no_place_are_refused(typed):
+    arm = chain_arm(2)
+    with pytest.raises(ArmError, match="wanted"):
+        typed_move(arm, None, "1", typed)

@@ -84,3 +84,12 @@ def test_a_body_without_a_flat_place_is_a_fault():
     said = Remarks()
     assert points_on(shape("sphere", 0.004), said) == []
     assert "found 0" in str(said.of("fault")[0])
+
+
+def test_a_thin_rod_has_its_points_on_curved_places_and_that_is_said():
+    said = Remarks()
+    # 21 mm across, so that the rim of a foot lies 1.3 mm deep.
+    found = points_on(shape("capsule", 0.0105, 0.035), said)
+    assert len(found) == 3
+    assert "use an adapter" in str(said.of("note")[0])
+    assert said.of("fault") == ()

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from support.robot_files import box_stl
 
+from armodal.analyzer.own_arm.mesh_parts import parts_untangled
 from armodal.analyzer.own_arm.meshes import read_mesh, shape_triangles
-from armodal.analyzer.own_arm.surface import Surface
+from armodal.analyzer.own_arm.surface import Surface, filling
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.records import Shape
 
@@ -56,6 +57,31 @@ def test_a_collada_file_in_inches_is_read_in_metres(tmp_path):
     mesh.write_text(DAE.format(unit='<unit meter="0.0254" name="inch"/>'))
     shape = Shape(kind="mesh", size_m=(1.0, 1.0, 1.0), T_link_shape=np.eye(4), file=mesh)
     assert Surface(*shape_triangles(shape)).size_m == pytest.approx(0.0254)
+
+
+def test_a_file_of_two_materials_is_read_as_its_two_bodies(tmp_path):
+    big, small = (surface_of("box", size) for size in ((0.2, 0.2, 0.2), (0.1, 0.1, 0.1)))
+    lines, before = [], 1
+    for name, box, off in (("cover", small, 0.5), ("robot", big, 0.0)):
+        lines += [f"v {x + off} {y} {z}" for x, y, z in box.vertices_m]
+        lines += [f"usemtl {name}"]
+        lines += [f"f {a + before} {b + before} {c + before}" for a, b, c in box.triangles]
+        before += len(box.vertices_m)
+    mesh = tmp_path / "a.obj"
+    mesh.write_text("\n".join(lines))
+    read = Surface(*read_mesh(mesh))
+    assert read.open_edges == 0
+    corners = read.vertices_m[read.triangles]
+    # The volume inside the triangles is that of both boxes, not of what strangers' corners enclose.
+    assert filling(corners, np.zeros(3)).volume_m3 == pytest.approx(0.009, rel=1e-6)
+
+
+def test_a_part_that_repeats_its_first_triangle_is_still_one_part():
+    part = np.array([[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 1, 0]])
+    right = np.concatenate([part, part + 4])
+    np.testing.assert_array_equal(parts_untangled(8, np.concatenate([part, part])), right)
+    np.testing.assert_array_equal(parts_untangled(8, right), right)
+    assert parts_untangled(9, np.concatenate([part, part])) is None
 
 
 @pytest.mark.parametrize("content", [b"", b"solid a\nfacet", b"\0" * 84])

@@ -1,13 +1,14 @@
 """A session from its start to its end: points, prompts, resuming, what is kept."""
 
 import multiprocessing
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from support.acquisition_run import strike
 
-from armodal.daq.commands import Note, Retake, Skip, Withdraw
-from armodal.daq.events import Finished, HitWithdrawn, SessionOpened
+from armodal.daq.commands import MovePoint, Note, Retake, Skip, Withdraw
+from armodal.daq.events import Finished, HitWithdrawn, PointMoved, SessionOpened
 from armodal.daq.session_machine import PromptKind
 from armodal.protocols.session.journal import load_journal, read_journal, session_of
 
@@ -197,6 +198,32 @@ def test_nothing_to_take_back_is_said(lab, start):
     run.ready()
     run.ours.send(Withdraw())
     run.noted("no accepted hit")
+
+
+def test_a_point_moved_before_its_hits_is_there_in_the_session_and_when_it_goes_on(
+    lab, start, fakes
+):
+    run = start()
+    point = lab.arm.point(run.ready().sensor_point)
+    moved = replace(point, position_m=point.position_m + np.array([0.0, 0.0, 0.03]))
+    run.ours.send(MovePoint(point=moved))
+    told = run.until(lambda e: isinstance(e, PointMoved))
+    np.testing.assert_allclose(told.arm.point(point.id).position_m, moved.position_m, atol=5e-6)
+    strike(lab, fakes["record"]())
+    assert run.judged().verdict.accepted
+    run.ours.send(MovePoint(point=point))
+    run.noted("has accepted hits and stays where it is")
+    run.end()
+    # A session that goes on is asked for with the arm file it was begun with.
+    again = start(resume=True)
+    again.ready()
+    again.end()
+    session = load_journal(lab.journal)
+    np.testing.assert_allclose(
+        session.header.arm.point(point.id).position_m, moved.position_m, atol=5e-6
+    )
+    assert f"point {point.id} was moved by 30 mm before it was measured" in session.warnings
+    assert read_journal(lab.journal).header.arm.sha256 == lab.arm.sha256
 
 
 def test_what_the_operator_notes_is_in_the_journal(lab, start):

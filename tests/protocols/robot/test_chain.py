@@ -45,6 +45,31 @@ def test_fingers_are_held_and_the_flange_is_the_tip(tmp_path):
     assert said.of("fault") == ()
 
 
+def claw(name, carrier, mimics=""):
+    """A turning part of a gripper, named like nothing."""
+    return (
+        f'<link name="{name}"/><joint name="turn_{name}" type="revolute"><parent link="{carrier}"/>'
+        f'<child link="{name}"/><limit lower="0" upper="1"/>{mimics}</joint>'
+    )
+
+
+def test_the_last_joint_that_others_beside_it_mimic_is_a_grippers(tmp_path):
+    robot = six_joints()
+    robot.more.append(claw("r1", "tool0") + claw("l1", "tool0", '<mimic joint="turn_r1"/>'))
+    chain, said = cut(robot, tmp_path)
+    assert [body.name for body in chain.bodies][-1] == "flange"
+    assert any("turn_r1" in str(note) and "held" in str(note) for note in said.of("note"))
+    assert said.of("fault") == ()
+
+
+def test_chains_that_part_behind_most_joints_are_one_arm_with_fingers(tmp_path):
+    robot = six_joints()
+    robot.more.append(claw("r1", "tool0") + claw("l1", "tool0"))
+    chain, said = cut(robot, tmp_path)
+    assert (chain.tip, len(chain.bodies)) == ("flange", 6)
+    assert any("taken for fingers" in str(note) for note in said.of("note"))
+
+
 def test_a_tip_leaves_out_what_hangs_beyond_it(tmp_path):
     robot = six_joints()
     robot.more.append(GRIPPER)

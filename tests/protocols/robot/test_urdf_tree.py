@@ -117,6 +117,18 @@ def test_a_broken_xacro_is_one_fault_with_its_reason(inside, tmp_path):
     assert "Traceback" not in fault.text
 
 
+def test_a_xacro_may_name_its_robot_by_an_argument_with_a_default(tmp_path):
+    pytest.importorskip("xacrodoc")
+    path = tmp_path / "a.xacro"
+    path.write_text(
+        '<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:arg name="name" default="mine"/><link name="$(arg name)_base"/></robot>'
+    )
+    said = Remarks()
+    assert list(read_robot(path, said).links) == ["mine_base"]
+    assert list(read_robot(path, said, arguments={"name": "yours"}).links) == ["yours_base"]
+
+
 def test_a_broken_xacro_names_its_arguments_without_a_value(tmp_path):
     pytest.importorskip("xacrodoc")
     path = tmp_path / "a.xacro"

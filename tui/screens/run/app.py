@@ -19,6 +19,7 @@ from armodal.daq.events import (
     HitJudged,
     HitWithdrawn,
     Noted,
+    PointMoved,
     Prompted,
     SessionOpened,
 )
@@ -27,6 +28,7 @@ from armodal.tui.screens.every_action import every_action
 from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.run.ask_angles import AnglesScreen
 from armodal.tui.screens.run.ask_mass import MassScreen
+from armodal.tui.screens.run.ask_move import MoveScreen
 from armodal.tui.screens.run.collector import CalmCollector
 from armodal.tui.screens.run.conductor import CONFIRMED, Conductor
 from armodal.tui.screens.run.engine import Engine
@@ -72,6 +74,7 @@ class RunApp(PrintableApp[int]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "go_on", "Go on", priority=True),
         Binding("e", "angles", "Type angles"),
+        Binding("m", "move", "Move"),
         Binding("h", "hand", "Hand"),
         Binding("s", "simulate", "Simulate"),
         Binding("a", "take_trigger", "Trigger"),
@@ -140,6 +143,8 @@ class RunApp(PrintableApp[int]):
                 self.bell()
         if isinstance(event, HandIdle) and event.trouble:
             self.notify(event.trouble, severity="error", markup=False)
+        if isinstance(event, PointMoved):
+            self.notify(f"Point {event.point} is moved; the journal keeps it.", markup=False)
         if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
             self.notify(event.text, severity="warning", markup=False)
         if isinstance(event, HitJudged | Failed):
@@ -225,6 +230,16 @@ class RunApp(PrintableApp[int]):
     def _typed(self, joints_deg: tuple[float, ...] | None) -> None:
         if joints_deg is not None:
             self.conductor.tell_angles(joints_deg)
+
+    def action_move(self) -> None:
+        """Put the point in hand elsewhere on its link."""
+        here = self.state.here
+        if here is not None:
+            self.push_screen(MoveScreen(self.state.arm, here[1]), self._moved)
+
+    def _moved(self, typed: str | None) -> None:
+        if typed is not None:
+            self.run_worker(self.conductor.move_point(typed))
 
     def action_hand(self) -> None:
         """Have the simulated hand do what is asked."""

@@ -10,7 +10,9 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from armodal.analyzer.own_arm.typed_move import typed_move
 from armodal.daq.commands import (
+    MovePoint,
     Note,
     Ready,
     Retake,
@@ -26,6 +28,7 @@ from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.session.journal_payloads import CALIBRATION
+from armodal.protocols.session.moved_points import arm_with_moves
 from armodal.tui.operators import request_for
 from armodal.tui.screens.run.derive import derive_session_file
 from armodal.tui.screens.run.engine import Engine
@@ -94,7 +97,7 @@ class Conductor:
         place = options.place
         ended = (place.ended or "it was interrupted") if place.begun else None
         begun = begin_state(
-            place.arm,
+            arm_with_moves(place.arm, place.marks),
             place.plan,
             time_scale=options.time_scale,
             told_rad=options.told_rad,
@@ -219,6 +222,20 @@ class Conductor:
         if self.state.awaits_word:
             typed = None if joints_deg is None else tuple(math.radians(x) for x in joints_deg)
             self._engine.send(ToldPosture(joints_rad=typed))
+
+    async def move_point(self, typed: str) -> None:
+        """Put the point in hand elsewhere on its link, as typed."""
+        state = self.state
+        if state.here is None:
+            return
+        try:
+            point = await asyncio.to_thread(
+                typed_move, state.arm, self.options.arm_folder, state.here[1], typed
+            )
+        except ArmodalError as error:
+            self.tell(HandIdle(trouble=str(error)))
+            return
+        self._engine.send(MovePoint(point=point))
 
     def choose_mass(self, mass_kg: float | None) -> None:
         """Take hits on a known mass, or on the arm again."""

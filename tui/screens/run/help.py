@@ -23,6 +23,7 @@ WORDS = """\
  t      begin the point anew            k  skip the point
  u      take the last accepted hit back g  progress; arrows and Enter jump to a point
  e      type the joint angles read, where no device tells them
+ m      move the point in hand, before its first accepted hit
  s      simulated laboratory            a  take the suggested trigger level
  c      calibrate hammer and accelerometer on a known mass
  r      try again after a stop          b  bell at every verdict

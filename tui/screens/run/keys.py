@@ -11,6 +11,7 @@ __all__ = ["ACTIONS", "works"]
 ACTIONS = (
     "go_on",
     "angles",
+    "move",
     "hand",
     "simulate",
     "take_trigger",
@@ -30,6 +31,7 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
     answers = {
         "go_on": overview or _enter_works(state),
         "angles": state.awaits_word and not overview,
+        "move": in_session and _at_point(state) and not state.simulated and not overview,
         "hand": state.simulated
         and state.lab_ended is None
         and (in_session or in_lab)
@@ -59,6 +61,11 @@ def _enter_works(state: RunState) -> bool:
     if prompt.kind is PromptKind.POSTURE:
         return state.awaits_word
     return not state.safe or (prompt.kind is PromptKind.POINT and state.hand_doing is None)
+
+
+def _at_point(state: RunState) -> bool:
+    """Whether the operator stands at a point, and nothing is mounted yet."""
+    return state.prompt is not None and state.prompt.kind is PromptKind.POINT
 
 
 def _paused(state: RunState) -> bool:

@@ -21,6 +21,7 @@ class RunOptions:
     board: str = ""
     can: str = ""
     ur: str = ""  # address of a Universal Robots controller, in place of the bus
+    arm_folder: Path | None = None  # where the arm file and its meshes lie
     told_rad: float | None = None  # joint angles are told by the operator, to so much
     mirror: Path | None = None  # folder of the journal's copy
     baud: int = 921_600

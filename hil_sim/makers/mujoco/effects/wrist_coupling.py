@@ -7,6 +7,7 @@ from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 
 SPAN = (0.05, 1.5)  # turns of the last axis a turn of the one before
+WRIST = "elastic"  # of a wrist that is believed rigid neither drive gives way
 
 
 def places(drawn: Ordinary) -> list[str]:

@@ -20,15 +20,19 @@ from support.made_run import (
 )
 from support.stage import Stage, play
 
-from armodal.daq.commands import Note, Ready, Retake, Skip, ToldPosture, Withdraw
+from armodal.daq.commands import MovePoint, Note, Ready, Retake, Skip, ToldPosture, Withdraw
+from armodal.daq.events import PointMoved
 from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from armodal.protocols.plan_records import KnownMass
+from armodal.protocols.session.moved_points import arm_with_point
 from armodal.tui.operators import request_for
 from armodal.tui.screens.run.happenings import (
     HandAtWork,
     HandIdle,
     SafeConfirmed,
 )
+from armodal.tui.screens.run.keys import works
+from armodal.tui.screens.run.state import Phase
 from armodal.tui.screens.run.steps.step import Pane
 
 
@@ -46,6 +50,39 @@ def test_enter_confirms_safety_first_and_then_says_ready(tmp_path):
         assert isinstance(stage.sent[1], Ready)
 
     play(stage, body)
+
+
+def test_a_point_is_moved_where_it_is_typed_and_shown_there_once_the_acquisition_says_so(tmp_path):
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT))
+        point = ARM.point(stage.app.state.here[1])
+        await pilot.press("m", *"far", "enter")
+        await pilot.app.workers.wait_for_complete()
+        await stage.settle(pilot)
+        assert stage.sent == []
+        assert "wanted an offset in mm" in stage.notices[-1]
+        await pilot.press("m", "0", "space", "2", "0", "enter")
+        await pilot.app.workers.wait_for_complete()
+        await stage.settle(pilot)
+        (sent,) = stage.sent
+        assert isinstance(sent, MovePoint)
+        np.testing.assert_allclose(
+            sent.point.position_m, point.position_m + 0.02 * point.R_link_sensor[:, 1]
+        )
+        moved = arm_with_point(ARM, sent.point)
+        await stage.tell(pilot, PointMoved(point=point.id, arm=moved))
+        assert stage.app.state.arm is moved
+
+    play(stage, body)
+
+
+def test_in_the_simulated_laboratory_points_stay_where_its_arm_has_them(tmp_path):
+    stage = Stage(tmp_path, simulated=True)
+    state = replace(stage.app.state, phase=Phase.SESSION, prompt=AT_POINT.prompt)
+    assert works("move", state, overview=False)
+    assert not works("move", replace(state, simulated=True), overview=False)
 
 
 def test_enter_does_nothing_while_the_arm_is_on_its_way(tmp_path):
