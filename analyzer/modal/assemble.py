@@ -16,7 +16,7 @@ from armodal.analyzer.modal.plscf import Stabilisation
 from armodal.analyzer.modal.rank_one import RankOneFit
 from armodal.analyzer.modal.regression import residual_terms
 from armodal.analyzer.modal.search import Problem
-from armodal.analyzer.modal.selection import Selection
+from armodal.analyzer.modal.selection import Kept
 from armodal.analyzer.modal.shape_uncertainty import (
     axis_correlation,
     common_gain_variance,
@@ -72,7 +72,7 @@ def _residuals(frf: FrequencyResponse, fit: RankOneFit) -> npt.NDArray[np.float6
 
 def _modes(
     fit: RankOneFit,
-    chosen: Selection,
+    chosen: Kept,
     precision: PoleCovariance,
     correlation: _Complex,
     noise: float,
@@ -202,7 +202,7 @@ def assemble_model(
     lines: FittedLines,
     problem: Problem,
     table: Stabilisation,
-    chosen: Selection,
+    chosen: Kept,
     fit: RankOneFit,
     *,
     drift: tuple[ModeDrift | None, ...],

@@ -57,13 +57,13 @@ class Selection:
 
     fit: Regression
     share: npt.NDArray[np.float64]  # (n_modes,) stability of each
-    significance: npt.NDArray[np.float64]  # (n_modes,)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kept(Selection):
     """Poles refined of which none was dropped."""
 
+    significance: npt.NDArray[np.float64]  # (n_modes,)
     given: npt.NDArray[np.intp]  # (n_modes,) which of the poles given each is
     held: npt.NDArray[np.bool_]  # (n_modes,) where the lines about it have it, not all lines
 
@@ -105,14 +105,15 @@ def _weakest(
     fit: Regression, data: ModalData, band_hz: tuple[float, float], share: float, *, strict: bool
 ) -> list[int]:
     """The modes to drop next, none of them near another; none when all may stay."""
-    told = significance(data, fit, share)
+    noise = noise_about(data, fit)
+    told = significance(fit, noise, share)
     bad = told < LEAST_SIGNIFICANCE
     if strict:
         bad |= ~physical(fit.poles, band_hz)
         bad |= _visible(fit, data) < _LEAST_VISIBLE
         J = frequency_damping_jacobian(fit.poles)
         covariance = white_covariance(fit.information.sum(axis=0), 1.0, share)
-        variance = np.diag(J @ covariance @ J.T)[1::2] * noise_about(data, fit)
+        variance = np.diag(J @ covariance @ J.T)[1::2] * noise
         damping = -fit.poles.real / np.abs(fit.poles)
         bad |= np.sqrt(np.maximum(variance, 0.0)) > _MOST_DAMPING_STD * np.abs(damping)
     drop: list[int] = []
@@ -136,8 +137,8 @@ def _not_needed(
     where only its neighbours move: what these cannot make up for, those farther off cannot.
     Modes found to be needed are noted in `settled`.
     """
-    told = significance(data, fit, line_share)
     noise = noise_about(data, fit)
+    told = significance(fit, noise, line_share)
 
     def enough(most: float) -> Callable[[float, float], bool]:
         return lambda before, after: after < most or before - after < _LEAST_GAIN * (after - most)
@@ -289,7 +290,7 @@ def select_modes(
     rank = np.argsort(np.abs(fit.poles), kind="stable")
     if np.any(rank != np.arange(rank.size)):
         fit, share = regress(data, fit.poles[rank]), share[rank]
-    return Selection(fit=fit, share=share, significance=significance(data, fit, line_share))
+    return Selection(fit=fit, share=share)
 
 
 def keep_modes(
@@ -327,7 +328,7 @@ def keep_modes(
     return Kept(
         fit=fit,
         share=stability[given],
-        significance=significance(data, fit, line_share),
+        significance=significance(fit, noise_about(data, fit), line_share),
         given=given,
         held=held[given],
     )

@@ -44,9 +44,14 @@ def noise_about(data: ModalData, fit: Regression) -> npt.NDArray[np.float64]:
     return result
 
 
-def significance(data: ModalData, fit: Regression, line_share: float) -> npt.NDArray[np.float64]:
-    """Gain of each mode over what noise with correlated lines would give: (n_modes,)."""
-    expected = 2.0 * fit.n_measured * noise_about(data, fit) / line_share
+def significance(
+    fit: Regression, noise: npt.NDArray[np.float64], line_share: float
+) -> npt.NDArray[np.float64]:
+    """Gain of each mode over what noise with correlated lines would give: (n_modes,).
+
+    `noise` is that of `noise_about`.
+    """
+    expected = 2.0 * fit.n_measured * noise / line_share
     result: npt.NDArray[np.float64] = fit.gain.sum(axis=0) / expected
     return result
 
