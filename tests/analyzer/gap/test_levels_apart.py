@@ -11,7 +11,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds, follows_no_level
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects import friction
-from armodal.analyzer.gap.effects.sensor_candidates import channel_candidates
+from armodal.analyzer.gap.effects.point_candidates import channel_candidates
 from armodal.analyzer.gap.inference.annealing import stages_of, with_test
 from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
 from armodal.analyzer.gap.library import all_instances
