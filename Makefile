@@ -18,7 +18,7 @@ export MKL_NUM_THREADS = 1
 # What one process has compiled the next need not: tests start some fifty.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo messages firmware firmware-check test test-all test-share coverage check bench torture fuzz hashes sizes format clean setup
+.PHONY: demo docs messages firmware firmware-check test test-all test-share coverage check bench torture fuzz hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
