@@ -167,7 +167,7 @@ def _shells(
             T = part.T_body_link
             surface = Surface(vertices @ T[:3, :3].T + T[:3, 3], triangles)
             try:
-                surface.hull  # noqa: B018 - flat ones are refused here
+                _ = surface.hull  # flat ones are refused here
             except ArmError as problem:
                 said.note(where, f"{problem}; it is passed over")
                 continue

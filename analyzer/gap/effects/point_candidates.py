@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.effects import wrong_point
+from armodal.analyzer.gap.effects.sensor_candidates import LEAST_GAIN
 from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -27,9 +28,7 @@ __all__ = ["channel_candidates"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-_LEAST_GAIN = 12.0  # of cost, to be worth a fit
 _KEEP_SHIFTED, _KEEP_PLACES = 3, 2
-_SHIFT_STD_M, _LEAST_SHIFT_M = 0.1, 0.01
 
 
 def channel_candidates(
@@ -61,16 +60,17 @@ def channel_candidates(
     for kept in (False, True):
         found += _exchanged(ordinary, ids, gain[int(kept)].sum(axis=0), kept=kept)
         found += _taken_for(ordinary, ids, gain[int(kept)], kept=kept)
-    step = -np.linalg.solve(curve + np.eye(3) / _SHIFT_STD_M**2, slope[..., None])[..., 0]
+    step = -np.linalg.solve(curve + np.eye(3) / wrong_point.FAR_M**2, slope[..., None])[..., 0]
     gains = -0.5 * np.sum(step * slope, axis=1)
     for point in np.argsort(-gains)[:_KEEP_SHIFTED]:
-        if ordinary.superset.point_link[point] < 0 or np.abs(step[point]).max() < _LEAST_SHIFT_M:
+        is_small = np.abs(step[point]).max() < 0.5 * wrong_point.MATERIAL_M
+        if ordinary.superset.point_link[point] < 0 or is_small:
             continue
         instance = wrong_point.beside(ordinary, ids[point])
         shift = ordinary.arm.points[point].R_link_sensor @ step[point]
         begin = {**values, **dict(zip(instance.sizes, shift.tolist(), strict=True))}
         found.append(Candidate(instance=instance, gain=float(gains[point]), begin=begin))
-    return sorted((c for c in found if c.gain > _LEAST_GAIN), key=lambda c: -c.gain)
+    return sorted((c for c in found if c.gain > LEAST_GAIN), key=lambda c: -c.gain)
 
 
 def _ways(

@@ -20,11 +20,11 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["channel_candidates"]
+__all__ = ["LEAST_GAIN", "channel_candidates"]
 
 Array = npt.NDArray[np.float64]
 
-_LEAST_GAIN = 12.0  # of cost, to be worth a fit
+LEAST_GAIN = 12.0  # of cost, to be worth a fit
 _LEAST_POINT_GAIN = 0.03  # relative; less is not worth a fit
 _KEEP_POINTS = 3
 _KEEP_EVERYWHERE = 2
@@ -57,7 +57,7 @@ def channel_candidates(
     ]
     if measured.sum() > 1:  # at a single point a fault is one everywhere
         found += _at_points(ordinary, measured, same, costs, slope, curve)
-    return sorted((c for c in found if c.gain > _LEAST_GAIN), key=lambda c: -c.gain)
+    return sorted((c for c in found if c.gain > LEAST_GAIN), key=lambda c: -c.gain)
 
 
 def _at_points(

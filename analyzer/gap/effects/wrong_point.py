@@ -11,7 +11,16 @@ from armodal.analyzer.gap.model.effect import Describer, EffectWords, Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "beside", "exchanged", "instances", "of_file", "stood_at"]
+__all__ = [
+    "FAR_M",
+    "MATERIAL_M",
+    "WORDS",
+    "beside",
+    "exchanged",
+    "instances",
+    "of_file",
+    "stood_at",
+]
 
 WORDS = EffectWords(
     name="wrong_point",
@@ -23,7 +32,7 @@ WORDS = EffectWords(
     told_by="measure the named points again",
     remedy="correct the points' names in the session, or their place in the arm file",
 )
-_FAR_M, _MATERIAL_M = 0.1, 0.02
+FAR_M, MATERIAL_M = 0.1, 0.02
 _KEPT = "hits_along"
 
 
@@ -92,12 +101,12 @@ def beside(ordinary: Ordinary, point: str) -> Instance:
     return Instance(
         effect=WORDS,
         place=f"point {point}",
-        parameters=tuple(Parameter(name=name, unit="m", mean=0.0, std=_FAR_M) for name in names),
+        parameters=tuple(Parameter(name=name, unit="m", mean=0.0, std=FAR_M) for name in names),
         builder=build,
         describe=describe,
         size=names[0],
         sizes=tuple(names),
-        material=_MATERIAL_M,
+        material=MATERIAL_M,
     )
 
 
