@@ -337,8 +337,8 @@ def _by_level(
     if found is None or (surely and found[1] < SURELY_BY_LEVEL):
         return stages, present
     notes.append("the response depends on the hits' level: soft and hard were kept apart")
-    anew, gain = found
-    told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain))
+    anew, gain, swings = found
+    told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain, swings=swings))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
     return (stages[0], *anew), told
 

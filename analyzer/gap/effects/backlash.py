@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from armodal.analyzer.gap.effects.level import (
     COVERED,
     COVERED_HERE,
@@ -9,10 +13,15 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
+from armodal.analyzer.gap.effects.own_law import law_instance, law_of_file
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.joint_laws import Play
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances"]
+__all__ = ["WORDS", "instances", "law", "of_file"]
+
+_LEAST = 0.02  # of the joint's spring
 
 WORDS = EffectWords(
     name="backlash",
@@ -41,3 +50,50 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         size="k",
         material=LEAST_BY_K,
     )
+
+
+def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+    """A part of the joint's spring, or all of it, holds nothing over a play.
+
+    The weight that this part carries lays it on one side.
+    """
+    part, half, share = f"play {joint}", f"ln half play {joint}", f"load on the play {joint}"
+
+    def element(values: Mapping[str, float], load: float) -> Play:
+        k = float(np.exp(values[f"ln k {joint}"]))
+        free, lies = swing_rad * float(np.exp(values[half])), values[share] * load
+        inside = (1.0 - values[part]) * k
+        # On a flank, or between both on what is left of the spring.
+        rest = np.sign(lies) * (abs(lies) + values[part] * k * free) / k
+        if abs(lies) < inside * free:
+            rest = lies / inside
+        return Play(
+            stiffness=np.array([values[part] * k]),
+            half=np.array([free]),
+            rest=np.array([float(rest)]),
+        )
+
+    return law_instance(
+        ordinary,
+        WORDS,
+        joint,
+        swing_rad,
+        rate_rad_s,
+        parameters=(
+            Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=1.0),
+            Parameter(name=half, unit="", mean=-1.0, std=1.2, low=-5.0, high=1.0),
+            Parameter(name=share, unit="", mean=0.5, std=0.5, low=0.0, high=1.0),
+        ),
+        element=element,
+        material=_LEAST,
+        starts=[
+            {part: q, half: h, share: w}
+            for w in (0.0, 1.0)
+            for q, h in ((0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))
+        ],
+    )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the law that an arm file describes."""
+    return law_of_file(law, ordinary, description)

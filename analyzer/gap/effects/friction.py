@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from armodal.analyzer.gap.effects.level import (
     COVERED,
     COVERED_HERE,
@@ -9,10 +13,15 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
+from armodal.analyzer.gap.effects.own_law import law_instance, law_of_file
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances"]
+__all__ = ["WORDS", "instances", "law", "of_file"]
+
+_LEAST = 0.01  # of the moment a hit of the middle level puts on the joint
 
 WORDS = EffectWords(
     name="friction",
@@ -40,3 +49,40 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         size="c",
         material=LEAST_BY_C,
     )
+
+
+def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+    """Coulomb's law behind a spring that gives way before it slips (a Jenkins element)."""
+    limit, before = f"limit {joint}", f"ln presliding {joint}"
+    moment = ordinary.stiffness(joint) * swing_rad
+
+    def element(values: Mapping[str, float], load: float) -> Sliders:
+        del load
+        k = np.exp(values[f"ln k {joint}"] + values[before])
+        return Sliders(stiffness=np.array([[k]]), limit=np.array([[values[limit]]]))
+
+    return law_instance(
+        ordinary,
+        WORDS,
+        joint,
+        swing_rad,
+        rate_rad_s,
+        parameters=(
+            Parameter(
+                name=limit, unit="N m", mean=0.0, std=0.5 * moment, low=0.0, high=3.0 * moment
+            ),
+            Parameter(name=before, unit="", mean=np.log(3.0), std=1.0, low=-1.0, high=np.log(20.0)),
+        ),
+        element=element,
+        material=_LEAST * moment,
+        starts=[
+            {limit: part * moment, before: ratio}
+            for part in (0.03, 0.1, 0.3)
+            for ratio in (0.0, np.log(10.0))
+        ],
+    )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the law that an arm file describes."""
+    return law_of_file(law, ordinary, description)

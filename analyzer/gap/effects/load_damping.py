@@ -8,12 +8,11 @@ import numpy as np
 
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.geometry import PostureGeometry
+from armodal.analyzer.gap.model.gravity_load import gravity_load
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
-from armodal.protocols.arm.records import InertialLink
 
-__all__ = ["WORDS", "gravity_load", "instances"]
+__all__ = ["WORDS", "instances"]
 
 
 WORDS = EffectWords(
@@ -27,15 +26,6 @@ WORDS = EffectWords(
 )
 _MOST = 3.0  # more damping at the largest load, one standard deviation
 _MATERIAL = 0.3  # more damping at the largest load
-
-
-def gravity_load(geometry: PostureGeometry, links: tuple[InertialLink, ...], column: int) -> float:
-    """Torque in N m that the links' believed weight puts on a freedom of the superset."""
-    J = geometry.link_jacobian
-    weight = J[:, :3, :3] @ geometry.gravity_m_s2  # of a kg, along each link's axes
-    centers = np.array([link.center_m for link in links])
-    motion = J[:, :3, column] + np.cross(J[:, 3:, column], centers)
-    return float(np.array([link.mass_kg for link in links]) @ np.sum(weight * motion, axis=1))
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from armodal.analyzer.gap.effects.level import (
     COVERED,
     COVERED_HERE,
@@ -10,10 +14,16 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
+from armodal.analyzer.gap.effects.own_law import law_instance, law_of_file
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances"]
+__all__ = ["WORDS", "instances", "law", "of_file"]
+
+_LEAST = 0.02  # of the joint's spring
+_SLIDERS = 8
 
 WORDS = EffectWords(
     name="microslip",
@@ -42,3 +52,35 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         size="k",
         material=LEAST_BY_K,
     )
+
+
+def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+    """Sliders beside the joint's spring that slip one after the other, evenly (Iwan 1966)."""
+    part, reach = f"seat {joint}", f"ln seat slips {joint}"
+    ends = np.arange(1, 2 * _SLIDERS, 2) / _SLIDERS  # of each limit: their mean is one half of all
+
+    def element(values: Mapping[str, float], load: float) -> Sliders:
+        del load
+        k = values[part] * np.exp(values[f"ln k {joint}"]) / _SLIDERS
+        turn = swing_rad * np.exp(values[reach])
+        return Sliders(stiffness=np.full((1, _SLIDERS), k), limit=0.5 * k * turn * ends[None])
+
+    return law_instance(
+        ordinary,
+        WORDS,
+        joint,
+        swing_rad,
+        rate_rad_s,
+        parameters=(
+            Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=5.0),
+            Parameter(name=reach, unit="", mean=-0.5, std=1.2, low=-4.0, high=2.0),
+        ),
+        element=element,
+        material=_LEAST,
+        starts=[{part: q, reach: u} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)],
+    )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the law that an arm file describes."""
+    return law_of_file(law, ordinary, description)

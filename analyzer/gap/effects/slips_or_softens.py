@@ -180,6 +180,8 @@ def _both(judged: Judged, sharp: Stage, apart: float) -> tuple[Fit, Fit] | None:
     best = next(iter(judged.standing), None)
     if best is None or not best.hypothesis.instances or best.last.effect.name not in _ALIKE:
         return None
+    if best.last.law is not None:
+        return None  # told by its own law
     of_joint = [f for f in judged.standing if f.hypothesis.instances]
     of_joint = [f for f in of_joint if f.last.place == best.last.place]
     either = [f for f in of_joint if f.last.effect.name in _NAMES]

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from armodal.analyzer.gap.effects.level import (
     COVERED,
     COVERED_HERE,
@@ -9,10 +13,15 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
+from armodal.analyzer.gap.effects.own_law import law_instance, law_of_file
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.joint_laws import Bent
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances"]
+__all__ = ["WORDS", "instances", "law", "of_file"]
+
+_LEAST = 0.02  # of the joint's stiffness, at such a swing
 
 WORDS = EffectWords(
     name="softening",
@@ -37,3 +46,47 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         size="k",
         material=LEAST_BY_K,
     )
+
+
+def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+    """A spring that is softer (or harder, where that is negative) for larger turns, no loss."""
+    part, bend = f"softer {joint}", f"ln bend {joint}"
+
+    def element(values: Mapping[str, float], load: float) -> Bent:
+        del load
+        a = np.exp(values[bend])
+        k = np.exp(values[f"ln k {joint}"])
+        return Bent(
+            part=np.array([-values[part] * (1.0 + a**2) * k]), bend=np.array([a * swing_rad])
+        )
+
+    return law_instance(
+        ordinary,
+        WORDS,
+        joint,
+        swing_rad,
+        rate_rad_s,
+        parameters=(
+            Parameter(name=part, unit="", mean=0.0, std=0.5, low=-20.0, high=0.95),
+            Parameter(name=bend, unit="", mean=0.0, std=1.0, low=-2.5, high=2.0),
+        ),
+        element=element,
+        material=_LEAST,
+        starts=[
+            {part: q, bend: b}
+            for q, b in (
+                (0.1, 1.5),
+                (0.1, 0.0),
+                (0.3, -1.0),
+                (0.5, 0.0),
+                (-0.2, 1.5),
+                (-1.0, 1.5),
+                (-5.0, 1.5),
+            )
+        ],
+    )
+
+
+def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
+    """Return the law that an arm file describes."""
+    return law_of_file(law, ordinary, description)

@@ -7,7 +7,8 @@ parameter whose slope points outward rests.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import zip_longest
 from typing import Any
 
@@ -25,6 +26,7 @@ from armodal.analyzer.gap.inference.levenberg import (
 from armodal.analyzer.gap.model.assembly import BASE
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.linearised import linearised
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.mounting_errors import mounting_error_columns
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
@@ -41,6 +43,8 @@ _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
+_LAW_ROUNDS = 6  # of joints' laws linearised anew
+_PARTS_OF_A_STEP = (1.0, 0.3, 0.1)  # of what a linear law foretells to be best
 _TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
 
@@ -274,6 +278,8 @@ def fit_hypothesis(
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
+    Joints' own laws are linearised anew about every end, until that is no better.
+
     Parameters
     ----------
     start
@@ -291,6 +297,48 @@ def fit_hypothesis(
     enough
         Cost below which no further step is made.
     """
+    once = partial(
+        _fit, stage, postures=postures, tolerance=tolerance, closing=closing, enough=enough
+    )
+    if not hypothesis.has_laws:
+        return once(hypothesis, start=start, resumed=resumed, max_iterations=max_iterations)
+    space = hypothesis.space()
+    u = space.start(start) if resumed is None else resumed.u
+
+    def at(values: Mapping[str, float]) -> Fit:
+        about = linearised(hypothesis, stage.models, stage.lines, values)
+        return once(about, start=values, resumed=None, max_iterations=0)
+
+    best = at(space.values(u))
+    for _ in range(_LAW_ROUNDS if max_iterations else 0):
+        end = once(
+            best.hypothesis, start=best.values, resumed=None, max_iterations=max_iterations
+        ).values
+        there = best
+        for part in _PARTS_OF_A_STEP:
+            there = at({n: best.values[n] + part * (end[n] - best.values[n]) for n in end})
+            if there.cost < best.cost:
+                break
+        gained = best.cost - there.cost
+        best = there if gained > 0.0 else best
+        if gained < max(tolerance, _PART * best.cost):
+            return replace(best, converged=True)
+    return best
+
+
+def _fit(
+    stage: Stage,
+    hypothesis: Hypothesis,
+    *,
+    start: Mapping[str, float] | None,
+    postures: Sequence[int] | None,
+    max_iterations: int,
+    tolerance: float,
+    closing: bool,
+    resumed: Fit | None,
+    enough: float,
+) -> Fit:
+    """Fit a hypothesis that is as linear as it gets: `fit_hypothesis`."""
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
     space = hypothesis.space()
     u = space.start(start) if resumed is None else resumed.u
@@ -357,7 +405,12 @@ def better_start(
 def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) -> float:
     """Return the cost where a fit to all postures would begin; infinite where there is none."""
     space = hypothesis.space()
-    return _cost(stage, hypothesis, space, space.start(start), range(len(stage.lines)))
+    u = space.start(start)
+    if hypothesis.has_laws:
+        hypothesis = linearised(
+            hypothesis, stage.models, stage.lines, space.values(u), slopes=False
+        )
+    return _cost(stage, hypothesis, space, u, range(len(stage.lines)))
 
 
 def _cost(

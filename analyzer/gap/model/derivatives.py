@@ -235,6 +235,15 @@ class Solved:
         for name in self.assemblies[0].sensor_mass_of:
             yield name, self.found.by_sensor_mass()
 
+    def by_laws(self) -> Iterator[tuple[str, ComplexArray]]:
+        """Joints' own laws: what each of their parameters changes beside the linear model."""
+        for instance in self.hypothesis.instances:
+            laws = [instance.linear_law(own.lines) for own in self.assemblies]
+            known = [law for law in laws if law is not None]
+            if len(known) == len(laws):
+                for name in known[0].by:
+                    yield name, as_single(np.stack([law.by[name] for law in known]))
+
     def by_differences(self, space: Space) -> Iterator[tuple[str, ComplexArray]]:
         """What is left of effects, by differences of the equations."""
         first = self.assemblies[0]
@@ -248,6 +257,7 @@ class Solved:
             *first.motion_of,
             *first.sensor_mass_of,
             *first.log_slopes,
+            *(n for i in self.hypothesis.instances if i.linear_law(first.lines) for n in i.owned),
         }
         for instance in self.hypothesis.instances:
             for parameter in instance.parameters:

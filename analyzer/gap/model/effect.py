@@ -6,10 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from armodal.analyzer.gap.model.joint_laws import (
+    JointLaw,
+    Linearised,
+    LinearLaw,
+    harmonic_spring,
+)
 from armodal.analyzer.gap.model.space import Parameter, Space
 
 if TYPE_CHECKING:
     from armodal.analyzer.gap.model.assembly import Assembly
+    from armodal.analyzer.gap.model.lines import PostureLines
 
 __all__ = [
     "Alternatives",
@@ -115,6 +122,8 @@ class Instance:
     last: bool = False  # built after the others: reads every coordinate they bring
     is_term: bool = False  # of the equations, though it only widens priors
     level_dependent: bool = False  # soft and hard hits of a posture are answered otherwise
+    law: JointLaw | None = None  # of a joint, instead of terms
+    about: Linearised | None = None  # where that is linearised, and on which lines
     is_line: bool = False  # a single hinge inside a link, and nothing else
     side_sizes: tuple[tuple[str, float], ...] = ()  # other parameters that would be material alone
 
@@ -175,3 +184,23 @@ class Instance:
         """Add its terms."""
         if self.builder is not None:
             self.builder(assembly, values)
+        if self.law is not None:
+            assembly.multiply_spring(
+                self.law.joint, values, *self._instead_of(self.law, assembly, values)
+            )
+
+    def linear_law(self, lines: PostureLines) -> LinearLaw | None:
+        """Return what stands for the joint's law on some lines; None where that is not known."""
+        return None if self.about is None else self.about.table.get(lines.key)
+
+    def _instead_of(
+        self, law: JointLaw, assembly: Assembly, values: Mapping[str, float]
+    ) -> tuple[float, float]:
+        """What a spring and a damper in a law's place add to ln k and ln c.
+
+        Where nothing was hit: those of harmonic swings of the level.
+        """
+        here = self.linear_law(assembly.lines)
+        if here is not None:
+            return here.log_k, here.log_c
+        return harmonic_spring(law, values, assembly.lines.level, assembly.geometry)

@@ -30,6 +30,11 @@ class Hypothesis:
         """Return whether soft and hard hits of a posture are answered otherwise."""
         return any(instance.level_dependent for instance in self.instances)
 
+    @property
+    def has_laws(self) -> bool:
+        """Return whether a joint has a law of its own."""
+        return any(instance.law is not None for instance in self.instances)
+
     def space(self) -> Space:
         """Return all parameters."""
         space = Space(self.ordinary.parameters())

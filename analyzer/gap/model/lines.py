@@ -9,7 +9,7 @@ FRFs that were averaged elsewhere go through time: h(t) e^(-d t) has the transfo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,7 @@ _FEWEST = 4  # lines of a posture
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
 _NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
 _SMOOTHED = 2  # lines to each side
+_ALONG = 0.99  # cosine: hits along one direction
 _TAPER = 0.1  # of the band, cosine, at its upper end
 
 
@@ -75,6 +76,15 @@ class PostureLines:
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
+    # (n_hits,) geometric mean of the peaks of each place hit, N, and width at half of them; where
+    # hits are known.
+    peaks_n: Array = field(default_factory=lambda: np.zeros(0))
+    width_s: float = 0.0
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Return what tells these lines from a session's others."""
+        return self.name, self.level, complex(self.s_rad_s[0]), self.s_rad_s.size
 
     def is_hit_as(self, other: PostureLines) -> bool:
         """Return whether only values, their variance and the hits' level may differ."""
@@ -203,8 +213,28 @@ def _lines_of(
         frf = posture_frf(changed, name, axes, band_hz=_padded(stage.band_hz))
         posed = replace(frf, joints_rad=joints_rad)
         lines = _thinned(superset, posed, stage, plan.sensor.mass_kg)
-        result.append(replace(lines, level=level, peak_n=float(np.exp(_mean_level(chosen)))))
+        own = [hit for hit in chosen if hit.posture == name]
+        result.append(
+            replace(
+                lines,
+                level=level,
+                peak_n=float(np.exp(_mean_level(chosen))),
+                peaks_n=_peaks_n(superset, lines, own),
+                width_s=float(np.median([hit.verdict.width_s for hit in own])),
+            )
+        )
     return tuple(result)
+
+
+def _peaks_n(superset: Superset, lines: PostureLines, hits: Sequence[Hit]) -> Array:
+    """(n_hits,) geometric mean of the peaks of the hits at each place and along each direction."""
+    found = []
+    for point, direction in zip(lines.hit_point, lines.hit_direction, strict=True):
+        name = superset.arm.points[point].id
+        along = [h for h in hits if h.hit_point == name]
+        along = [h for h in along if h.hit_direction @ direction > _ALONG] or along
+        found.append(float(np.exp(_mean_level(along))))
+    return np.array(found)
 
 
 def shifted_lines(

@@ -54,6 +54,8 @@ class Ordinary:
     # ln of hard over soft hits' force, halved, where they are told apart; else zero.
     level_span: float = 0.0
     level_gain: float = 0.0  # nats: what their difference tells at first
+    # Of each joint, where they are: turn under a hit of the middle level, rad; rate over it, rad/s.
+    swings: tuple[tuple[str, float, float], ...] = ()
 
     @property
     def arm(self) -> Arm:
@@ -73,6 +75,13 @@ class Ordinary:
     def scale(self, joint: int) -> float:
         """Return what a joint's drive gives way by, or would, rad/(N m) (`scales.scale`)."""
         return scale(self.superset, joint)
+
+    def stiffness(self, joint: str) -> float:
+        """Return the believed stiffness of an elastic joint, N m/rad."""
+        found = next(own.stiffness for own in self.arm.joints if own.name == joint)
+        if found is None:
+            raise ValueError(f"wanted an elastic joint, got '{joint}'")
+        return found.value
 
     def bearing_limit(self, joint: int) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""

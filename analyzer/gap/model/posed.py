@@ -7,6 +7,7 @@ arithmetic busy.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -101,6 +102,10 @@ class Postures:
         """Predict the postures' FRFs."""
         return self._solved(hypothesis, values).exact
 
+    def assembled(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> list[Assembly]:
+        """Return each posture's equations."""
+        return self._assemblies(hypothesis, values)[1]
+
     def by_shift(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> ComplexArray:
         """Derivatives (3, P, m, 3, L) by a shift of what goes round, along a sensor's axes there.
 
@@ -156,6 +161,7 @@ class Postures:
             posed.by_turns(),
             posed.by_motions(),
             posed.by_sensor_mass(),
+            posed.by_laws(),
             posed.by_differences(space),
         ):
             if name not in at:
@@ -233,6 +239,13 @@ class Postures:
                 return old
         plain, assemblies = self._assemblies(hypothesis, values)
         found = respond(systems(assemblies), self._s_rad_s, self._hit)
+        laws = [i.about for i in hypothesis.instances if i.linear_law(self.lines[0]) is not None]
+        if laws:
+            added = [
+                sum(about.added(own.key, values) for about in laws if about is not None)
+                for own in self.lines
+            ]
+            found = replace(found, added=np.stack(added))
         self._last = Solved(
             hypothesis, plain, assemblies, found, dict(values), self._slopes(), self._single
         )

@@ -62,6 +62,7 @@ class Response:
     H: ComplexArray  # (P, L, n, n) receptance without the accelerometer
     HU: ComplexArray  # (P, m, n, 3, L) columns H U'
     S: ComplexArray  # (P, m, 3, 3, L)
+    added: ComplexArray | None = None  # (P, m, 3, L) what joints' own laws leave of linear ones
 
     @cached_property
     def under_loads(self) -> ComplexArray:
@@ -91,7 +92,8 @@ class Response:
         """
         if not np.abs(self.x).max() < _SENSIBLE:
             return self
-        own = (f.name for f in fields(self) if f.name not in ("system", "hit"))
+        own = [f.name for f in fields(self) if f.name not in ("system", "hit", "added")]
+        own += [] if self.added is None else ["added"]
         return replace(
             self, system=_in_single(self.system), **{n: as_single(getattr(self, n)) for n in own}
         )
@@ -99,7 +101,12 @@ class Response:
     @property
     def values(self) -> ComplexArray:
         """(P, m, 3, L) accelerance as recorded."""
-        return real_times(self.system.mix, self.true_axes)
+        linear = real_times(self.system.mix, self.true_axes)
+        return linear if self.added is None else linear + self.added
+
+    def under_a_torque(self, row: Array) -> ComplexArray:
+        """(P, m, 3, L) what is recorded of a unit torque along a row (P, n)."""
+        return self._along(row)[0]
 
     def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
         """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.

@@ -16,6 +16,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.linearised import swings_of
 from armodal.analyzer.gap.model.lines import PostureLines, scatter
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.search.scan import scan_instances
@@ -31,7 +32,7 @@ def told_apart(
     present: Hypothesis,
     start: Mapping[str, float],
     discrepancy: Discrepancy,
-) -> tuple[tuple[Stage, ...], float] | None:
+) -> tuple[tuple[Stage, ...], float, tuple[tuple[str, float, float], ...]] | None:
     """Keep soft and hard hits apart, if the hits' level tells something.
 
     First all of the difference between soft and hard hits counts as variance; then, once every
@@ -48,9 +49,9 @@ def told_apart(
 
     Returns
     -------
-    The stages but the widest with soft and hard hits weighed anew, and the nats of cost that a
-    common change of one joint with the level promises; None where those are too few to tell
-    anything.
+    The stages but the widest with soft and hard hits weighed anew; the nats of cost that a common
+    change of one joint with the level promises; and how far each joint swings
+    (`linearised.swings_of`). None where the nats are too few to tell anything.
     """
     broad, middle = level_apart(1), level_apart(2)
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7, closing=False)
@@ -64,7 +65,7 @@ def told_apart(
         Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
         for stage in (broad, middle, level_apart(3))
     )
-    return anew, gain
+    return anew, gain, swings_of(present, middle.models, middle.lines, fit.values)
 
 
 def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:

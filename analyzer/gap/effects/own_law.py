@@ -1,0 +1,84 @@
+"""What laws of joints share: a joint's torque as a function of its turn, and what it remembers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import PostureGeometry
+from armodal.analyzer.gap.model.gravity_load import gravity_load
+from armodal.analyzer.gap.model.joint_laws import ElementOf, JointLaw
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Parameter
+
+__all__ = ["law_instance", "law_of_file"]
+
+LawMaker = Callable[[Ordinary, str, float, float], Instance]
+
+
+def law_instance(
+    ordinary: Ordinary,
+    words: EffectWords,
+    joint: str,
+    swing_rad: float,
+    rate_rad_s: float,
+    *,
+    parameters: Sequence[Parameter],
+    element: ElementOf,
+    material: float,
+    starts: Sequence[Mapping[str, float]],
+) -> Instance:
+    """Return a law at one joint; the first parameter is its size.
+
+    Parameters
+    ----------
+    swing_rad, rate_rad_s
+        Of a hit of the middle level, where it moves the joint most: its turn, and its rate over it.
+    starts
+        Values of its parameters where fits begin.
+    """
+    at = [own.name for own in ordinary.arm.joints].index(joint)
+    links = tuple(own.link for own in ordinary.arm.joints)
+    column = ordinary.superset.joint_column(at)
+
+    def load(geometry: PostureGeometry) -> float:
+        return gravity_load(geometry, links, column)
+
+    def initial(values: Mapping[str, float]) -> list[Mapping[str, float]]:
+        return [{**values, **start} for start in starts]
+
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        del values
+        return {"joint": joint, "swing_rad": swing_rad, "rate_rad_s": rate_rad_s}
+
+    size, *shapes = (parameter.name for parameter in parameters)
+    return Instance(
+        effect=words,
+        place=joint,
+        parameters=tuple(parameters),
+        describe=describe,
+        initial_values=initial,
+        size=size,
+        shapes=tuple(shapes),
+        material=material,
+        level_dependent=True,
+        law=JointLaw(
+            joint=joint,
+            names=tuple(parameter.name for parameter in parameters),
+            element=element,
+            swing_rad=swing_rad,
+            rate_rad_s=rate_rad_s,
+            load_n_m=load,
+        ),
+    )
+
+
+def law_of_file(
+    law: LawMaker, ordinary: Ordinary, description: Mapping[str, object]
+) -> Instance | None:
+    """Return the law that an arm file describes; None where it tells of springs by level."""
+    joint, swing, rate = (description.get(key) for key in ("joint", "swing_rad", "rate_rad_s"))
+    known = {ordinary.arm.joints[i].name for i in ordinary.elastic}
+    if not isinstance(swing, float) or not isinstance(rate, float) or joint not in known:
+        return None
+    return law(ordinary, str(joint), swing, rate)

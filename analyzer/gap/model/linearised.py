@@ -1,0 +1,262 @@
+"""A joint's own law in a linear model: what of it is no spring and no damper is carried beside.
+
+About one point every posture's hits of a level are followed step by step (`swings.py`). A spring
+and a damper that do nearly the same (least squares over all of those swings, as the lines weigh
+them) take the law's place in the equations, so that whatever else moves answers as it should; what
+they leave of the response is added, as is what each of the law's parameters changes in it. So the
+prediction is exact at the point and linear in the law's parameters about it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import PostureGeometry
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.joint_laws import JointLaw, Linearised, LinearLaw, stacked
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.swings import (
+    SIGMA_RAD_S,
+    STEP_S,
+    Swings,
+    forces_of,
+    free_turns,
+    march,
+    pulse,
+    seconds,
+    turns_of,
+)
+from armodal.analyzer.gap.model.systems import systems
+
+__all__ = ["linearised", "swings_of"]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_STEP = 0.02  # of a parameter's prior deviation
+_LEAST = 0.02  # of a joint's spring or damper, that a law leaves
+_IN_PLACE = EffectWords(name="in place", title="Spring in a law's place", changes="", signature="")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Posture:
+    """One posture's joints."""
+
+    swings: Sequence[Swings]
+    geometry: PostureGeometry
+
+
+def linearised(
+    hypothesis: Hypothesis,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+    *,
+    slopes: bool = True,
+) -> Hypothesis:
+    """Return the hypothesis with its joints' own laws linearised about values, on some lines.
+
+    Without `slopes` it is known at that point alone.
+    """
+    plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
+    about = tuple(
+        instance
+        if instance.law is None
+        else replace(instance, about=_about(plain, instance, models, lines, values, slopes=slopes))
+        for instance in hypothesis.instances
+    )
+    return replace(hypothesis, instances=about)
+
+
+def swings_of(
+    hypothesis: Hypothesis,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+) -> tuple[tuple[str, float, float], ...]:
+    """Largest turn in rad of each elastic joint under hits of the middle level, its rate over it.
+
+    As a hypothesis without laws foretells it; lines with their hits' peaks.
+
+    Returns
+    -------
+    Joint, rad and rad/s of each.
+    """
+    ordinary = hypothesis.ordinary
+    joints = tuple(ordinary.arm.joints[i].name for i in ordinary.elastic)
+    postures = _postures(hypothesis, models, lines, values, joints)
+    first = {own.name: own for own in reversed(lines)}
+    found = []
+    for at, joint in enumerate(joints):
+        largest, rate = 0.0, 1.0
+        for name, posture in postures.items():
+            own = first[name]
+            forces = forces_of(own.peaks_n * np.exp(-own.level), own.width_s)
+            turns = free_turns(posture.swings[at], forces)
+            turn = turns[np.argmax(np.abs(turns).max(axis=1))]
+            if np.abs(turn).max() > largest:
+                largest = float(np.abs(turn).max())
+                rate = float(np.linalg.norm(np.gradient(turn, STEP_S)) / np.linalg.norm(turn))
+        found.append((joint, largest, rate))
+    return tuple(found)
+
+
+def _about(
+    plain: Hypothesis,
+    instance: Instance,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+    *,
+    slopes: bool,
+) -> Linearised:
+    law = instance.law
+    if law is None:
+        raise ValueError(f"wanted a law of {instance.title}")
+    points = [dict(values)]
+    parameters = instance.parameters if slopes else ()
+    for parameter in parameters:
+        at, step = values[parameter.name], _STEP * parameter.std
+        step = -step if at + step > parameter.high else step
+        points.append({**values, parameter.name: at + step})
+    followed = _followed(plain, law, models, lines, points)
+    per_unit = {
+        parameter.name: 1.0 / (moved[parameter.name] - values[parameter.name])
+        for parameter, moved in zip(parameters, points[1:], strict=True)
+    }
+    return _beside(plain, law, models, lines, values, followed, per_unit)
+
+
+def _postures(
+    plain: Hypothesis,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+    joints: Sequence[str],
+) -> dict[str, _Posture]:
+    """By its name, each posture's joints as a model without laws foretells them."""
+    found: dict[str, _Posture] = {}
+    for model, own in zip(models, lines, strict=True):
+        if own.name in found:
+            continue
+        assembly = Postures([model], [own]).assembled(plain, values)[0]
+        system = systems([assembly])
+        rows = [_row(assembly, joint) for joint in joints]
+        found[own.name] = _Posture(swings=turns_of(system, rows), geometry=assembly.geometry)
+    return found
+
+
+def _row(assembly: Assembly, joint: str) -> Array:
+    """(n,) by which a joint's spring stretches."""
+    row = np.zeros(len(assembly.columns))
+    stretch = assembly.joint_row(joint)
+    row[: stretch.size] = stretch
+    return row
+
+
+def _followed(
+    plain: Hypothesis,
+    law: JointLaw,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    points: Sequence[Mapping[str, float]],
+) -> list[tuple[Array, Array]]:
+    """Turns and torques (points, n_hits, n_steps) of each of the lines."""
+    postures = _postures(plain, models, lines, points[0], (law.joint,))
+    names = list(postures)
+    impulses = np.stack([postures[name].swings[0].by_impulse for name in names])
+    order = sorted(range(len(lines)), key=lambda p: names.index(lines[p].name))
+    free, groups, elements, counts = [], [], [], []
+    for p in order:
+        own, posture = lines[p], postures[lines[p].name]
+        turns = free_turns(posture.swings[0], forces_of(own.peaks_n, own.width_s))
+        for point in points:
+            free.append(turns)
+            elements.append(law.element(point, law.load_n_m(posture.geometry)))
+            counts.append(len(turns))
+        groups += [names.index(own.name)] * len(turns) * len(points)
+    all_free = np.concatenate(free)
+    torque = march(impulses, np.array(groups), all_free, stacked(elements, counts))
+    back = np.empty_like(torque)
+    for g, impulse in enumerate(impulses):
+        rows = np.flatnonzero(np.array(groups) == g)
+        n = 2 * torque.shape[1]
+        turned = np.fft.irfft(np.fft.rfft(torque[rows], n) * np.fft.rfft(impulse, n), n)
+        back[rows] = STEP_S * turned[:, : torque.shape[1]]
+    moved = all_free - back
+    found: dict[int, tuple[Array, Array]] = {}
+    begin = 0
+    for p in order:
+        n_hits = len(lines[p].peaks_n)
+        end = begin + n_hits * len(points)
+        shape = (len(points), n_hits, -1)
+        found[p] = moved[begin:end].reshape(shape), torque[begin:end].reshape(shape)
+        begin = end
+    return [found[p] for p in range(len(lines))]
+
+
+def _beside(
+    plain: Hypothesis,
+    law: JointLaw,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+    followed: Sequence[tuple[Array, Array]],
+    slopes: Mapping[str, float],
+) -> Linearised:
+    """Springs and dampers in the law's place, and what is added to their response."""
+    joint = law.joint
+    k, c = (float(np.exp(values[f"ln {what} {joint}"])) for what in "kc")
+    springs = {}
+    for own, (turn, torque) in zip(lines, followed, strict=True):
+        by_k, by_c = _spring_and_damper(turn[0], torque[0])
+        springs[own.key] = (
+            float(np.log(max(1.0 + by_k / k, _LEAST))),
+            float(np.log(max(1.0 + by_c / c, _LEAST))),
+        )
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        assembly.multiply_spring(joint, values, *springs[assembly.lines.key])
+
+    in_place = Instance(
+        effect=_IN_PLACE, place=joint, builder=build, level_dependent=True, is_term=True
+    )
+    near = replace(plain, instances=(*plain.instances, in_place))
+    table = {}
+    for model, own, (_, torque) in zip(models, lines, followed, strict=True):
+        together = Postures([model], [own])
+        without = together.response(plain, values)
+        row = _row(together.assembled(plain, values)[0], joint)
+        load = without.under_a_torque(row[None])[0]  # (m, 3, L)
+        s = own.s_rad_s
+        force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
+        on_lines = torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force  # (points, hits, L)
+        change = -load * on_lines[:, own.hit][:, :, None]  # (points, m, 3, L)
+        nearly = together.response(near, values).values[0]
+        table[own.key] = LinearLaw(
+            log_k=springs[own.key][0],
+            log_c=springs[own.key][1],
+            added=without.values[0] + change[0] - nearly,
+            by={
+                name: (moved - change[0]) * slope
+                for (name, slope), moved in zip(slopes.items(), change[1:], strict=True)
+            },
+        )
+    return Linearised(values={name: values[name] for name in slopes}, table=table)
+
+
+def _spring_and_damper(turn: Array, torque: Array) -> tuple[float, float]:
+    """N m/rad and N m s/rad nearest to torques (n_hits, n_steps), late ones counting less."""
+    window = np.exp(-SIGMA_RAD_S * seconds())
+    rate = np.gradient(turn, STEP_S, axis=1)
+    basis = np.stack([(turn * window).ravel(), (rate * window).ravel()])
+    k, c = np.linalg.lstsq(basis.T, (torque * window).ravel(), rcond=None)[0]
+    return float(k), float(c)

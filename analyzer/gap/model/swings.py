@@ -1,0 +1,155 @@
+"""How a joint turns under hits while a torque of its own law acts on it, step by step in time.
+
+With x_0 the turn that a linear model foretells and g the turn by a unit impulse of torque,
+
+    x(t) = x_0(t) - int g(t - u) tau(x(u), ...) du ,
+
+one equation however many coordinates the arm has. Both come from the model's answers on the lines
+s = sigma + j w, damped enough that a short record holds them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.model.assembly import System
+from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses
+from armodal.analyzer.gap.model.joint_laws import Element
+
+__all__ = [
+    "SIGMA_RAD_S",
+    "STEP_S",
+    "Swings",
+    "forces_of",
+    "free_turns",
+    "march",
+    "pulse",
+    "seconds",
+    "turns_of",
+]
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+STEP_S, _STEPS = 5e-4, 1200
+# As near to the poles as the finest lines of a fit: what comes after the record counts nothing.
+SIGMA_RAD_S = 4.0 * np.pi
+_TAPER = 0.15  # of the band, cosine
+_BLOCK = 32
+_NEWTON = 3
+_WIDTH_OF_SINE = 1.5  # a half sine's length over its width at half the peak
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swings:
+    """A joint in one posture, on the lines of `turns_of`."""
+
+    by_force: ComplexArray  # (n_hits, L) rad/N, of each hit
+    by_impulse: Array  # (n_steps,) rad/(N m s)
+
+
+def seconds() -> Array:
+    """Return (n_steps,) time of every step."""
+    return np.asarray(STEP_S * np.arange(_STEPS))
+
+
+def _lines() -> ComplexArray:
+    return np.asarray(SIGMA_RAD_S + 2j * np.pi * np.fft.rfftfreq(_STEPS, STEP_S))
+
+
+def _in_time(on_lines: ComplexArray) -> Array:
+    """(..., n_steps) of (..., L)."""
+    n = on_lines.shape[-1]
+    taper = np.ones(n)
+    ends = round(_TAPER * n)
+    taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
+    window = np.exp(SIGMA_RAD_S * seconds()) / STEP_S
+    return np.asarray(np.fft.irfft(on_lines * taper, _STEPS) * window)
+
+
+def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
+    """Laplace transform of a half sine: of a hit with that peak, so wide at half of it."""
+    length = _WIDTH_OF_SINE * width_s
+    b = np.pi / length
+    return np.asarray(peak_n * b * (1.0 + np.exp(-s_rad_s * length)) / (s_rad_s**2 + b**2))
+
+
+def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
+    """Turns of joints in one posture; the accelerometer's mass left out.
+
+    Parameters
+    ----------
+    system
+        Of one posture, stacked.
+    rows
+        (n,) by which each joint's spring stretches.
+    """
+    s = _lines()[None]
+    soft = np.isfinite(system.compliance[0])
+    gamma = np.where(soft, system.compliance, 1.0)[:, None]
+    loss_s = system.compliance_loss_s[:, None]
+    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)
+    A = dynamic_stiffness(system, s)
+    A *= scale[..., None]
+    A[..., soft, soft] += 1.0
+    answers = (inverses(A) * scale[:, :, None, :])[0] @ np.transpose(rows)  # (L, n, k)
+    forces = (system.force[0][:, None] @ system.hit[0])[:, 0]  # (n_hits, n)
+    return [
+        Swings(by_force=forces @ answer.T, by_impulse=_in_time(answer @ row))
+        for answer, row in zip(np.moveaxis(answers, 2, 0), rows, strict=True)
+    ]
+
+
+def free_turns(swings: Swings, forces: ComplexArray) -> Array:
+    """(n_hits, n_steps) turns in rad under hits with the transforms (n_hits, L)."""
+    return _in_time(swings.by_force * forces)
+
+
+def forces_of(peaks_n: Array, width_s: float) -> ComplexArray:
+    """(n_hits, L) transforms of half sines on the lines of `turns_of`."""
+    return np.stack([pulse(_lines(), float(peak), width_s) for peak in peaks_n])
+
+
+def march(by_impulse: Array, groups: npt.NDArray[np.int64], free: Array, element: Element) -> Array:
+    """Torque (n, n_steps) of an element in n swings.
+
+    Parameters
+    ----------
+    by_impulse
+        (P, n_steps) of every posture.
+    groups
+        (n,) posture of each swing, ascending.
+    free
+        (n, n_steps) turns without it.
+    element
+        Of n rows.
+    """
+    n, steps = free.shape
+    torque = np.zeros((n, steps))
+    memory = np.zeros((n, element.n_memory))
+    of_row = STEP_S * by_impulse[groups]  # (n, n_steps)
+    rows = [np.flatnonzero(groups == p) for p in range(len(by_impulse))]
+    for begin in range(0, steps, _BLOCK):
+        block = np.arange(begin, min(begin + _BLOCK, steps))
+        coming = free[:, block].copy()
+        if begin:
+            ago = block[None, :] - np.arange(begin)[:, None]
+            for own, g in zip(rows, by_impulse, strict=True):
+                coming[own] -= STEP_S * (torque[own, :begin] @ g[ago])
+        for i, at in enumerate(block):
+            wanted = coming[:, i]
+            if i:
+                back = of_row[:, i:0:-1]
+                wanted = wanted - np.einsum("ni,ni->n", torque[:, begin:at], back)
+            x = wanted
+            for _ in range(_NEWTON):
+                tau, slope = element.resist(x, memory)
+                x = x - (x - wanted + of_row[:, 0] * tau) / (1.0 + of_row[:, 0] * slope)
+            torque[:, at] = element.resist(x, memory)[0]
+            memory = element.remember(x, memory)
+    return torque
