@@ -334,13 +334,15 @@ def _by_level(
     span = max(lines.level for lines in level_apart(1).lines)
     levelled = replace(present, ordinary=replace(ordinary, level_span=span))
     found = told_apart(superset, level_apart, levelled, start, Discrepancy())
-    if found is None or (surely and found[1] < SURELY_BY_LEVEL):
+    if found is None or (surely and found.gain < SURELY_BY_LEVEL):
         return stages, present
     notes.append("the response depends on the hits' level: soft and hard were kept apart")
-    anew, gain, swings = found
-    told = replace(levelled, ordinary=replace(levelled.ordinary, level_gain=gain, swings=swings))
+    told = replace(
+        levelled,
+        ordinary=replace(levelled.ordinary, level_gain=found.gain, swings=found.swings),
+    )
     # The widest lines only begin a search: there all hits together tell as much in half the time.
-    return (stages[0], *anew), told
+    return (stages[0], *found.stages), told
 
 
 def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[str]:

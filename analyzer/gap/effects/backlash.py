@@ -89,7 +89,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
         starts=[
             {part: q, half: h, share: w}
             for w in (0.0, 1.0)
-            for q, h in ((0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))
+            for q, h in ((0.4, 0.2), (0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))
         ],
     )
 

@@ -52,14 +52,21 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
 
 
 def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
-    """Coulomb's law behind a spring that gives way before it slips (a Jenkins element)."""
-    limit, before = f"limit {joint}", f"ln presliding {joint}"
+    """Coulomb's law behind a spring that gives way before it slips (a Jenkins element).
+
+    Where a film shears below the limit, or a simulator's friction yields to low speed, it creeps.
+    """
+    limit, before, creep = f"limit {joint}", f"ln presliding {joint}", f"creep {joint}"
     moment = ordinary.stiffness(joint) * swing_rad
 
     def element(values: Mapping[str, float], load: float) -> Sliders:
         del load
         k = np.exp(values[f"ln k {joint}"] + values[before])
-        return Sliders(stiffness=np.array([[k]]), limit=np.array([[values[limit]]]))
+        return Sliders(
+            stiffness=np.array([[k]]),
+            limit=np.array([[values[limit]]]),
+            creep_per_s=np.array([values[creep]]),
+        )
 
     return law_instance(
         ordinary,
@@ -72,13 +79,14 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
                 name=limit, unit="N m", mean=0.0, std=0.5 * moment, low=0.0, high=3.0 * moment
             ),
             Parameter(name=before, unit="", mean=np.log(3.0), std=1.0, low=-1.0, high=np.log(20.0)),
+            Parameter(name=creep, unit="1/s", mean=0.0, std=300.0, low=0.0, high=3000.0),
         ),
         element=element,
         material=_LEAST * moment,
         starts=[
-            {limit: part * moment, before: ratio}
+            {limit: part * moment, before: ratio, creep: rate}
             for part in (0.03, 0.1, 0.3)
-            for ratio in (0.0, np.log(10.0))
+            for ratio, rate in ((0.0, 0.0), (np.log(10.0), 0.0), (np.log(15.0), 500.0))
         ],
     )
 

@@ -63,7 +63,11 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
         del load
         k = values[part] * np.exp(values[f"ln k {joint}"]) / _SLIDERS
         turn = swing_rad * np.exp(values[reach])
-        return Sliders(stiffness=np.full((1, _SLIDERS), k), limit=0.5 * k * turn * ends[None])
+        return Sliders(
+            stiffness=np.full((1, _SLIDERS), k),
+            limit=0.5 * k * turn * ends[None],
+            creep_per_s=np.zeros(1),
+        )
 
     return law_instance(
         ordinary,

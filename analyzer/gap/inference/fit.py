@@ -33,7 +33,16 @@ from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
 
-__all__ = ["TOLERANCE", "Fit", "Stage", "better_start", "cost_at", "fit_hypothesis", "models_of"]
+__all__ = [
+    "TOLERANCE",
+    "Fit",
+    "Stage",
+    "as_at_the_middle",
+    "better_start",
+    "cost_at",
+    "fit_hypothesis",
+    "models_of",
+]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -44,6 +53,7 @@ _TRIALS = 6  # of a step, each more damped
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
 _LAW_ROUNDS = 6  # of joints' laws linearised anew
+_TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
 _PARTS_OF_A_STEP = (1.0, 0.3, 0.1)  # of what a linear law foretells to be best
 _TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
@@ -400,6 +410,27 @@ def better_start(
 ) -> Mapping[str, float]:
     """Return the start of least cost."""
     return min(starts, key=lambda start: cost_at(stage, hypothesis, start))
+
+
+def as_at_the_middle(
+    stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]
+) -> dict[str, float]:
+    """Values with the joint's spring and damper such that, with its law, they stay what they were.
+
+    On average over all postures and levels. The law is the last instance's.
+    """
+    space, law = hypothesis.space(), hypothesis.instances[-1].law
+    values = space.values(space.start(start))
+    if law is None:
+        return values
+    names = [f"ln {what} {law.joint}" for what in "kc"]
+    wanted = np.array([values[name] for name in names])
+    for _ in range(_TO_THE_MIDDLE):
+        about = linearised(hypothesis, stage.models, stage.lines, values, slopes=False)
+        with_law = [about.instances[-1].linear_law(own) for own in stage.lines]
+        added = np.mean([(own.log_k, own.log_c) for own in with_law if own is not None], axis=0)
+        values |= dict(zip(names, (wanted - added).tolist(), strict=True))
+    return space.values(space.start(values))
 
 
 def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) -> float:

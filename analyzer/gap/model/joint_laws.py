@@ -54,8 +54,8 @@ class Element(Protocol):
         """Torque in N m and its slope in N m/rad, (n,) each, at turns (n,) in rad."""
         ...
 
-    def remember(self, turn: Array, memory: Array) -> Array:
-        """(n, n_memory) once the step to a turn is done."""
+    def remember(self, turn: Array, memory: Array, step_s: float) -> Array:
+        """(n, n_memory) once the step to a turn is done, which took so long."""
         ...
 
 
@@ -105,10 +105,14 @@ class Linearised:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sliders:
-    """Springs in series with dry friction, side by side (Jenkins elements)."""
+    """Springs in series with dry friction, side by side (Jenkins elements).
+
+    A film that shears lets a slider follow before it slips: by what it is behind, times `creep`.
+    """
 
     stiffness: Array  # (n, N)
     limit: Array  # (n, N)
+    creep_per_s: Array  # (n,)
 
     @property
     def n_memory(self) -> int:
@@ -121,10 +125,12 @@ class Sliders:
         held = np.clip(wanted, -self.limit, self.limit)
         return held.sum(axis=1), np.where(held == wanted, self.stiffness, 0.0).sum(axis=1)
 
-    def remember(self, turn: Array, memory: Array) -> Array:
+    def remember(self, turn: Array, memory: Array, step_s: float) -> Array:
         """A slider follows what pulls it beyond its limit."""
         reach = self.limit / np.maximum(self.stiffness, _TINY)
-        return np.clip(memory, turn[:, None] - reach, turn[:, None] + reach)
+        held = np.clip(memory, turn[:, None] - reach, turn[:, None] + reach)
+        follows = -np.expm1(-self.creep_per_s * step_s)[:, None]
+        return np.asarray(held + follows * (turn[:, None] - held))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,9 +156,9 @@ class Play:
         held = np.clip(at, -self.half, self.half) - np.clip(self.rest, -self.half, self.half)
         return -self.stiffness * held, np.where(np.abs(at) < self.half, -self.stiffness, 0.0)
 
-    def remember(self, turn: Array, memory: Array) -> Array:
+    def remember(self, turn: Array, memory: Array, step_s: float) -> Array:
         """Nothing."""
-        del turn
+        del turn, step_s
         return memory
 
 
@@ -177,9 +183,9 @@ class Bent:
             self.part * x2 * (x2 + 3.0 * a2) / (x2 + a2) ** 2,
         )
 
-    def remember(self, turn: Array, memory: Array) -> Array:
+    def remember(self, turn: Array, memory: Array, step_s: float) -> Array:
         """Nothing."""
-        del turn
+        del turn, step_s
         return memory
 
 
@@ -201,19 +207,20 @@ def stacked(elements: Sequence[E], counts: Sequence[int]) -> E:
     return type(first)(**columns)
 
 
-def over_a_swing(element: Element, swing_rad: float) -> tuple[float, float]:
+def over_a_swing(element: Element, swing_rad: float, rate_rad_s: float) -> tuple[float, float]:
     """Stiffness, and damping times frequency, in N m/rad, of an element over a harmonic swing.
 
     The describing function of its one row: of the second time around, when sliders have found
     their place.
     """
     turn = 2.0 * np.pi * np.arange(_AROUND) / _AROUND
+    step_s = 2.0 * np.pi / rate_rad_s / _AROUND
     memory = np.zeros((1, element.n_memory))
     torque = np.zeros(_AROUND)
     for _ in range(2):
         for i, x in enumerate(swing_rad * np.cos(turn)):
             torque[i] = element.resist(np.array([x]), memory)[0][0]
-            memory = element.remember(np.array([x]), memory)
+            memory = element.remember(np.array([x]), memory, step_s)
     return (
         2.0 * float(torque @ np.cos(turn)) / (_AROUND * swing_rad),
         -2.0 * float(torque @ np.sin(turn)) / (_AROUND * swing_rad),
@@ -228,7 +235,7 @@ def harmonic_spring(
     `level` is the logarithm of the swing over the law's own.
     """
     element = law.element(values, law.load_n_m(geometry))
-    stiffness, loss = over_a_swing(element, law.swing_rad * float(np.exp(level)))
+    stiffness, loss = over_a_swing(element, law.swing_rad * float(np.exp(level)), law.rate_rad_s)
     k, c = (float(np.exp(values[f"ln {what} {law.joint}"])) for what in "kc")
     return (
         float(np.log(max(1.0 + stiffness / k, _LEAST))),

@@ -84,7 +84,8 @@ class PostureLines:
     @property
     def key(self) -> tuple[object, ...]:
         """Return what tells these lines from a session's others."""
-        return self.name, self.level, complex(self.s_rad_s[0]), self.s_rad_s.size
+        where = (self.sensor_point, self.hit, self.hit_point, self.hit_direction, self.s_rad_s)
+        return self.name, self.level, *(own.tobytes() for own in where)
 
     def is_hit_as(self, other: PostureLines) -> bool:
         """Return whether only values, their variance and the hits' level may differ."""

@@ -151,5 +151,5 @@ def march(by_impulse: Array, groups: npt.NDArray[np.int64], free: Array, element
                 tau, slope = element.resist(x, memory)
                 x = x - (x - wanted + of_row[:, 0] * tau) / (1.0 + of_row[:, 0] * slope)
             torque[:, at] = element.resist(x, memory)[0]
-            memory = element.remember(x, memory)
+            memory = element.remember(x, memory, STEP_S)
     return torque

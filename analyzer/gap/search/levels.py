@@ -8,7 +8,7 @@ what ordinary errors leave is even in it: much smaller changes are seen.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,9 +21,18 @@ from armodal.analyzer.gap.model.lines import PostureLines, scatter
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.search.scan import scan_instances
 
-__all__ = ["any_level", "told_apart", "weighed_anew"]
+__all__ = ["Apart", "any_level", "told_apart", "weighed_anew"]
 
 _LEAST_GAIN = 12.0  # of cost by the linear look
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Apart:
+    """Soft and hard hits, kept apart."""
+
+    stages: tuple[Stage, ...]  # but the widest, weighed anew
+    gain: float  # nats of cost that a common change of one joint with the level promises
+    swings: tuple[tuple[str, float, float], ...]  # of each joint (`linearised.swings_of`)
 
 
 def told_apart(
@@ -32,7 +41,7 @@ def told_apart(
     present: Hypothesis,
     start: Mapping[str, float],
     discrepancy: Discrepancy,
-) -> tuple[tuple[Stage, ...], float, tuple[tuple[str, float, float], ...]] | None:
+) -> Apart | None:
     """Keep soft and hard hits apart, if the hits' level tells something.
 
     First all of the difference between soft and hard hits counts as variance; then, once every
@@ -49,9 +58,7 @@ def told_apart(
 
     Returns
     -------
-    The stages but the widest with soft and hard hits weighed anew; the nats of cost that a common
-    change of one joint with the level promises; and how far each joint swings
-    (`linearised.swings_of`). None where the nats are too few to tell anything.
+    None where a common change of one joint with the level promises too little to tell anything.
     """
     broad, middle = level_apart(1), level_apart(2)
     fit = fit_hypothesis(broad, present, start=start, max_iterations=7, closing=False)
@@ -65,7 +72,8 @@ def told_apart(
         Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
         for stage in (broad, middle, level_apart(3))
     )
-    return anew, gain, swings_of(present, middle.models, middle.lines, fit.values)
+    swings = swings_of(present, middle.models, middle.lines, fit.values)
+    return Apart(stages=anew, gain=gain, swings=swings)
 
 
 def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:

@@ -14,7 +14,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.effects.level import any_change
-from armodal.analyzer.gap.inference.fit import Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import (
+    Fit,
+    Stage,
+    as_at_the_middle,
+    better_start,
+    fit_hypothesis,
+)
 from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.candidates import all_candidates, goes_with, other_candidates
@@ -271,14 +277,12 @@ def _laws(stage: Stage, fits: Sequence[Fit], base: Fit, tell: Progress) -> list[
     swings = {joint: (swing, rate) for joint, swing, rate in ordinary.swings}
     found: list[Fit] = []
     for joint in dict.fromkeys(joints):
-        near = [fit.values for fit in fits if fit.last.place == joint and fit.last.level_dependent]
         for make in hooks("law"):
             instance = make(ordinary, joint, *swings[joint])
             tell(f"a law of its own: {instance.title}")
             richer = replace(present, instances=(*present.instances, instance))
-            starts = [
-                own for about in [base.values, *near[:1]] for own in instance.initial_values(about)
-            ]
+            begin = instance.initial_values(base.values)
+            starts = [as_at_the_middle(stage, richer, values) for values in begin]
             best = better_start(stage, richer, starts)
             found.append(fit_hypothesis(stage, richer, start=best, max_iterations=_STEPS[-1]))
     return found

@@ -210,15 +210,14 @@ def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level()
     session = small_case(3001, "rv4frl", "friction", ladder=True).session()
     found = told(session)
     assert found is not None
-    stages, gain = found
-    assert gain > 100.0  # nats: friction of a clear size; plain arms have 12 at most
+    assert found.gain > 100.0  # nats: friction of a clear size; plain arms have 12 at most
     at_first = own_lines(
         Superset(session.header.arm),
         session,
         Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 120.0)),
         level_about=middle_level(session),
     )
-    for before, after in zip(at_first, stages[-2].lines, strict=True):
+    for before, after in zip(at_first, found.stages[-2].lines, strict=True):
         assert np.median(after.variance / before.variance) < 1.0
 
 

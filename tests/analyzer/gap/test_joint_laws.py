@@ -1,0 +1,223 @@
+"""Joints' own laws: their torques over a swing, the joint followed in time, the linear model."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate
+from support.small_case import small_case
+
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
+from armodal.analyzer.gap.inference.fit import Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.model.hit_levels import middle_level
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.joint_laws import Bent, Play, Sliders, over_a_swing
+from armodal.analyzer.gap.model.linearised import linearised, swings_of
+from armodal.analyzer.gap.model.lines import Annealing, own_lines
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.swings import STEP_S, march, pulse, seconds
+from armodal.analyzer.gap.model.weigh import Discrepancy
+
+LAWS = (backlash, friction, microslip, softening)
+
+
+def row(*values):
+    return np.array([values])
+
+
+def test_over_a_swing_a_slider_dissipates_four_times_its_limit_and_swing():
+    k, limit, swing = 50.0, 2.0, 0.3
+    _, loss = over_a_swing(
+        Sliders(stiffness=row(k), limit=row(limit), creep_per_s=np.zeros(1)), swing, 1.0
+    )
+    # Of a Jenkins element, 4 T (A - T / k) a round; pi A^2 times the damping term.
+    energy = np.pi * swing**2 * loss
+    # A round of 256 steps: the corners fall between two.
+    assert energy == pytest.approx(4.0 * limit * (swing - limit / k), rel=0.01)
+
+
+def test_a_slider_that_creeps_before_it_slips_is_a_damper_in_series_with_its_spring():
+    k, creep, rate, swing = 50.0, 30.0, 20.0, 0.01
+    element = Sliders(stiffness=row(k), limit=row(1e3), creep_per_s=np.array([creep]))
+    stiffness, loss = over_a_swing(element, swing, rate)
+    want = k * 1j * rate / (1j * rate + creep)  # Maxwell's element
+    # What it began with has died out by exp(-3 pi) the second time around; 256 steps.
+    assert complex(stiffness, loss) == pytest.approx(want, rel=0.02)
+
+
+def test_over_a_swing_a_play_takes_what_its_describing_function_says():
+    k, half, swing = 3.0, 0.2, 0.5
+    element = Play(stiffness=np.array([k]), half=np.array([half]), rest=np.zeros(1))
+    stiffness, loss = over_a_swing(element, swing, 1.0)
+    z = half / swing
+    want = -k * (2.0 / np.pi) * (np.arcsin(z) + z * np.sqrt(1.0 - z**2))
+    assert stiffness == pytest.approx(want, rel=1e-3)
+    assert loss == pytest.approx(0.0, abs=1e-9)
+
+
+def test_over_a_small_swing_a_bent_spring_is_three_quarters_of_its_cube():
+    part, bend, swing = 4.0, 1.0, 0.01
+    element = Bent(part=np.array([part]), bend=np.array([bend]))
+    stiffness, _ = over_a_swing(element, swing, 1.0)
+    # The next term is of the fourth power of the swing over the bend.
+    assert stiffness == pytest.approx(0.75 * part * swing**2 / bend**2, rel=1e-3)
+
+
+def made(kind, mass, k, c, force):
+    """A mass on a spring, a damper and an element, integrated by SciPy with tight steps."""
+
+    def rate(t, y):
+        x, v = y
+        torque = kind.resist(np.array([x]), np.zeros((1, 0)))[0][0]
+        return [v, (force(t) - k * x - c * v - torque) / mass]
+
+    t = seconds()
+    return integrate.solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-14).y[0]
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        Play(stiffness=np.array([900.0]), half=np.array([1e-3]), rest=np.zeros(1)),
+        Play(stiffness=np.array([600.0]), half=np.array([1e-3]), rest=np.array([5e-4])),
+        Bent(part=np.array([-600.0]), bend=np.array([2e-3])),
+        Bent(part=np.array([4000.0]), bend=np.array([9e-3])),
+    ],
+)
+def test_a_joint_followed_in_time_is_where_an_integrator_says(element):
+    mass, k, c, peak, width = 0.1, 1000.0, 0.2, 60.0, 2e-3
+    length = 1.5 * width
+
+    def force(t):
+        return peak * np.sin(np.pi * t / length) if t < length else 0.0
+
+    t = seconds()
+    w = np.sqrt(k / mass - (c / mass / 2) ** 2)
+    impulse = np.exp(-c / mass / 2 * t) * np.sin(w * t) / (mass * w)
+    fine = 1e-5 * np.arange(round(length / 1e-5))
+    free = np.sum(
+        [
+            force(u) * 1e-5 * np.where(t > u, np.interp(t - u, t, impulse, left=0.0), 0.0)
+            for u in fine
+        ],
+        axis=0,
+    )
+    torque = march(impulse[None], np.zeros(1, dtype=int), free[None], element)[0]
+    turn = free - STEP_S * np.convolve(torque, impulse)[: t.size]
+    want = made(element, mass, k, c, force)
+    assert np.abs(free - want).max() > 0.2 * np.abs(want).max()  # the element matters
+    # Half a millisecond a step, weighed as the finest lines do.
+    late = np.exp(-4.0 * np.pi * t)
+    assert np.abs((turn - want) * late).max() < 0.01 * np.abs(want).max()
+
+
+def test_a_pulse_has_the_transform_of_a_half_sine():
+    s, peak, width = 12.0 + 300.0j, 40.0, 2e-3
+    t = np.linspace(0.0, 1.5 * width, 20001)
+    want = np.trapezoid(peak * np.sin(np.pi * t / t[-1]) * np.exp(-s * t), t)
+    assert pulse(np.array([s]), peak, width)[0] == pytest.approx(want, rel=1e-6)
+
+
+def levelled(kind=None):
+    """Sharp lines of soft and hard hits of a few postures, and the arm as believed."""
+    args = (3001, "rv4frl") if kind is None else (3001, "rv4frl", kind)
+    session = small_case(*args, ladder=True).session()
+    superset = Superset(session.header.arm)
+    annealing = Annealing(sigma_rad_s=4.0 * np.pi, step_hz=8.0, band_hz=(8.0, 120.0))
+    lines = own_lines(superset, session, annealing, level_about=middle_level(session))
+    stage = Stage(superset, lines, Discrepancy())
+    names = tuple(dict.fromkeys(own.name for own in lines))
+    ordinary = Ordinary(superset=superset, postures=names, level_span=lines[1].level)
+    return stage, Hypothesis(ordinary=ordinary)
+
+
+@pytest.fixture(scope="module")
+def arm():
+    stage, plain = levelled()
+    space = plain.space()
+    values = space.values(space.start())
+    return stage, plain, values, swings_of(plain, stage.models, stage.lines, values)
+
+
+def with_law(plain, kind, joint, swings):
+    swing, rate = next(own[1:] for own in swings if own[0] == joint)
+    return replace(plain, instances=(kind.law(plain.ordinary, joint, swing, rate),))
+
+
+def test_every_elastic_joint_swings(arm):
+    _, plain, _, swings = arm
+    joints = plain.ordinary.arm.joints
+    assert [own[0] for own in swings] == [joints[i].name for i in plain.ordinary.elastic]
+    assert all(turn > 0.0 and rate > 0.0 for _, turn, rate in swings)
+
+
+def answers(stage, hypothesis, values):
+    return [
+        model.values(hypothesis, lines, values)
+        for model, lines in zip(stage.models, stage.lines, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_a_law_of_no_size_changes_nothing(kind, arm):
+    stage, plain, values, swings = arm
+    hypothesis = with_law(plain, kind, "joint_2", swings)
+    space = hypothesis.space()
+    start = space.values(space.start()) | {hypothesis.instances[0].size: 0.0}
+    about = linearised(hypothesis, stage.models, stage.lines, start)
+    for one, other in zip(answers(stage, about, start), answers(stage, plain, values), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_near_its_point_a_law_is_as_linear_as_it_is_taken_to_be(kind, arm):
+    stage, plain, _, swings = arm
+    hypothesis = with_law(plain, kind, "joint_2", swings)
+    (instance,) = hypothesis.instances
+    space = hypothesis.space()
+    start = space.values(space.start())
+    start |= instance.initial_values(start)[2]
+    about = linearised(hypothesis, stage.models, stage.lines, start)
+    before = answers(stage, about, start)
+    for parameter in instance.parameters:
+        moved = start | {parameter.name: start[parameter.name] + 0.05 * parameter.std}
+        exact = linearised(hypothesis, stage.models, stage.lines, moved)
+        near, there = (np.concatenate(answers(stage, h, moved)) for h in (about, exact))
+        change = np.linalg.norm(there - np.concatenate(before))
+        # Of second order, a twentieth of a prior deviation away; corners of a law move with it.
+        assert np.linalg.norm(there - near) < 0.3 * change
+
+
+def test_where_nothing_was_hit_a_law_is_the_spring_of_swings_of_the_level(arm):
+    stage, plain, _, swings = arm
+    hypothesis = with_law(plain, softening, "joint_2", swings)
+    (instance,) = hypothesis.instances
+    space = hypothesis.space()
+    start = space.values(space.start()) | {instance.size: 0.3}
+    stiffer = [
+        answers(stage, hypothesis, start | {instance.size: size})[0] for size in (0.0, 0.3, 0.6)
+    ]
+    below = np.abs([own[..., 0] for own in stiffer]).sum(axis=(1, 2))
+    assert below[0] < below[1] < below[2]  # below resonance a softer joint answers more
+
+
+@pytest.mark.parametrize(("kind", "module"), [("softening", softening), ("friction", friction)])
+def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, module):
+    stage, plain = levelled(kind)
+    first = fit_hypothesis(stage, plain, max_iterations=8)
+    joint = json.loads(small_case(3001, "rv4frl", kind, ladder=True).open_truth())["effects"][0][
+        "place"
+    ]
+    by_level = next(i for i in module.instances(plain.ordinary) if i.place == joint)
+    springs = fit_hypothesis(
+        stage, replace(plain, instances=(by_level,)), start=first.values, max_iterations=12
+    )
+    swings = swings_of(plain, stage.models, stage.lines, first.values)
+    hypothesis = with_law(plain, module, joint, swings)
+    starts = hypothesis.instances[0].initial_values(springs.values)
+    law = fit_hypothesis(
+        stage, hypothesis, start=better_start(stage, hypothesis, starts), max_iterations=6
+    )
+    assert law.cost < springs.cost
