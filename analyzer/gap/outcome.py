@@ -20,7 +20,7 @@ from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.library import title_of
-from armodal.analyzer.gap.next_test.advice import Advice, advise
+from armodal.analyzer.gap.next_test.advice import Advice, advise, at_levels
 from armodal.analyzer.gap.records import (
     EffectFound,
     GapResult,
@@ -106,7 +106,12 @@ def conclude(
     others = found.others if found.others is not None else other_candidates(sharp, final)
     hiding = [c for c in others if c.instance.size and np.isfinite(c.size_std)]
     advice = Advice()
-    if plan is not None and verdict is not Verdict.OUTSIDE_LIBRARY:
+    if plan is not None and verdict is Verdict.OUTSIDE_LIBRARY:
+        # What depends on the level is looked for only where points were hit softly and hard.
+        if not final.hypothesis.ordinary.levels_hit:
+            advice = at_levels(sharp, final, (), plan)
+            notes += [advice.why_none] if advice.why_none else []
+    elif plan is not None:
         advice = advise(
             sharp,
             final,

@@ -19,6 +19,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import has_levels
 from armodal.analyzer.gap.records import NextTest
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Plan
 from armodal.protocols.plan_rewrite import text_with_peaks
@@ -76,8 +77,14 @@ def first_with_levels(
     return first, tuple(levelled), [note]
 
 
-def hits_at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> NextTest:
+def hits_at_levels(stage: Stage, arm: Arm, standing: Sequence[Fit], plan: Plan) -> NextTest:
     """The session's own plan once more, every point hit softly, as before and hard.
+
+    Parameters
+    ----------
+    standing
+        What it tells apart; nothing where no model explains the session, and a joint that changes
+        with the level is what was not looked for.
 
     Raises
     ------
@@ -86,8 +93,7 @@ def hits_at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> NextTes
     """
     middle = float(np.exp(np.mean([np.log(own.peak_n) for own in stage.lines])))
     peaks_n = (middle / _SOFTER, middle, middle * _HARDER)
-    why = f"tells apart: {titles(standing)}"
-    arm = standing[0].hypothesis.ordinary.arm
+    why = f"tells apart: {titles(standing)}" if standing else f"shows whether {_ALIKE} is missing"
     told = ", ".join(f"{peak:.0f}" for peak in peaks_n)
     return NextTest(
         words=f"measure the whole plan again, every point with hits of about {told} N",

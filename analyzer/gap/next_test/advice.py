@@ -19,7 +19,7 @@ from armodal.protocols.errors import PlanError
 from armodal.protocols.plan_records import Plan, PlannedPosture
 from armodal.protocols.plan_rewrite import text_with_posture
 
-__all__ = ["NARROWS", "Advice", "advise", "plan_text"]
+__all__ = ["NARROWS", "Advice", "advise", "at_levels", "plan_text"]
 
 NARROWS = "which would widen the range of k of"  # in the reason of a test that narrows a range
 
@@ -66,7 +66,7 @@ def advise(
     if any(is_alike(fit) for fit in standing) or any(
         asks(standing) for asks in hooks("asks_for_levels")
     ):
-        return _at_levels(stage, standing, plan)
+        return at_levels(stage, final, standing, plan)
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)
     if len(standing) > 1:
@@ -112,9 +112,11 @@ def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:
     return text_with_posture(plan, arm, posture, comment=comment, fixed_point=test.hit_point)
 
 
-def _at_levels(stage: Stage, standing: Sequence[Fit], plan: Plan) -> Advice:
+def at_levels(stage: Stage, final: Fit, standing: Sequence[Fit], plan: Plan) -> Advice:
+    """Propose the whole plan once more, at several levels (`hits_at_levels`)."""
     try:
-        return Advice(test=hits_at_levels(stage, standing, plan))
+        arm = final.hypothesis.ordinary.arm
+        return Advice(test=hits_at_levels(stage, arm, standing, plan))
     except PlanError as problem:
         return _unwritten(problem)
 

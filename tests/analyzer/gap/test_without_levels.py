@@ -61,9 +61,9 @@ def asked(quick):
 @pytest.mark.long
 def test_what_a_softer_joint_looks_like_is_not_named(found):
     result = found.result
-    assert result.verdict is Verdict.AMBIGUOUS
+    assert result.verdict in (Verdict.AMBIGUOUS, Verdict.OUTSIDE_LIBRARY)
     assert not result.effects
-    assert result.summary.endswith("or a joint that changes with the hits' level")
+    assert "a joint that changes with the hits' level" in result.next_test.why
     assert any("several hit levels stayed closed" in note for note in result.notes)
 
 
