@@ -81,7 +81,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
         rate_rad_s,
         parameters=(
             Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=1.0),
-            Parameter(name=half, unit="", mean=-1.0, std=1.2, low=-5.0, high=1.0),
+            Parameter(name=half, unit="", mean=-1.0, std=1.5, low=-5.0, high=1.0),
             Parameter(name=share, unit="", mean=0.5, std=0.5, low=0.0, high=1.0),
         ),
         element=element,

@@ -78,7 +78,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
             Parameter(
                 name=limit, unit="N m", mean=0.0, std=0.5 * moment, low=0.0, high=3.0 * moment
             ),
-            Parameter(name=before, unit="", mean=np.log(3.0), std=1.0, low=-1.0, high=np.log(20.0)),
+            Parameter(name=before, unit="", mean=np.log(5.0), std=1.5, low=-1.5, high=np.log(40.0)),
             Parameter(name=creep, unit="1/s", mean=0.0, std=300.0, low=0.0, high=3000.0),
         ),
         element=element,
@@ -86,7 +86,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
         starts=[
             {limit: part * moment, before: ratio, creep: rate}
             for part in (0.03, 0.1, 0.3)
-            for ratio, rate in ((0.0, 0.0), (np.log(10.0), 0.0), (np.log(15.0), 500.0))
+            for ratio, rate in ((0.0, 0.0), (np.log(10.0), 0.0), (np.log(30.0), 500.0))
         ],
     )
 
