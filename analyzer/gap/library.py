@@ -6,7 +6,7 @@ A module may offer, each found by its name,
     linear_candidates(stage, fit, instances)  candidates by a linear look of its own
     channel_candidates(stage, hypothesis, values)  likewise, of what was measured
     of_file(ordinary, description)            the instance an arm file describes
-    law(ordinary, joint, swing_rad, rate_rad_s)  a joint's own law, beside springs by level
+    laws(ordinary, joint, swing_rad, rate_rad_s)  a joint's own laws, beside springs by level
     at_line(ordinary, link, direction, point) the instance along a line of a link; of a file, too
     together(ordinary, one, other)            the one instance that two are
     told_by_hits_between(judged, sharp, between, apart)   rivals that levels tell apart

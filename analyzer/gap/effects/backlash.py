@@ -19,7 +19,7 @@ from armodal.analyzer.gap.model.joint_laws import Play
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "law", "of_file"]
+__all__ = ["WORDS", "instances", "laws", "of_file"]
 
 _LEAST = 0.02  # of the joint's spring
 
@@ -52,48 +52,53 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+def laws(
+    ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float
+) -> tuple[Instance, ...]:
     """A part of the joint's spring, or all of it, holds nothing over a play.
 
-    The weight that this part carries lays it on one side.
+    Between its flanks at rest; or where weight loads the joint, on the side it lays it to.
     """
-    part, half, share = f"play {joint}", f"ln half play {joint}", f"load on the play {joint}"
+    part, half = f"play {joint}", f"ln half play {joint}"
 
-    def element(values: Mapping[str, float], load: float) -> Play:
-        k = float(np.exp(values[f"ln k {joint}"]))
-        free, lies = swing_rad * float(np.exp(values[half])), values[share] * load
-        inside = (1.0 - values[part]) * k
-        # On a flank, or between both on what is left of the spring.
-        rest = np.sign(lies) * (abs(lies) + values[part] * k * free) / k
-        if abs(lies) < inside * free:
-            rest = lies / inside
-        return Play(
-            stiffness=np.array([values[part] * k]),
-            half=np.array([free]),
-            rest=np.array([float(rest)]),
+    def at_rest(*, carries: bool) -> Instance:
+        def element(values: Mapping[str, float], load: float) -> Play:
+            k = float(np.exp(values[f"ln k {joint}"]))
+            free, lies = swing_rad * float(np.exp(values[half])), load if carries else 0.0
+            inside = (1.0 - values[part]) * k
+            # On a flank, or between both on what is left of the spring.
+            rest = np.sign(lies) * (abs(lies) + values[part] * k * free) / k
+            if abs(lies) < inside * free:
+                rest = lies / inside
+            return Play(
+                stiffness=np.array([values[part] * k]),
+                half=np.array([free]),
+                rest=np.array([float(rest)]),
+            )
+
+        return law_instance(
+            ordinary,
+            WORDS,
+            joint,
+            swing_rad,
+            rate_rad_s,
+            parameters=(
+                Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=1.0),
+                Parameter(name=half, unit="", mean=-1.0, std=1.5, low=-5.0, high=1.0),
+            ),
+            element=element,
+            material=_LEAST,
+            starts=[
+                {part: q, half: h}
+                for q, h in ((0.4, 0.2), (0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))
+            ],
+            words_of_it={"rests": "on the side its weight lays it to" if carries else "between"},
         )
 
-    return law_instance(
-        ordinary,
-        WORDS,
-        joint,
-        swing_rad,
-        rate_rad_s,
-        parameters=(
-            Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=1.0),
-            Parameter(name=half, unit="", mean=-1.0, std=1.5, low=-5.0, high=1.0),
-            Parameter(name=share, unit="", mean=0.5, std=0.5, low=0.0, high=1.0),
-        ),
-        element=element,
-        material=_LEAST,
-        starts=[
-            {part: q, half: h, share: w}
-            for w in (0.0, 1.0)
-            for q, h in ((0.4, 0.2), (0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))
-        ],
-    )
+    loaded = joint in {ordinary.arm.joints[i].name for i in ordinary.loaded}
+    return tuple(at_rest(carries=carries) for carries in (False, True) if loaded or not carries)
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
     """Return the law that an arm file describes."""
-    return law_of_file(law, ordinary, description)
+    return law_of_file(laws, ordinary, description)

@@ -19,7 +19,7 @@ from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "law", "of_file"]
+__all__ = ["WORDS", "instances", "laws", "of_file"]
 
 _LEAST = 0.01  # of the moment a hit of the middle level puts on the joint
 
@@ -51,7 +51,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+def laws(
+    ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float
+) -> tuple[Instance, ...]:
     """Coulomb's law behind a spring that gives way before it slips (a Jenkins element).
 
     Where a film shears below the limit, or a simulator's friction yields to low speed, it creeps.
@@ -68,7 +70,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
             creep_per_s=np.array([values[creep]]),
         )
 
-    return law_instance(
+    only = law_instance(
         ordinary,
         WORDS,
         joint,
@@ -89,8 +91,9 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
             for ratio, rate in ((0.0, 0.0), (np.log(10.0), 0.0), (np.log(30.0), 500.0))
         ],
     )
+    return (only,)
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
     """Return the law that an arm file describes."""
-    return law_of_file(law, ordinary, description)
+    return law_of_file(laws, ordinary, description)

@@ -20,7 +20,7 @@ from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "law", "of_file"]
+__all__ = ["WORDS", "instances", "laws", "of_file"]
 
 _LEAST = 0.02  # of the joint's spring
 _SLIDERS = 8
@@ -54,7 +54,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+def laws(
+    ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float
+) -> tuple[Instance, ...]:
     """Sliders beside the joint's spring that slip one after the other, evenly (Iwan 1966)."""
     part, reach = f"seat {joint}", f"ln seat slips {joint}"
     ends = np.arange(1, 2 * _SLIDERS, 2) / _SLIDERS  # of each limit: their mean is one half of all
@@ -69,7 +71,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
             creep_per_s=np.zeros(1),
         )
 
-    return law_instance(
+    only = law_instance(
         ordinary,
         WORDS,
         joint,
@@ -83,8 +85,9 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
         material=_LEAST,
         starts=[{part: q, reach: u} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)],
     )
+    return (only,)
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
     """Return the law that an arm file describes."""
-    return law_of_file(law, ordinary, description)
+    return law_of_file(laws, ordinary, description)

@@ -13,7 +13,7 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["law_instance", "law_of_file"]
 
-LawMaker = Callable[[Ordinary, str, float, float], Instance]
+LawMaker = Callable[[Ordinary, str, float, float], tuple[Instance, ...]]
 
 
 def law_instance(
@@ -27,6 +27,7 @@ def law_instance(
     element: ElementOf,
     material: float,
     starts: Sequence[Mapping[str, float]],
+    words_of_it: Mapping[str, str] | None = None,
 ) -> Instance:
     """Return a law at one joint; the first parameter is its size.
 
@@ -36,6 +37,8 @@ def law_instance(
         Of a hit of the middle level, where it moves the joint most: its turn, and its rate over it.
     starts
         Values of its parameters where fits begin.
+    words_of_it
+        Entries of its description that tell it from others of its kind there.
     """
     at = [own.name for own in ordinary.arm.joints].index(joint)
     links = tuple(own.link for own in ordinary.arm.joints)
@@ -49,7 +52,8 @@ def law_instance(
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         del values
-        return {"joint": joint, "swing_rad": swing_rad, "rate_rad_s": rate_rad_s}
+        told = {"joint": joint, "swing_rad": swing_rad, "rate_rad_s": rate_rad_s}
+        return {**told, **(words_of_it or {})}
 
     size, *shapes = (parameter.name for parameter in parameters)
     return Instance(
@@ -74,11 +78,16 @@ def law_instance(
 
 
 def law_of_file(
-    law: LawMaker, ordinary: Ordinary, description: Mapping[str, object]
+    laws: LawMaker, ordinary: Ordinary, description: Mapping[str, object]
 ) -> Instance | None:
     """Return the law that an arm file describes; None where it tells of springs by level."""
     joint, swing, rate = (description.get(key) for key in ("joint", "swing_rad", "rate_rad_s"))
     known = {ordinary.arm.joints[i].name for i in ordinary.elastic}
     if not isinstance(swing, float) or not isinstance(rate, float) or joint not in known:
         return None
-    return law(ordinary, str(joint), swing, rate)
+    every = laws(ordinary, str(joint), swing, rate)
+    told = (law.describe({}) if law.describe else {} for law in every)
+    alike = [
+        law for law, own in zip(every, told, strict=True) if own.items() <= description.items()
+    ]
+    return next(iter(alike), every[0])

@@ -19,7 +19,7 @@ from armodal.analyzer.gap.model.joint_laws import Bent
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "law", "of_file"]
+__all__ = ["WORDS", "instances", "laws", "of_file"]
 
 _LEAST = 0.02  # of the joint's stiffness, at such a swing
 
@@ -48,7 +48,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> Instance:
+def laws(
+    ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float
+) -> tuple[Instance, ...]:
     """A spring that is softer (or harder, where that is negative) for larger turns, no loss."""
     part, bend = f"softer {joint}", f"ln bend {joint}"
 
@@ -60,7 +62,7 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
             part=np.array([-values[part] * (1.0 + a**2) * k]), bend=np.array([a * swing_rad])
         )
 
-    return law_instance(
+    only = law_instance(
         ordinary,
         WORDS,
         joint,
@@ -85,8 +87,9 @@ def law(ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float) -> 
             )
         ],
     )
+    return (only,)
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
     """Return the law that an arm file describes."""
-    return law_of_file(law, ordinary, description)
+    return law_of_file(laws, ordinary, description)

@@ -277,8 +277,8 @@ def _laws(stage: Stage, fits: Sequence[Fit], base: Fit, tell: Progress) -> list[
     swings = {joint: (swing, rate) for joint, swing, rate in ordinary.swings}
     found: list[Fit] = []
     for joint in dict.fromkeys(joints):
-        for make in hooks("law"):
-            instance = make(ordinary, joint, *swings[joint])
+        every = (law for make in hooks("laws") for law in make(ordinary, joint, *swings[joint]))
+        for instance in every:
             tell(f"a law of its own: {instance.title}")
             richer = replace(present, instances=(*present.instances, instance))
             begin = instance.initial_values(base.values)
