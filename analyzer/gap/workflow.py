@@ -230,7 +230,8 @@ def _search(
         else:
             # What one mounting has of its own is of the motion that the better model foretells.
             stages = tuple(stage.with_places(present, start) for stage in stages)
-            fitted = fit_hypothesis(stages[-1], present, start=start)
+            fitted = fit_hypothesis(stages[-1], present.without_points(), start=start)
+            present = fitted.hypothesis
     ended = _Ended(
         stages=stages,
         before=before,

@@ -288,7 +288,8 @@ def fit_hypothesis(
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
-    Joints' own laws are linearised anew about every end, until that is no better.
+    A joint's own law that was added last is linearised anew about every end, until that is no
+    better; one that was there before stays linear about where it is.
 
     Parameters
     ----------
@@ -314,9 +315,12 @@ def fit_hypothesis(
         return once(hypothesis, start=start, resumed=resumed, max_iterations=max_iterations)
     space = hypothesis.space()
     u = space.start(start) if resumed is None else resumed.u
+    if hypothesis.instances[-1].law is None:
+        about = linearised(hypothesis, stage.models, stage.lines, space.values(u))
+        return once(about, start=space.values(u), resumed=None, max_iterations=max_iterations)
 
     def at(values: Mapping[str, float]) -> Fit:
-        about = linearised(hypothesis, stage.models, stage.lines, values)
+        about = linearised(hypothesis, stage.models, stage.lines, values, last=True)
         return once(about, start=values, resumed=None, max_iterations=0)
 
     best = at(space.values(u))
@@ -426,7 +430,7 @@ def as_at_the_middle(
     names = [f"ln {what} {law.joint}" for what in "kc"]
     wanted = np.array([values[name] for name in names])
     for _ in range(_TO_THE_MIDDLE):
-        about = linearised(hypothesis, stage.models, stage.lines, values, slopes=False)
+        about = linearised(hypothesis, stage.models, stage.lines, values, last=True, slopes=False)
         with_law = [about.instances[-1].linear_law(own) for own in stage.lines]
         added = np.mean([(own.log_k, own.log_c) for own in with_law if own is not None], axis=0)
         values |= dict(zip(names, (wanted - added).tolist(), strict=True))
@@ -438,8 +442,9 @@ def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) ->
     space = hypothesis.space()
     u = space.start(start)
     if hypothesis.has_laws:
+        is_last = hypothesis.instances[-1].law is not None
         hypothesis = linearised(
-            hypothesis, stage.models, stage.lines, space.values(u), slopes=False
+            hypothesis, stage.models, stage.lines, space.values(u), last=is_last, slopes=False
         )
     return _cost(stage, hypothesis, space, u, range(len(stage.lines)))
 

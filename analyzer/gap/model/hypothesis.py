@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import Instance
@@ -34,6 +34,10 @@ class Hypothesis:
     def has_laws(self) -> bool:
         """Return whether a joint has a law of its own."""
         return any(instance.law is not None for instance in self.instances)
+
+    def without_points(self) -> Hypothesis:
+        """Return it with its laws linearised nowhere: a fit does so where it begins."""
+        return replace(self, instances=tuple(replace(i, about=None) for i in self.instances))
 
     def space(self) -> Space:
         """Return all parameters."""

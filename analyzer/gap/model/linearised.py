@@ -60,20 +60,35 @@ def linearised(
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
     *,
+    last: bool = False,
     slopes: bool = True,
 ) -> Hypothesis:
     """Return the hypothesis with its joints' own laws linearised about values, on some lines.
 
-    Without `slopes` it is known at that point alone.
+    Parameters
+    ----------
+    last
+        The last instance anew; laws that are known on all of the lines stay where they are.
+    slopes
+        Else a law is known at that point alone.
     """
+    ends = hypothesis.instances[-1]
+    wanted = [
+        i.law is not None and ((last and i is ends) or not _covers(i, lines))
+        for i in hypothesis.instances
+    ]
+    if not any(wanted):
+        return hypothesis
     plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
     about = tuple(
-        instance
-        if instance.law is None
-        else replace(instance, about=_about(plain, instance, models, lines, values, slopes=slopes))
-        for instance in hypothesis.instances
+        replace(i, about=_about(plain, i, models, lines, values, slopes=slopes)) if anew else i
+        for i, anew in zip(hypothesis.instances, wanted, strict=True)
     )
     return replace(hypothesis, instances=about)
+
+
+def _covers(instance: Instance, lines: Sequence[PostureLines]) -> bool:
+    return all(instance.linear_law(own) is not None for own in lines)
 
 
 def swings_of(
