@@ -104,6 +104,9 @@ def merge_sessions(
         session_id=hashlib.sha256("+".join(ids).encode()).hexdigest()[:32],
         created=created,
         software=software,
+        measured_by=", ".join(
+            dict.fromkeys(one.header.measured_by for one in sessions if one.header.measured_by)
+        ),
     )
     session = Session(
         header=header,

@@ -86,6 +86,7 @@ def _measure(wish: Measure) -> tuple[int, Wish | None]:
         arm=arm,
         session=wish.journal,
         simulated=simulated,
+        measured_by=wish.measured_by,
         earlier=wish.earlier,
         time_scale=time_scale,
     )

@@ -34,6 +34,7 @@ class Measure:
     arm: str | Arm  # file, shipped name, or the arm itself
     plan: str | None  # None: as the journal has it
     simulated: bool
+    measured_by: str = ""
     earlier: Path | None = None  # session of the same arm, whose paths may be measured back
 
 

@@ -1,4 +1,4 @@
-"""What a new session is begun with: arm, plan, name, laboratory."""
+"""What a new session is begun with: arm, plan, name, who measures, laboratory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHIPPED_ARM, SHIPPED_PLAN = "rv4frl", "rv4frl-three-postures"
 
 
 class NewSession(ModalScreen[Measure | None]):
-    """Four fields; Enter goes to the next one and begins at the last."""
+    """Five fields; Enter goes to the next one and begins at the last."""
 
     DEFAULT_CSS = """
     NewSession { align: center middle; }
@@ -51,6 +51,8 @@ class NewSession(ModalScreen[Measure | None]):
             yield Input(SHIPPED_PLAN, id="plan")
             yield Static("Name of the session")
             yield Input(self._journal.stem, id="name")
+            yield Static("Who measures, for the report (may stay empty)")
+            yield Input("", id="who")
             yield Checkbox("in the simulated laboratory", value=self._simulated, id="simulated")
             yield Button("Begin", id="begin")
             yield Static("", id="wrong", markup=False)
@@ -61,8 +63,9 @@ class NewSession(ModalScreen[Measure | None]):
 
     def on_button_pressed(self) -> None:
         """Begin, if arm and plan can be read; say all that is wrong at once otherwise."""
-        arm_name, plan_name, name = (
-            self.query_one(f"#{field}", Input).value.strip() for field in ("arm", "plan", "name")
+        arm_name, plan_name, name, who = (
+            self.query_one(f"#{field}", Input).value.strip()
+            for field in ("arm", "plan", "name", "who")
         )
         journal = self._journal.with_name(f"{Path(name).stem}.journal") if name else self._journal
         wrong = []
@@ -82,4 +85,12 @@ class NewSession(ModalScreen[Measure | None]):
             self.query_one("#wrong", Static).update("\n".join(wrong))
             return
         simulated = self.query_one("#simulated", Checkbox).value
-        self.dismiss(Measure(journal=journal, arm=arm_name, plan=plan_name, simulated=simulated))
+        self.dismiss(
+            Measure(
+                journal=journal,
+                arm=arm_name,
+                plan=plan_name,
+                simulated=simulated,
+                measured_by=who,
+            )
+        )

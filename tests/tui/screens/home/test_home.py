@@ -83,12 +83,13 @@ def test_the_demo_is_one_key_away(folder):
 
 
 def test_a_new_session_is_begun_with_what_the_fields_say(folder):
-    keys = ["s", "enter", "enter", "enter", "tab", "enter"]
+    keys = ["s", "enter", "enter", "enter", *"shift two", "enter", "tab", "enter"]
     assert wish_after(folder, *keys) == Measure(
         journal=folder / "session.journal",
         arm="rv4frl",
         plan="rv4frl-three-postures",
         simulated=True,
+        measured_by="shift two",
     )
 
 
