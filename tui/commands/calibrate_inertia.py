@@ -115,10 +115,12 @@ def calibrate_command(
     arm: ArmName,
     targets: Annotated[Path, typer.Argument(help="Inertia targets file.")],
     out_path: Annotated[Path, typer.Option("--out", help="Arm file to write, never replaced.")],
-    name: Annotated[str | None, typer.Option(help="Name of the new arm; the file's stem.")] = None,
+    name: Annotated[
+        str | None, typer.Option(help="Name of the new arm; by default the file's.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Find link inertias that meet given targets, nearest to the believed ones.
+    """Find link inertias that meet given targets, nearest to the arm file's.
 
     Example: armodal calibrate-inertia my-arm.toml targets.toml --out my-arm-calibrated.toml
     """

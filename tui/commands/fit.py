@@ -26,7 +26,7 @@ def fit(
     band: Band = None,
     estimator: Annotated[
         FrfEstimator | None,
-        typer.Option(help="FRF estimator, by where the noise is; else the plan's."),
+        typer.Option(help="FRF estimator, by where the noise is; by default the plan's."),
     ] = None,
     exponential_end: Annotated[
         float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")

@@ -41,11 +41,13 @@ def gap_study_command(
     ] = HOME,
     nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
     effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
-    pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
+    pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 12,
     outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
     tests: Annotated[
         int,
-        typer.Option(min=0, help="Further tests a case, or each fifth null, may ask for."),
+        typer.Option(
+            min=0, help="Most further tests of a case, or of every fifth one with nothing hidden."
+        ),
     ] = 0,
     whole: Annotated[
         bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")

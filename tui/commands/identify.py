@@ -34,7 +34,10 @@ app = typer.Typer(add_completion=False)
 def identify_command(
     session: SessionPath,
     method: Annotated[
-        Method, typer.Option(help="frf: whole FRFs; eq13: file 002's penalty method beside it.")
+        Method,
+        typer.Option(
+            help="frf: whole FRFs; eq13: the penalty method of Bottin et al. (2020) beside it."
+        ),
     ] = Method.FRF,
     joints: Annotated[
         str | None, typer.Option(help="Joints for eq13, by name or number, e.g. 1,3; else all.")

@@ -8,6 +8,7 @@ import os
 import h5py
 import numpy as np
 import pytest
+from support.screen import screen_rows
 from textual.widgets import Button, Input, OptionList, Static
 
 from armodal.protocols.session.hdf5 import DEFINITION, FORMAT_VERSION
@@ -83,7 +84,7 @@ def test_the_demo_is_one_key_away(folder):
 
 
 def test_a_new_session_is_begun_with_what_the_fields_say(folder):
-    keys = ["s", "enter", "enter", "enter", *"shift two", "enter", "tab", "enter"]
+    keys = ["s", "enter", "enter", "enter", *"shift two", "enter"]
     assert wish_after(folder, *keys) == Measure(
         journal=folder / "session.journal",
         arm="rv4frl",
@@ -91,6 +92,18 @@ def test_a_new_session_is_begun_with_what_the_fields_say(folder):
         simulated=True,
         measured_by="shift two",
     )
+
+
+@pytest.mark.parametrize(
+    ("keys", "hint"), [(["s"], "A shipped arm"), (["s", "enter", "enter", "enter"], "the report")]
+)
+def test_the_whole_question_fits_80_by_24_and_tells_of_the_field_in_use(folder, keys, hint):
+    def look(app):
+        rows = "\n".join(screen_rows(app))
+        for words in ("simulated laboratory", "Arm", "Plan", "Name", "Who measures", "Begin", hint):
+            assert words in rows
+
+    wish_after(folder, *keys, look=look)
 
 
 def test_all_that_is_wrong_with_a_new_session_is_said_at_once(folder):
