@@ -95,7 +95,7 @@ def homogeneity(
     if wrong.any():
         return say(Outcome.FAULT, Fault.LEVEL_DEPENDENT, float(1.0 - p[wrong].min()), text)
     if np.any(np.abs(slope) + half > 3.0 * _MATERIAL):
-        return say(Outcome.CANNOT_TELL, None, 0.0, f"too uncertain; {text}")
+        return say(Outcome.CANNOT_TELL, None, 0.0, f"too uncertain to tell; {text}")
     return say(Outcome.GOOD, None, 0.99, text)
 
 

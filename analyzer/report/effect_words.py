@@ -31,9 +31,16 @@ _HARDLY_EVER = 1e-4  # far beyond the replicas: their tail's form is assumed
 
 def effect_sentence(effect: EffectFound) -> str:
     """Return what was found where, with its size where it has one."""
-    place = f" ({effect.place})" if effect.place else ""
     size = size_in_words(effect)
-    return f"{effect.title}{place}{f': {size}' if size else ''}."
+    return f"{_what_where(effect.title, effect.place)}{f': {size}' if size else ''}."
+
+
+def _what_where(title: str, place: str) -> str:
+    """Name the place: "Link gives way" in the shoulder is "The shoulder gives way"."""
+    does = title.removeprefix("Link ")
+    if not place or does == title:
+        return f"{title} ({place})" if place else title
+    return f"The {place} {does}" if place.isalpha() else f"{place} {does}"
 
 
 def size_in_words(effect: EffectFound) -> str:

@@ -102,9 +102,13 @@ def walk_to_the_report(
     pressed = terminal.pressed
     terminal.keys("Enter")
     terminal.until(r"\d modes automatic", SCREEN_S)
-    terminal.keys("7", "Enter")
+    terminal.keys("7")
+    terminal.until("enter: identify", SCREEN_S)
+    terminal.keys("Enter")
     terminal.until("Joint stiffness k in N m/rad", ANALYSIS_S)
-    terminal.keys("8", "Enter")
+    terminal.keys("8")
+    terminal.until("enter: find where", SCREEN_S)
+    terminal.keys("Enter")
     terminal.until("NAMED|AMBIGUOUS|NOTHING DETECTABLE|OUTSIDE THE LIBRARY", ANALYSIS_S)
     found_s, keys_to_finding = time.monotonic(), terminal.pressed - pressed
     terminal.keys("w")

@@ -7,14 +7,15 @@ from pathlib import Path
 
 from armodal.protocols.arm.records import Arm
 
-__all__ = ["Demonstrate", "GoHome", "Look", "Measure", "Wish"]
+__all__ = ["Demonstrate", "GoHome", "Look", "Measure", "OwnArm", "Wish"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoHome:
-    """The home screen, which says why something came to nothing."""
+    """The home screen, which says why something came to nothing, or that an arm file was made."""
 
     said: str = ""
+    arm_made: Path | None = None  # what a new session is begun with next
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,4 +46,12 @@ class Demonstrate:
     folder: Path
 
 
-Wish = GoHome | Look | Measure | Demonstrate
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnArm:
+    """An arm file of a robot description, for which some things are asked in the terminal."""
+
+    description: Path
+    folder: Path  # where the arm's folder goes
+
+
+Wish = GoHome | Look | Measure | Demonstrate | OwnArm

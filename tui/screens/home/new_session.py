@@ -49,20 +49,25 @@ class NewSession(ModalScreen[Measure | None]):
     AUTO_FOCUS = "#arm"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "back")]
 
-    def __init__(self, journal: Path, *, simulated: bool) -> None:
+    def __init__(self, journal: Path, *, simulated: bool, arm: Path | None = None) -> None:
         super().__init__()
         self._journal, self._simulated = journal, simulated
+        plan = None if arm is None else arm.with_name("plan.toml")
+        self._given = {
+            "arm": SHIPPED_ARM if arm is None else str(arm),
+            "plan": SHIPPED_PLAN if plan is None else str(plan) if plan.exists() else "",
+            "name": journal.stem,
+        }
 
     def compose(self) -> ComposeResult:
         """Ask."""
         where = "in the simulated laboratory" if self._simulated else "in the laboratory"
-        given = {"arm": SHIPPED_ARM, "plan": SHIPPED_PLAN, "name": self._journal.stem}
         with VerticalScroll():
             yield Static(f"New session {where}   (escape: back)", id="head")
             for field, (label, _) in _FIELDS.items():
                 with Horizontal():
                     yield Static(label)
-                    yield Input(given.get(field, ""), id=field)
+                    yield Input(self._given.get(field, ""), id=field)
             yield Static("", id="hint", markup=False)
             yield Button("Begin", id="begin")
             yield Static("", id="wrong", markup=False)

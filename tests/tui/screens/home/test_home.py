@@ -17,7 +17,7 @@ from armodal.tui.screens.home.app import HomeApp
 from armodal.tui.screens.home.devices import Devices
 from armodal.tui.screens.home.found_sessions import find_sessions, new_journal
 from armodal.tui.screens.home.new_session import NewSession
-from armodal.tui.screens.wishes import Demonstrate, Look, Measure
+from armodal.tui.screens.wishes import Demonstrate, Look, Measure, OwnArm
 
 
 def write_session_head(path, *, complete):
@@ -94,6 +94,31 @@ def test_a_new_session_is_begun_with_what_the_fields_say(folder):
     )
 
 
+def test_an_own_arm_is_made_of_a_description_that_is_there(folder):
+    def look(app):
+        assert "wanted a .urdf, .xacro, .xml file" in "\n".join(screen_rows(app))
+
+    assert wish_after(folder, "o", *"no.urdf", "enter", look=look) is None
+    (folder / "my.urdf").write_text("<robot/>")
+    wish = wish_after(folder, "o", *"my.urdf", "enter")
+    assert wish == OwnArm(description=folder / "my.urdf", folder=folder)
+
+
+def test_a_new_session_is_begun_with_the_arm_just_made(folder):
+    made = folder / "my" / "my.toml"
+    made.parent.mkdir()
+    made.with_name("plan.toml").write_text("")
+
+    async def go():
+        app = HomeApp(folder, measures=True, ports=list, arm_made=made)
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.press("n")
+            given = (app.screen.query_one(f"#{field}", Input).value for field in ("arm", "plan"))
+            return tuple(given)
+
+    assert asyncio.run(go()) == (str(made), str(made.with_name("plan.toml")))
+
+
 @pytest.mark.parametrize(
     ("keys", "hint"), [(["s"], "A shipped arm"), (["s", "enter", "enter", "enter"], "the report")]
 )
@@ -135,9 +160,8 @@ def test_devices_are_told_with_what_they_call_themselves(folder):
 def test_where_no_device_runs_nothing_is_offered_that_measures(folder):
     def look(app):
         choices = app.query_one(OptionList)
-        assert [o.id for o in choices.options if o.id and not o.id.startswith("session")] == [
-            "leave"
-        ]
+        ids = [o.id for o in choices.options if o.id and not o.id.startswith("session")]
+        assert ids == ["own", "leave"]
 
     assert wish_after(folder, "d", measures=False, look=look) is None
 
