@@ -120,7 +120,7 @@ def _make_arm(wish: OwnArm) -> tuple[int, Wish | None]:
     except (typer.Abort, KeyboardInterrupt, EOFError):
         return 130, GoHome(said="no arm was made")
     made = next(path for path in sorted(folder.glob("*.toml")) if path.name != "plan.toml")
-    return 0, GoHome(arm_made=made)
+    return 0, GoHome(arm_made=made.relative_to(wish.folder))
 
 
 STEPS: dict[type, Step] = {

@@ -42,7 +42,8 @@ class NewSession(ModalScreen[Measure | None]):
     NewSession #head { text-style: bold; margin-bottom: 1; }
     NewSession Horizontal { height: 1; margin-bottom: 1; }
     NewSession Horizontal Static { width: 21; }
-    NewSession Input { width: 1fr; height: 1; border: none; padding: 0; }
+    NewSession Input, NewSession Input:focus { width: 1fr; height: 1; border: none; padding: 0;
+        background: $boost; }
     NewSession #hint { height: 2; color: $text-muted; }
     NewSession #wrong { color: $error; }
     """

@@ -25,7 +25,8 @@ class DescriptionOfArm(ModalScreen[OwnArm | None]):
     DescriptionOfArm { align: center middle; }
     DescriptionOfArm > Vertical { width: 76; max-width: 100%; height: auto; border: heavy $accent;
         padding: 0 1; background: $surface; }
-    DescriptionOfArm Input { height: 1; border: none; padding: 0; margin: 1 0; }
+    DescriptionOfArm Input, DescriptionOfArm Input:focus { height: 1; border: none; padding: 0;
+        margin: 1 0; background: $boost; }
     DescriptionOfArm #wrong { color: $error; }
     """
     AUTO_FOCUS = "Input"

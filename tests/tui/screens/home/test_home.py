@@ -96,7 +96,10 @@ def test_a_new_session_is_begun_with_what_the_fields_say(folder):
 
 def test_an_own_arm_is_made_of_a_description_that_is_there(folder):
     def look(app):
-        assert "wanted a .urdf, .xacro, .xml file" in "\n".join(screen_rows(app))
+
+        rows = screen_rows(app)
+        assert sum("no.urdf" in row for row in rows) == 2  # as it was typed, and what was wanted
+        assert any("wanted a .urdf, .xacro, .xml file" in row for row in rows)
 
     assert wish_after(folder, "o", *"no.urdf", "enter", look=look) is None
     (folder / "my.urdf").write_text("<robot/>")
@@ -125,7 +128,16 @@ def test_a_new_session_is_begun_with_the_arm_just_made(folder):
 def test_the_whole_question_fits_80_by_24_and_tells_of_the_field_in_use(folder, keys, hint):
     def look(app):
         rows = "\n".join(screen_rows(app))
-        for words in ("simulated laboratory", "Arm", "Plan", "Name", "Who measures", "Begin", hint):
+        for words in (
+            "simulated laboratory",
+            "Arm",
+            "Plan",
+            "Name",
+            "Who measures",
+            "Begin",
+            "session ",
+            hint,
+        ):
             assert words in rows
 
     wish_after(folder, *keys, look=look)
