@@ -182,7 +182,7 @@ def _doubts(
     doubts = []
     if log_k_std > UNTOLD:
         doubts.append(
-            f"the measurement hardly tells the axis: the standard deviation of its stiffness is "
+            f"the measurement hardly shows the axis: the standard deviation of its stiffness is "
             f"{100 * log_k_std:.0f} % of it; no compliance there is established"
         )
     joints = superset.arm.joints

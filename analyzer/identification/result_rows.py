@@ -201,12 +201,12 @@ def fit_notes(
     ]
     if fit.scatter.one_mounting:
         notes.append(
-            "one mounting alone tells of the parameters and shows no scatter: each stated std is "
-            "that of the noise, and leaves out what a second mounting would show"
+            "the parameters rest on one mounting alone, which shows no scatter: each standard "
+            "deviation is that of the noise, and leaves out what a second mounting would show"
         )
     elif poorly:
         notes.append(
-            "seen by fewer than three mountings, so that the stated std is the least it can be: "
+            "seen by fewer than three mountings, so that the standard deviation may be larger: "
             + ", ".join(poorly)
         )
     return tuple(notes)

@@ -81,7 +81,7 @@ def calibration_json(found: Calibration) -> dict[str, Any]:
 def calibration_tables(found: Calibration) -> list[Table]:
     """Links and targets as tables for people."""
     links = Table(title="Calibrated links", caption=_TWIN if found.twin is not None else None)
-    for column in ("link", "mass kg", "believed", "radii of gyration mm", "undetermined"):
+    for column in ("link", "mass kg", "arm file", "radii of gyration mm", "undetermined"):
         links.add_column(column, justify="left" if column == "undetermined" else "right")
     undetermined = found.undetermined()
     for i, (joint, body) in enumerate(zip(found.arm.joints, found.bodies, strict=True)):

@@ -146,7 +146,7 @@ def _finish(report: Report, kind: str, port: str, *, as_json: bool) -> None:
         counts = ", ".join(f"{report.count(verdict)} {verdict}" for verdict in Verdict)
         out.print(f"{report.device}: {counts}")
         passed = (f"run PLAN --{kind} {port}", "")
-        failed = (f"check {kind} {port}", "once what is said above is put right")
+        failed = (f"check {kind} {port}", "once the faults above are mended")
         say_next(*(passed if report.passed else failed))
     if not report.passed:
         raise typer.Exit(FAILED)

@@ -116,8 +116,8 @@ def _what(
         return plant or "rv4frl"
     if plant is not None:
         raise PlantError(
-            "wanted either --plant or --arm, got both; a plant file holds the truth, an arm file "
-            "what is believed"
+            "wanted either --plant or --arm, got both; a plant file holds the true values, an "
+            "arm file the assumed ones"
         )
     the_arm = load_arm(arm)
     the_plan = None if plan is None else load_plan(plan, the_arm)

@@ -78,7 +78,7 @@ def check_tests(session: Session, more: Sequence[Session]) -> None:
         accepted = [hit for hit in other.hits if hit.verdict.accepted]
         if other.hits and not accepted:
             raise EstimateError(
-                f"no hit of test {number} was accepted, so it tells nothing; leave it out or "
+                f"no hit of test {number} was accepted, so it adds nothing; leave it out or "
                 "measure it again"
             )
         _check_hits(accepted, f" of test {number}")

@@ -196,7 +196,7 @@ def test_a_stiffness_that_nothing_tells_is_doubted(superset):
             [[0.5] * len(measured.modes)],
             [predicted],
         )
-        assert any("hardly tells the axis" in doubt for doubt in axis.doubts) == said
+        assert any("hardly shows the axis" in doubt for doubt in axis.doubts) == said
 
 
 def test_a_line_is_told_by_its_point_nearest_to_the_origin_and_its_way_off_the_axis(arm, results):

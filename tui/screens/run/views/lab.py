@@ -101,7 +101,7 @@ def devices_text(state: RunState) -> Text:
         text.append(f"✗ {troubles['can']}\n", style=BAD)
     elif state.told_rad is not None:
         text.append("✓ ", style=GOOD)
-        text.append(f"none: you tell the joint angles, to {math.degrees(state.told_rad):g}°\n")
+        text.append(f"none: you read the joint angles, to {math.degrees(state.told_rad):g}°\n")
     elif reading is None or reading.joints_rad is None:
         text.append(f"✗ no joint angles on {state.can_channel or 'no port'}\n", style=BAD)
     else:
