@@ -120,7 +120,7 @@ def best_axis_fit(
             except (EstimateError, np.linalg.LinAlgError):
                 continue
             costs.append(fit.cost)
-            progress(f"axis in {name}: cost {fit.cost:.4g}")
+            progress(f"an axis tried in {name}: misfit {fit.cost:.4g}")
             if best is None or fit.cost < best.cost:
                 best = fit
         if costs:
