@@ -106,7 +106,7 @@ def mechanics(
         rows.append(("axis", axis))
     where = place or "the whole arm"
     if axis is not None:
-        where += " (its frame; of the axis the point nearest its origin)"
+        where += " (in its frame: the axis' direction, and its point nearest the origin)"
     rows.append(("place", where))
     rows += [
         (name, _told(value))
@@ -126,7 +126,7 @@ def _axis_in_words(description: Mapping[str, object]) -> str | None:
     ways, at = _three(direction), _three(point)
     if not isinstance(link, str) or ways is None or at is None:
         return None
-    way = " ".join(f"{x:+.2f}" for x in ways)
+    way = " ".join(f"{round(x, 2) + 0.0:+.2f}" for x in ways)
     millimetres = " ".join(f"{1e3 * x + 0.0:.0f}" for x in at)
     return f"direction {way}, through {millimetres} mm"
 

@@ -112,7 +112,7 @@ def walk_to_the_report(
     terminal.until("NAMED|AMBIGUOUS|NOTHING DETECTABLE|OUTSIDE THE LIBRARY", ANALYSIS_S)
     found_s, keys_to_finding = time.monotonic(), terminal.pressed - pressed
     terminal.keys("w")
-    terminal.until(r"report \S*\.html", ANALYSIS_S)
+    terminal.until(r"report session\.html, beside", ANALYSIS_S)
     report_s = time.monotonic()
     terminal.keys("q")
     terminal.until("new session", SCREEN_S)

@@ -47,7 +47,7 @@ def test_an_axis_is_told_by_stiffness_damping_direction_point_and_place():
     # c = k tau = 20; relative deviations of 1 % and 2 % add in squares.
     assert told["c"] == "20.00 ± 0.45 N m s/rad"
     assert told["axis"] == "direction +0.96 +0.00 +0.28, through -52 18 180 mm"
-    assert told["place"].startswith("shoulder (its frame")
+    assert told["place"].startswith("shoulder (in its frame")
     assert "tilt" not in told  # where the fit began is nobody's business
 
 
