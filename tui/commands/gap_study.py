@@ -22,7 +22,7 @@ from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
 from armodal.tui.command_parts.worker_processes import worker_processes
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app"]
 
@@ -132,6 +132,7 @@ def gap_study_command(
             drawn.add_row(*row)
         out.print(drawn)
     out.print(f"cases {path}")
+    say_next("gap SESSION", "asks the same of your own session")
 
 
 def _command(specs: Sequence[AnySpec], maker: str, of_seed: str, tests: int, curves: int) -> str:

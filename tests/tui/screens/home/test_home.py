@@ -79,6 +79,18 @@ def test_r_goes_on_with_the_one_under_the_cursor(folder):
     assert wish.journal == folder / "demo" / "half.journal"
 
 
+def test_the_command_palette_lists_every_key_of_the_screen(folder):
+    listed = []
+
+    def look(app):
+        listed.extend(command.title for command in app.get_system_commands(app.screen))
+
+    wish_after(folder, look=look)
+    wanted = {"New session", "Resume", "Demo", "Try it simulated", "Devices", "Own arm", "Quit"}
+    assert wanted <= set(listed)
+    assert len(listed) == len(set(listed))
+
+
 def test_the_demo_is_one_key_away(folder):
     assert wish_after(folder, "d") == Demonstrate(folder=folder / "demo")
 
