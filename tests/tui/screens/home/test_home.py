@@ -86,7 +86,7 @@ def test_the_command_palette_lists_every_key_of_the_screen(folder):
         listed.extend(command.title for command in app.get_system_commands(app.screen))
 
     wish_after(folder, look=look)
-    wanted = {"New session", "Resume", "Demo", "Try it simulated", "Devices", "Own arm", "Quit"}
+    wanted = {"New session", "Resume", "Demo", "Try it simulated", "Devices", "Own arm", "Leave"}
     assert wanted <= set(listed)
     assert len(listed) == len(set(listed))
 
