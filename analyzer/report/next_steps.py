@@ -25,9 +25,7 @@ def next_steps(
     if not session.complete:
         steps.append("Measure the points that are missing: armodal run takes the session up again.")
     if gap is None:
-        steps.append(
-            "Ask what the model lacks: armodal gap SESSION. This report has it when made again."
-        )
+        steps.append("Ask what the model lacks: armodal gap SESSION. Then make this report again.")
         return tuple(steps)
     steps += [
         f"At {effect.place or 'the arm'}: {effect.remedy}."
