@@ -141,12 +141,12 @@ def levels_text(state: RunState, width: int) -> Text:
         text.append("  --input-range VOLTS shows them in mV", style=DIM)
     text.append("\n")
     wide = width >= WIDE
-    bar = max(width - (98 if wide else 70), 6)
+    bar = max(width - (99 if wide else 71), 6)
     lowest, highest = _extremes(state, len(channels))
     for i, channel in enumerate(channels):
         full = abs(channel.full_scale)
         text.append(f" {channel.name:<8}")
-        text.append(f"no {channel.serial_number:<9} ", style="")
+        text.append(f"S/N {channel.serial_number:<9} ")
         text.append(f"{sensitivity_words(channel, state.input_range_v):<16} ", style=style)
         text.append(f"± {full:<7.5g}{channel.unit.replace('^2', '²'):<6}")
         if wide or channel.iepe in {IepeState.OPEN, IepeState.SHORT}:
