@@ -288,8 +288,8 @@ KEYS = {
     "q leave",
     "modes": "⏎ shape s save picks [] posture w report ? help q leave",
     "mac": "c compare with [] posture w report ? help q leave",
-    "shape": "n mode ←↑ turn +/- zoom </> amplitude f/d speed space stop l names [] posture w report "
-    "? help q leave",
+    "shape": "n mode ←↑ turn +/- zoom </> amplitude f/d speed space stop l names [] posture w "
+    "report ? help q leave",
     "identify": "⏎ start esc stop [] posture w report ? help q leave",
     "gap": "⏎ start esc stop n next test → run [] posture w report ? help q leave",
 }
