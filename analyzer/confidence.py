@@ -2,11 +2,11 @@
 
 import math
 
-from scipy.special import ndtri
+import scipy
 
 __all__ = ["ONE_SIDED_95", "TWO_SIDED_95", "f_exceeded_with"]
 
-TWO_SIDED_95, ONE_SIDED_95 = float(ndtri(0.975)), float(ndtri(0.95))
+TWO_SIDED_95, ONE_SIDED_95 = float(scipy.special.ndtri(0.975)), float(scipy.special.ndtri(0.95))
 
 
 def f_exceeded_with(chance: float, dof: float) -> float:

@@ -140,7 +140,7 @@ def _notes(
     silent = [at for at, one in found.items() if one is None and frf.n_hits[at] != 1]
     if silent:
         yield (
-            f"{len(silent)} FRFs have a coherence of 1 on every line: it tells nothing of their "
+            f"{len(silent)} FRFs have a coherence of 1 on every line: it says nothing about their "
             "noise"
         )
     coarse = [one for one in told if one.unseen > 0.0]

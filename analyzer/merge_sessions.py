@@ -92,8 +92,8 @@ def merge_sessions(
     if not merged:
         raise EstimateError(
             f"{names[0]}: wanted a posture that another session has too, got "
-            f"{', '.join(repr(name) for name in every[0]) or 'none with FRFs'}; postures are told "
-            "by their names"
+            f"{', '.join(repr(name) for name in every[0]) or 'none with FRFs'}; postures are "
+            "matched by their names"
         )
     for name, found in zip(names[1:], every[1:], strict=True):
         more = [repr(posture) for posture in found if posture not in every[0]]
@@ -104,6 +104,9 @@ def merge_sessions(
         session_id=hashlib.sha256("+".join(ids).encode()).hexdigest()[:32],
         created=created,
         software=software,
+        measured_by=", ".join(
+            dict.fromkeys(one.header.measured_by for one in sessions if one.header.measured_by)
+        ),
     )
     session = Session(
         header=header,

@@ -375,6 +375,7 @@ def _open_journal(
         channel_mask=board.mask,
         time_scale=settings.time_scale,
         told_tolerance_rad=settings.told_tolerance_rad,
+        measured_by=settings.measured_by,
     )
     journal.writer = begin(settings.journal, header, mirror=settings.mirror, files=journal.files)
     stack.callback(journal.writer.close)

@@ -125,7 +125,7 @@ class CanJoints:
         missing = ", ".join(state.absent)
         if state.frames or state.invalid:
             return (
-                f"the controller on {self.name} tells nothing of {missing} "
+                f"the controller on {self.name} sends no angle of {missing} "
                 f"({state.frames} frames decoded, {state.invalid} not): does the database "
                 f"{mapping.database} fit this controller?"
             )

@@ -80,7 +80,7 @@ def check_told(plan: Plan, tolerance_rad: float) -> None:
         wanted = ", ".join(f"{p.name} {math.degrees(p.tolerance_rad):g}" for p in close)
         raise PlanError(
             f"plan {plan.name}: its tolerance_deg ({wanted}) is closer than the "
-            f"{math.degrees(tolerance_rad):g} deg to which joint angles are told by hand: read "
+            f"{math.degrees(tolerance_rad):g} deg to which joint angles are read by hand: read "
             "them more closely, or let the plan's postures have a larger tolerance_deg"
         )
 

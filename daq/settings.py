@@ -27,6 +27,7 @@ class AcquisitionSettings:
     can_channel : path of a serial CAN adapter, or interface:channel of python-can
     ur_address : HOST or HOST:PORT of a Universal Robots controller, in place of the bus
     told_tolerance_rad : joint angles are told by a person, to so much; None: they are measured
+    measured_by : who measures, for the report; kept as the session began
     journal : file to begin, or with `resume` to go on with
     mirror : folder on another disk that keeps the journal too, durable before a hit counts
     time_scale : lab seconds per second; 1 in a real laboratory
@@ -53,6 +54,7 @@ class AcquisitionSettings:
     can_channel: str = ""
     ur_address: str = ""
     told_tolerance_rad: float | None = None
+    measured_by: str = ""
     resume: bool = False
     board_baud: int = 921_600
     time_scale: float = 1.0

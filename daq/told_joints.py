@@ -102,7 +102,7 @@ def told_refusal(word: ToldPosture, posture: PlannedPosture, told_rad: float) ->
     if off_rad[joint] <= allowed_rad:
         return ""
     return (
-        f"joint {joint + 1} is told {math.degrees(off_rad[joint]):.2f} deg off posture "
+        f"joint {joint + 1} was given {math.degrees(off_rad[joint]):.2f} deg off posture "
         f"{posture.name}, {math.degrees(allowed_rad):.2f} allowed with angles read to "
         f"{math.degrees(told_rad):g} deg; bring the arm nearer"
     )
@@ -137,7 +137,7 @@ class ToldSource:
     def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
         """Take the angles, if the arm is at the posture with all they may be off."""
         if posture is None:
-            return "where the arm stands was told when no posture was asked for: not taken"
+            return "joint angles were given when no posture was asked for: not taken"
         refused = told_refusal(word, posture, self._tolerance_rad)
         if refused:
             return f"{refused}: not taken"

@@ -27,7 +27,7 @@ from armodal.protocols.plan_records import (
     Trigger,
     Windows,
 )
-from armodal.protocols.toml_reader import parse_toml, read_text, refuse, validate
+from armodal.protocols.toml_reader import parse_toml, read_text, refuse, shown, validate
 
 __all__ = ["PLANS_DIRECTORY", "load_plan", "plan_from_text", "shipped_plans"]
 
@@ -76,7 +76,10 @@ def plan_from_text(text: str, arm: Arm, *, origin: str = "plan file") -> Plan:
     data = parse_toml(text, origin=origin, error=PlanError)
     file = validate(PlanFile, data, origin=origin, error=PlanError)
     if file.arm != arm.name:
-        refuse(PlanError, origin, "arm", wanted=f"the arm at hand, {arm.name}", got=file.arm)
+        raise PlanError(
+            f"{origin}: arm: wanted {arm.name}, the arm that is given, got {shown(file.arm)}; give "
+            "the arm file of this plan, or another plan"
+        )
     _check_point(file.fixed_point, "fixed_point", arm, origin)
     names = [posture.name for posture in file.postures]
     for index, name in enumerate(names):

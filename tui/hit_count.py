@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from rich.console import Console
+from rich.control import Control
+from rich.segment import ControlType
 
 from armodal.daq.events import Event, Finished, HitJudged
 
 __all__ = ["HitCount"]
+
+_SAME_LINE = Control(ControlType.CARRIAGE_RETURN, (ControlType.ERASE_IN_LINE, 2))
 
 
 class HitCount:
@@ -28,10 +32,14 @@ class HitCount:
             else:
                 self._rejected += 1
             if self._console.is_terminal:
-                self._say(end="\r")
+                self._say(end="")
         elif isinstance(event, Finished):
             self._say()
 
     def _say(self, end: str = "\n") -> None:
+        if self._console.is_terminal:
+            self._console.control(_SAME_LINE)
         counts = f"{self._accepted} hits accepted, {self._rejected} rejected so far"
-        self._console.print(f"· {self._posture}: {counts}", style="dim", end=end)
+        self._console.print(
+            f"· {self._posture}: {counts}", style="dim", end=end, no_wrap=True, overflow="ellipsis"
+        )

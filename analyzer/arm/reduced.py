@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg
+import scipy
 
 from armodal.analyzer.arm.structure import Structure
 from armodal.analyzer.arm.superset import PostureDynamics, Superset

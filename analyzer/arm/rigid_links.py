@@ -6,6 +6,7 @@ are analysed where it is not installed.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -75,9 +76,19 @@ class RigidLinks:
 
     def posture(self, joints_rad: Array) -> LinkDynamics:
         """Evaluate a posture from (n_joints,) angles."""
+        return self.postures((joints_rad,))[0]
+
+    def postures(self, joints_rad: Iterable[Array]) -> tuple[LinkDynamics, ...]:
+        """Evaluate postures from (n_joints,) angles of each, in one work space.
+
+        Making the work space takes a hundred times as long as a posture in it.
+        """
+        data = self._model.createData()
+        return tuple(self._evaluated(angles, data) for angles in joints_rad)
+
+    def _evaluated(self, joints_rad: Array, data: Any) -> LinkDynamics:
         pin = _pinocchio()
         model = self._model
-        data = model.createData()
         q = self._configuration(joints_rad)
         mass = np.array(pin.crba(model, data, q))
         mass = np.triu(mass) + np.triu(mass, 1).T

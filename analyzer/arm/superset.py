@@ -12,6 +12,7 @@ in link i is link i and everything beyond it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,21 +99,34 @@ class Superset:
         ----------
         Mass matrix: file 002, Eqs. (4) and (5). Gravity stiffness: part of K in 002, Eq. (2).
         """
+        return self.postures((joints_rad,))[0]
+
+    def postures(self, joints_rad: Sequence[npt.ArrayLike]) -> tuple[PostureDynamics, ...]:
+        """Evaluate several postures as `posture` does each."""
+        every = [self._checked(angles) for angles in joints_rad]
+        lacking = {key: angles for key, angles in every if key not in self._kept}
+        if self.n_joints:
+            found = self._links.postures(lacking.values()) if lacking else ()
+        else:
+            found = (base_alone(),) * len(lacking)
+        new = {
+            key: self._evaluated(angles, links)
+            for (key, angles), links in zip(lacking.items(), found, strict=True)
+        }
+        known = self._kept | new
+        self._kept = dict(list(known.items())[-_KEPT:])
+        return tuple(known[key] for key, _ in every)
+
+    def _checked(self, joints_rad: npt.ArrayLike) -> tuple[tuple[float, ...], Array]:
         angles = np.asarray(joints_rad, dtype=np.float64)
         if angles.shape != (self.n_joints,) or not np.isfinite(angles).all():
             raise ArmError(
                 f"wanted {self.n_joints} finite joint angles for arm '{self.arm.name}', "
                 f"got an array of shape {angles.shape}: {angles}; give one angle per joint"
             )
-        key = tuple(angles.tolist())
-        if key not in self._kept:
-            if len(self._kept) == _KEPT:
-                del self._kept[next(iter(self._kept))]
-            self._kept[key] = self._evaluated(angles)
-        return self._kept[key]
+        return tuple(angles.tolist()), angles
 
-    def _evaluated(self, angles: Array) -> PostureDynamics:
-        found = self._links.posture(angles) if self.n_joints else base_alone()
+    def _evaluated(self, angles: Array, found: LinkDynamics) -> PostureDynamics:
         gravity = found.gravity_stiffness
         jacobian, rotation, position = self._points(found)
         return PostureDynamics(

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
+import scipy
 
 from armodal.analyzer.checks.modal_basis import modal_basis, real_lines
 from armodal.analyzer.checks.records import Fault, Finding, Outcome
@@ -84,8 +84,8 @@ def homogeneity(
     slope = Z @ E / (Z @ Z)
     rest = ((E - np.outer(Z, slope)) ** 2).sum(axis=0) / max(freedom, 1)
     std = np.sqrt(rest / (Z @ Z))
-    p = 2.0 * special.stdtr(max(freedom, 1), -np.abs(slope) / np.maximum(std, 1e-300))
-    half = special.stdtrit(max(freedom, 1), 0.995) * std
+    p = 2.0 * scipy.special.stdtr(max(freedom, 1), -np.abs(slope) / np.maximum(std, 1e-300))
+    half = scipy.special.stdtrit(max(freedom, 1), 0.995) * std
     words = ", ".join(
         f"{name} {100 * a:+.2f} ± {100 * b:.2f} %"
         for name, a, b in zip(_NAMES, slope, std, strict=True)
@@ -95,7 +95,7 @@ def homogeneity(
     if wrong.any():
         return say(Outcome.FAULT, Fault.LEVEL_DEPENDENT, float(1.0 - p[wrong].min()), text)
     if np.any(np.abs(slope) + half > 3.0 * _MATERIAL):
-        return say(Outcome.CANNOT_TELL, None, 0.0, f"too uncertain; {text}")
+        return say(Outcome.CANNOT_TELL, None, 0.0, f"too uncertain to tell; {text}")
     return say(Outcome.GOOD, None, 0.99, text)
 
 

@@ -89,7 +89,7 @@ def reciprocity(frfs: Sequence[FrequencyResponse]) -> tuple[Finding, ...]:
         Outcome.CANNOT_TELL,
         None,
         0.0,
-        "no two points were both hit and measured along each other's hits; hit one more point",
+        "no path between two points was measured in both directions; hit one more point",
     )
     told = [_mirror(first.posture, path) for path in paths if _only_mirror(path, paths, same)]
     return (*(found or [nothing]), *told)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.arm.superset import Superset

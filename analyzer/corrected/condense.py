@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-import scipy.optimize
+import scipy
 
 from armodal.analyzer.corrected.correction import Correction
 from armodal.analyzer.corrected.modes import CorrectedModes, corrected_modes

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg
+import scipy
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.corrected.posture import CorrectedPosture

@@ -233,6 +233,7 @@ def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
     rows = [
         Hidden(
             name=c.instance.effect.name,
+            title=c.instance.effect.title,
             place=c.instance.place,
             parameter=c.instance.size,
             unit=c.instance.unit,

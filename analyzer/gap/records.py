@@ -114,6 +114,7 @@ class Hidden:
     parameter: str
     unit: str
     largest: float
+    title: str = ""  # in words; older files lack it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,7 +20,7 @@ from armodal.analyzer.identification.structural import (
     to_link,
     triplets_of_shape,
 )
-from armodal.analyzer.screws import line_angle_rad, line_distance_m
+from armodal.analyzer.screws import line_angle_rad, line_distance_m, line_sense
 from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["axis_results"]
@@ -44,7 +44,8 @@ def axis_results(
     structure = fit.state.structure
     std, dof = fit.scatter.std(), fit.scatter.degrees_of_freedom()
     results = []
-    for number, axis in enumerate(structure.axes):
+    for number, fitted in enumerate(structure.axes):
+        axis = replace(fitted, direction=line_sense(fitted.direction))
         at = 2 * len(structure.joints) + 6 * number
         freedom = len(structure.joints) + number
         mozzi = _mozzi(superset, axis, frfs, measured, shares, predictions)
@@ -181,7 +182,7 @@ def _doubts(
     doubts = []
     if log_k_std > UNTOLD:
         doubts.append(
-            f"the measurement hardly tells the axis: the standard deviation of its stiffness is "
+            f"the measurement hardly shows the axis: the standard deviation of its stiffness is "
             f"{100 * log_k_std:.0f} % of it; no compliance there is established"
         )
     joints = superset.arm.joints

@@ -94,7 +94,8 @@ def best_axis_fit(
     Returns
     -------
     fit, rivals
-        The best fit, and (link, cost) of the best fit in every link tried.
+        The best fit, and (link, cost) of the best fit in every link tried, or of where it was
+        given up.
 
     Raises
     ------
@@ -113,11 +114,13 @@ def best_axis_fit(
                 structure = fit_to_frequencies(
                     superset, replace(baseline, axes=(axis,)), tuple(measured)
                 )
-                fit = fit_frfs(superset, postures, start_state(structure, len(postures)))
+                start = start_state(structure, len(postures))
+                beaten = np.inf if best is None else best.cost
+                fit = fit_frfs(superset, postures, start, beaten=beaten)
             except (EstimateError, np.linalg.LinAlgError):
                 continue
             costs.append(fit.cost)
-            progress(f"axis in {name}: cost {fit.cost:.4g}")
+            progress(f"an axis tried in {name}: misfit {fit.cost:.4g}")
             if best is None or fit.cost < best.cost:
                 best = fit
         if costs:

@@ -125,8 +125,15 @@ def fit_frfs(
     start: FitState,
     *,
     max_iterations: int = 60,
+    beaten: float = np.inf,
 ) -> FrfFit:
     """Fit the model's parameters to the FRFs of several postures.
+
+    Parameters
+    ----------
+    beaten
+        Cost of another fit. This one is given up, and returned as it is, once it would stay above
+        if every iteration left gained twice what the quadratic model promises of the last.
 
     Raises
     ------
@@ -144,6 +151,10 @@ def fit_frfs(
         iteration += 1
         H = normal.H + np.diag(precision)
         gradient = normal.gradient - precision * parameter_vector(state)
+        if np.isfinite(beaten):
+            promised = float(gradient @ np.linalg.lstsq(H, gradient)[0])
+            if cost - (max_iterations - iteration) * promised > beaten:
+                break
         step = np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
         largest = float(np.abs(step).max())
         step *= min(1.0, 1.0 / largest) if largest > 0.0 else 1.0  # no log or angle beyond 1
@@ -162,7 +173,7 @@ def fit_frfs(
             if damping > 1e12:
                 break
     fit = _finish(names, normal, state, cost, iteration)
-    if not converged:
+    if not converged and cost <= beaten:
         raise EstimateError(
             f"the model fit did not converge in {iteration} iterations "
             f"(relative residual {fit.relative_residual.round(3).tolist()}); "

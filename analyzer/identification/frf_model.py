@@ -234,28 +234,23 @@ def _derivatives(
 ) -> list[ComplexArray]:
     structure, s = state.structure, data.s_rad_s
     n_joints = len(structure.joints)
-    k, c = structure.all_stiffness(), structure.all_damping()
-
-    def spring(i: int) -> ComplexArray:
-        return np.asarray(-k[i] * np.einsum("mli,mlr->mril", Y[:, :, i], X[:, :, i]))
-
-    def damper(i: int) -> ComplexArray:
-        return np.asarray(-c[i] * np.einsum("l,mli,mlr->mril", s, Y[:, :, i], X[:, :, i]))
-
-    dy = [spring(i) for i in range(n_joints)] + [damper(i) for i in range(n_joints)]
+    n = n_joints + len(structure.axes)
+    by_unit = -np.einsum("mlni,mlnr->nmril", Y[:, :, :n], X[:, :, :n])
+    springs = structure.all_stiffness()[:n, None, None, None, None] * by_unit
+    dampers = structure.all_damping()[:n, None, None, None, None] * s * by_unit
+    dy = [*springs[:n_joints], *dampers[:n_joints]]
     gain = np.exp(state.log_gain)
     for i, axis in enumerate(structure.axes, start=n_joints):
         frame = across(axis.direction)
-        for side in range(2):
-            u = frame[:, side]
-            # A tilted axis keeps its nearest point: dp = -u_axis (p . du) keeps p ⟂ u.
-            dp = -axis.direction * (axis.point_m @ u)
-            twist = np.concatenate([skew(axis.point_m) @ u + skew(dp) @ axis.direction, u])
-            dy.append(_moved_axis(data, parts, X, Y, gain, i, axis.link, twist))
-        for side in range(2):
-            twist = np.concatenate([skew(frame[:, side]) @ axis.direction, np.zeros(3)])
-            dy.append(_moved_axis(data, parts, X, Y, gain, i, axis.link, twist))
-        dy += [spring(i), damper(i)]
+        # A tilted axis keeps its nearest point: dp = -u_axis (p . du) keeps p ⟂ u.
+        dp = -np.outer(axis.direction, axis.point_m @ frame)
+        tilts = np.vstack([skew(axis.point_m) @ frame - skew(axis.direction) @ dp, frame])
+        shifts = np.vstack([-skew(axis.direction) @ frame, np.zeros((3, 2))])
+        dy += [
+            *_moved_axis(data, parts, X, Y, gain, i, axis.link, np.hstack([tilts, shifts])),
+            springs[i],
+            dampers[i],
+        ]
     return dy
 
 
@@ -267,23 +262,24 @@ def _moved_axis(
     gain: Array,
     column: int,
     link: int,
-    twist: Array,
+    twists: Array,
 ) -> ComplexArray:
-    """Derivative of y when the superset motion of one column changes by `twist` at a link."""
+    """Derivatives of y when the superset motion of one column changes at a link.
+
+    `twists` are (6, n_twists); the derivatives are (n_twists, *y.shape).
+    """
     T, dynamics, s = parts.T, data.dynamics, data.s_rad_s
-    dt = np.zeros(T.shape[0])
-    dt[Superset.interface_columns(link)] = twist
+    dt = np.zeros((T.shape[0], twists.shape[1]))
+    dt[Superset.interface_columns(link)] = twists
     # dZ is symmetric with only one row and column changed: dZ = e zᵀ + z eᵀ.
-    z = (s**2)[None, :, None] * (parts.M_super @ dt @ T)[:, None] + T.T @ (
-        dynamics.gravity_stiffness @ dt
-    )
-    zX = np.einsum("mln,mlnr->mlr", z, X)
-    zY = np.einsum("mln,mlni->mli", z, Y)
-    dy = -np.einsum("mli,mlr->mril", Y[:, :, column], zX)
-    dy -= np.einsum("mli,mlr->mril", zY, X[:, :, column])
+    inertial = (T.T @ (parts.M_super @ dt)).transpose(2, 0, 1)  # (n_twists, mountings, n)
+    stiff = (T.T @ (dynamics.gravity_stiffness @ dt)).T
+    z = (s**2)[:, None] * inertial[:, :, None] + stiff[:, None, None]
+    zX = np.einsum("qmln,mlnr->qmrl", z, X)
+    zY = np.einsum("qmln,mlni->qmil", z, Y)
+    at_x, at_y = X[:, :, column].transpose(0, 2, 1), Y[:, :, column].transpose(0, 2, 1)
     J = dynamics.point_jacobian
-    db = np.einsum("ri,ri->r", J[data.hit_point][:, :3] @ dt, parts.force)
-    dy += np.einsum("mli,r->mril", Y[:, :, column], db)
-    do = _output(data, (J[data.sensor_point] @ dt)[..., None])[:, :, 0] * gain
-    dy += np.einsum("mli,mlr->mril", do, X[:, :, column])
-    return np.asarray(dy)
+    db = np.einsum("rnq,rn->qr", J[data.hit_point][:, :3] @ dt, parts.force)
+    do = (_output(data, J[data.sensor_point] @ dt) * gain).transpose(2, 0, 3, 1)
+    from_hit = (db[:, None, :, None] - zX)[:, :, :, None] * at_y[:, None]
+    return np.asarray(from_hit + (do - zY)[:, :, None] * at_x[:, :, None])

@@ -12,8 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg
-import scipy.optimize
+import scipy
 
 from armodal.analyzer.arm.reduced import ReducedModel, reduce_model
 from armodal.analyzer.arm.structure import Structure

@@ -58,8 +58,9 @@ def model_moves(
     for perturbed, angles in moved_arms(superset.arm):
         other = Superset(perturbed)
         gradient = np.zeros(len(H))
-        for i, data in enumerate(postures):
-            moved = replace(data, dynamics=other.posture(data.dynamics.joints_rad + angles))
+        there = other.postures([data.dynamics.joints_rad + angles for data in postures])
+        for i, (data, dynamics) in enumerate(zip(postures, there, strict=True)):
+            moved = replace(data, dynamics=dynamics)
             y = predict(other, moved, fit.state, i)
             gradient -= (weighted_J[i] @ (y.ravel() - base[i])).real
         step = np.asarray(np.linalg.solve(H, gradient), dtype=np.float64)

@@ -17,8 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg
-import scipy.optimize
+import scipy
 
 from armodal.analyzer.arm.reduced import reduce_model
 from armodal.analyzer.arm.structure import Structure

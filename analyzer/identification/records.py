@@ -84,7 +84,7 @@ class AxisResult:
     """A structural compliance axis, from the model with the axis released."""
 
     link: str
-    direction_link: Array  # (3,) unit, link frame
+    direction_link: Array  # (3,) unit, link frame, its largest part positive: `line_sense`
     point_link_m: Array  # (3,), nearest the link frame's origin
     direction_std_deg: float
     point_std_m: float

@@ -163,20 +163,21 @@ def fit_notes(
 ) -> tuple[str, ...]:
     """What has to be said of a fit before its numbers are used."""
     flagged = sum(share < STRUCTURAL_SHARE for posture in shares for share in posture)
+    modes = f"{flagged} measured mode{'' if flagged == 1 else 's'}"
     if fit.state.structure.axes:
-        first = f"{flagged} measured mode(s) are not explained by joint rotations"
+        first = f"joint rotations do not explain {modes}"
     elif not flagged:
         first = (
             "joint rotations make the shape of every measured mode; no structural axis was sought"
         )
     else:
         first = (
-            f"{flagged} measured mode(s) have a low joint share, yet the joints alone explain the "
+            f"joint rotations explain little of {modes}, yet the joints alone explain the "
             "FRFs: the roving sensor's mass, or noise; no structural axis was sought"
         )
     notes = [
         first,
-        "part of the FRFs (rms) that neither model nor noise explains: "
+        "part of the FRFs that neither model nor noise explains, rms: "
         + ", ".join(
             f"{frf.posture} {value:.1%}"
             for frf, value in zip(fitted, fit.relative_residual, strict=True)
@@ -200,12 +201,12 @@ def fit_notes(
     ]
     if fit.scatter.one_mounting:
         notes.append(
-            "one mounting alone tells of the parameters and shows no scatter: each stated std is "
-            "that of the noise, and leaves out what a second mounting would show"
+            "the parameters rest on one mounting alone, which shows no scatter: each standard "
+            "deviation is that of the noise, and leaves out what a second mounting would show"
         )
     elif poorly:
         notes.append(
-            "seen by fewer than three mountings, so that the stated std is the least it can be: "
+            "seen by fewer than three mountings, so that the standard deviation may be larger: "
             + ", ".join(poorly)
         )
     return tuple(notes)

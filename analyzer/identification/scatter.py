@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
+import scipy
 
 __all__ = ["FEWEST_DOF", "ParameterScatter", "half_width_95"]
 
@@ -110,7 +110,7 @@ def _n_telling(cluster_share: Array) -> int:
 
 def half_width_95(std: float, degrees_of_freedom: float) -> float:
     """Half the 95 % interval of an estimate whose `std` is that of a Student t."""
-    quantile = special.stdtrit(degrees_of_freedom, 0.975)
+    quantile = scipy.special.stdtrit(degrees_of_freedom, 0.975)
     return float(std / _spread(np.float64(degrees_of_freedom)) * quantile)
 
 

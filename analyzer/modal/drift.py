@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtrc
+import scipy
 
 from armodal.analyzer.modal.about_modes import AboutModes, about_modes, linked_runs
 from armodal.analyzer.modal.own_poles import LINKED, own_fits, own_fits_again
@@ -122,7 +122,7 @@ def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> l
         # A resonance known to no better than its own width was not seen. Nor one that explains no
         # more than the best place for a pole does where there is nothing but noise, as at a node.
         explained = fit.gain.sum(axis=0) / max(noise, np.finfo(float).tiny) * line_share
-        by_noise = REACH * chdtrc(
+        by_noise = REACH * scipy.special.chdtrc(
             2 * n_frf + 2, np.maximum(explained, 0.0)
         )  # of so many bandwidths, one
         known = (variance[:, 1] < z[g] ** 2) & (by_noise[rank] < SURE)
@@ -156,7 +156,7 @@ def _chances(fit: Regression, group: _Int, n_freq: int, line_share: float) -> _R
         own_step = np.linalg.pinv(own, hermitian=True) @ score[..., None]
         step = own_step[..., 0] - mean
         q = float(np.einsum("gi,gij,gj->", step, own, step))
-        chance[m] = chdtrc(2 * (n_groups - 1), max(q, 0.0))
+        chance[m] = scipy.special.chdtrc(2 * (n_groups - 1), max(q, 0.0))
     return chance
 
 

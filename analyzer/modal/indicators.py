@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from armodal.analyzer.modal.complete_parts import complete_block
 from armodal.analyzer.modal.forms import derivative_order
@@ -77,7 +77,7 @@ def tracked_cmif(frf: FrequencyResponse) -> TrackedCmif:
     order = np.empty(S.shape, dtype=np.intp)
     order[0] = np.arange(S.shape[1])
     for k, table in enumerate(likeness):
-        order[k + 1] = linear_sum_assignment(table[order[k]], maximize=True)[1]
+        order[k + 1] = scipy.optimize.linear_sum_assignment(table[order[k]], maximize=True)[1]
     return TrackedCmif(
         freq_hz=frf.freq_hz,
         values=frozen_array(np.take_along_axis(S, order, axis=1), np.float64),

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import median_filter
 
 from armodal.analyzer.modal.band import FEWEST_LINES, lines_within
 from armodal.analyzer.modal.complete_parts import linked
@@ -16,6 +15,7 @@ from armodal.analyzer.modal.noise import (
     hit_scatter_variance,
     independent_line_share,
 )
+from armodal.analyzer.modal.running_median import running_median
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 
@@ -123,7 +123,7 @@ def misfit_variance(
     width = min(MEDIAN_LINES, mean.shape[-1])
     # The mean of k squared magnitudes has its median at its mean but for a third of 1 / k.
     n_frf = power.shape[0]
-    floor = median_filter(mean, size=(1, 1, width), mode="nearest") / (1.0 - 1.0 / (3.0 * n_frf))
+    floor = running_median(mean, width) / (1.0 - 1.0 / (3.0 * n_frf))
     shape = hit_scatter_variance(
         mean, np.maximum(floor, 1e-12), mean_size, np.array([[1 + n_frf]]), line_share
     )

@@ -19,7 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import median_filter
+
+from armodal.analyzer.modal.running_median import running_median
 
 __all__ = [
     "SMOOTHED_LINES",
@@ -89,8 +90,7 @@ def line_to_line_noise(
     share = 6.0 - 8.0 * near + 2.0 * next_but_one
     if share < _LEAST_ROUGHNESS or values.shape[-1] < _SURROUNDINGS:
         return np.zeros(values.shape)
-    width = (1,) * (values.ndim - 1) + (_SURROUNDINGS,)
-    median = median_filter(rough_level(values), size=width, mode="nearest")
+    median = running_median(rough_level(values), _SURROUNDINGS)
     # The median of a squared magnitude of complex noise is ln 2 of its mean.
     result: npt.NDArray[np.float64] = median / (np.log(2.0) * share)
     return result

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from armodal.analyzer.modal.about_modes import AboutModes
 from armodal.analyzer.modal.correlation import mpc
@@ -162,7 +162,7 @@ def _moving(local: AboutModes, group: _Int, fits: list[Regression]) -> _Complex:
     moving = np.empty((group.size, most.size), dtype=np.complex128)
     for g, fit in enumerate(fits):
         apart = shown[g] * np.abs(most[:, None] - fit.poles) ** 2
-        moving[group == g] = fit.residues[:, linear_sum_assignment(apart)[1]]
+        moving[group == g] = fit.residues[:, scipy.optimize.linear_sum_assignment(apart)[1]]
     return moving
 
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import median_filter
+
+from armodal.analyzer.modal.running_median import running_median
 
 __all__ = ["Peak", "peak_poles", "standing_peaks", "unexplained"]
 
@@ -48,7 +49,7 @@ def standing_peaks(
         return ()
     level = np.mean(power[seen] / median[seen], axis=0)
     width = min(SURROUNDINGS, freq_hz.size)
-    around = np.maximum(median_filter(level, size=width, mode="nearest"), np.finfo(float).tiny)
+    around = np.maximum(running_median(level, width), np.finfo(float).tiny)
     out = level > HEIGHT**2 * around
     edges = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(np.int8), [0]])))
     peaks = []

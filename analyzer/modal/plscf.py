@@ -22,8 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eig as matrix_eig
-from scipy.linalg import solve_triangular
+import scipy
 
 from armodal.protocols.errors import EstimateError
 
@@ -138,7 +137,7 @@ def _normal_matrix(
     if shared:
         root = _definite_factor(R[0], float(R[0, 0, 0]), _NUMERATOR_RIDGE)
         stacked = S.transpose(1, 0, 2).reshape(order + 1, -1)
-        solved = solve_triangular(root, stacked, lower=True, check_finite=False)
+        solved = scipy.linalg.solve_triangular(root, stacked, lower=True, check_finite=False)
         half = np.asarray(solved.reshape((order + 1) * n_resp, -1), dtype=np.float64)
     else:
         roots = _definite_factor(R, R[:, :1, :1], _NUMERATOR_RIDGE)
@@ -187,7 +186,7 @@ def _companion_poles(
         u = np.linalg.eigvals(companion)
         w = np.ones((size, 1), dtype=np.complex128)
     else:
-        u, vectors = matrix_eig(companion, check_finite=False)
+        u, vectors = scipy.linalg.eig(companion, check_finite=False)
         w = vectors[-n_ref:].T
     usable = np.abs(u) > 1e-6
     norm = np.linalg.norm(w[usable], axis=1, keepdims=True)
@@ -248,7 +247,9 @@ def poles_plscf(
     M, size = _normal_matrix(values, weight, theta, order)
 
     factor = _definite_factor(M[n_ref:, n_ref:], size, _LEAST_RIDGE)
-    forward = solve_triangular(factor, -M[n_ref:, :n_ref], lower=True, check_finite=False)
+    forward = scipy.linalg.solve_triangular(
+        factor, -M[n_ref:, :n_ref], lower=True, check_finite=False
+    )
 
     step = order_step or max(1, round(order / 40))
     orders = tuple(range(order, max(order // 4, 2) - 1, -step))[::-1]
@@ -256,7 +257,7 @@ def poles_plscf(
     for n in orders:
         rows_used = n * n_ref
         # The leading block of a Cholesky factor is the factor of the leading block.
-        coefficients = solve_triangular(
+        coefficients = scipy.linalg.solve_triangular(
             factor[:rows_used, :rows_used],
             forward[:rows_used],
             lower=True,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtrc
+import scipy
 
 __all__ = ["Quantity", "random_effects"]
 
@@ -55,5 +55,5 @@ def random_effects(x: _Real, std: _Real) -> Quantity:
         value=x,
         value_std=std,
         drawn=mean + share * (x - mean),
-        chance=float(chdtrc(max(n - 1, 1), q)),
+        chance=float(scipy.special.chdtrc(max(n - 1, 1), q)),
     )

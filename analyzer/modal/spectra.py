@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.fft import prev_fast_len
 
 from armodal.analyzer.modal.sensor_axes import axis_letter
 from armodal.analyzer.modal.usable_band import UsableBand, usable_band
@@ -23,7 +22,7 @@ from armodal.protocols.errors import EstimateError
 from armodal.protocols.force_pulse import pulse_onset
 from armodal.protocols.session.records import Hit, Session
 
-__all__ = ["HitSpectra", "active_channels", "hit_frfs", "hit_spectra"]
+__all__ = ["HitSpectra", "active_channels", "fast_length", "hit_frfs", "hit_spectra"]
 
 _LEAD_S = 0.002  # kept before the trigger: the foot of a pulse that rises slowly,
 _LEAD_SAMPLES = 8  # and the ringing of an anti-alias filter of linear phase
@@ -69,6 +68,16 @@ def active_channels(session: Session) -> tuple[Channel, tuple[Channel, ...], lis
         )
     columns = force + acceleration
     return active[force[0]], tuple(active[i] for i in acceleration), columns
+
+
+def fast_length(most: int) -> int:
+    """Length of at most so many samples whose Fourier transform is fast: 2^a 3^b 5^c.
+
+    >>> fast_length(1024), fast_length(1023)
+    (1024, 1000)
+    """
+    odd = [3**b * 5**c for b in range(most.bit_length()) for c in range(most.bit_length())]
+    return int(max(each << (most // each).bit_length() - 1 for each in odd if each <= most))
 
 
 def _check_records(hits: tuple[Hit, ...], n_channels: int) -> None:
@@ -132,7 +141,7 @@ def hit_spectra(
     triggers = [_trigger(hit, hit.counts[:, columns[0]], rising=rising) for hit in hits]
     lead = min(_LEAD_SAMPLES + round(_LEAD_S * rate), *triggers)
     behind = min(len(hit.counts) - at for hit, at in zip(hits, triggers, strict=True))
-    n = int(prev_fast_len(behind + lead, real=True))
+    n = fast_length(behind + lead)
     decay = exponential_decay(windows.exponential_end, n / rate)
 
     channels = (force_channel, *acceleration_channels)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtrc
+import scipy
 
 from armodal.analyzer.modal.about_modes import AboutModes, about_modes, near_runs
 from armodal.analyzer.modal.refine import refine_poles
@@ -75,5 +75,5 @@ def _moved(data: ModalData, fit: Regression, own: npt.NDArray[np.intp], line_sha
     J = frequency_damping_jacobian(again.poles)
     scatter = np.diag(J @ theta @ J.T)
     moved = (after - before) ** 2
-    beyond: _Real = np.where(chdtrc(1, moved / scatter) < SURE, moved - scatter, 0.0)
+    beyond: _Real = np.where(scipy.special.chdtrc(1, moved / scatter) < SURE, moved - scatter, 0.0)
     return beyond

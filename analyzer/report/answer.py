@@ -111,7 +111,7 @@ def _axis(axis: AxisResult) -> Finding:
         text=f"The {axis.link} gives way about an axis of its own: stiffness {k} ± {spread} "
         f"N m/rad (95 %: {low} to {high}), "
         f"strained most at {axis.f_hz:.2f} Hz in {axis.posture}.",
-        sure="; ".join(axis.doubts) or "No other explanation is in doubt with it.",
+        sure="; ".join(axis.doubts) or "Nothing in the measurement speaks against it.",
     )
 
 
@@ -135,5 +135,5 @@ def _validation(result: Identification) -> Finding | None:
     return Finding(
         text=f"{len(errors)} of {len(rows)} modes predicted for {names} were found, within "
         f"{share(max(errors))} in frequency.",
-        sure="Predicted before these postures were looked at.",
+        sure="Predicted without using these postures.",
     )

@@ -31,9 +31,16 @@ _HARDLY_EVER = 1e-4  # far beyond the replicas: their tail's form is assumed
 
 def effect_sentence(effect: EffectFound) -> str:
     """Return what was found where, with its size where it has one."""
-    place = f" ({effect.place})" if effect.place else ""
     size = size_in_words(effect)
-    return f"{effect.title}{place}{f': {size}' if size else ''}."
+    return f"{_what_where(effect.title, effect.place)}{f': {size}' if size else ''}."
+
+
+def _what_where(title: str, place: str) -> str:
+    """Name the place: "Link gives way" in the shoulder is "The shoulder gives way"."""
+    does = title.removeprefix("Link ")
+    if not place or does == title:
+        return f"{title} ({place})" if place else title
+    return f"The {place} {does}" if place.isalpha() else f"{place} {does}"
 
 
 def size_in_words(effect: EffectFound) -> str:
@@ -99,7 +106,7 @@ def mechanics(
         rows.append(("axis", axis))
     where = place or "the whole arm"
     if axis is not None:
-        where += " (its frame; of the axis the point nearest its origin)"
+        where += " (in its frame: the axis' direction, and its point nearest the origin)"
     rows.append(("place", where))
     rows += [
         (name, _told(value))
@@ -119,7 +126,7 @@ def _axis_in_words(description: Mapping[str, object]) -> str | None:
     ways, at = _three(direction), _three(point)
     if not isinstance(link, str) or ways is None or at is None:
         return None
-    way = " ".join(f"{x:+.2f}" for x in ways)
+    way = " ".join(f"{round(x, 2) + 0.0:+.2f}" for x in ways)
     millimetres = " ".join(f"{1e3 * x + 0.0:.0f}" for x in at)
     return f"direction {way}, through {millimetres} mm"
 

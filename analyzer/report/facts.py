@@ -20,6 +20,7 @@ def facts(session: Session) -> Facts:
     unseen = [posture.name for posture in postures if posture.validation]
     rows = [
         ("Session", f"{header.session_id}, {header.created[:16].replace('T', ' ')} UTC"),
+        ("Measured by", header.measured_by or "not recorded"),
         (
             "Postures",
             f"{len(postures)}" + (f", {len(unseen)} of them kept for validation" if unseen else ""),

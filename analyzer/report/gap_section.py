@@ -8,6 +8,7 @@ from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
 from armodal.analyzer.report.policy import under_policy
+from armodal.analyzer.report.words import rounded
 
 __all__ = ["gap_page", "gap_section"]
 
@@ -38,6 +39,7 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             mechanics=mechanics_of,
             certainty=certainty,
             chance=chance,
+            rounded=rounded,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
             maps=disagreement_svgs(result),

@@ -25,9 +25,7 @@ def next_steps(
     if not session.complete:
         steps.append("Measure the points that are missing: armodal run takes the session up again.")
     if gap is None:
-        steps.append(
-            "Ask what the model lacks: armodal gap SESSION. This report has it when made again."
-        )
+        steps.append("Ask what the model lacks: armodal gap SESSION. Then make this report again.")
         return tuple(steps)
     steps += [
         f"At {effect.place or 'the arm'}: {effect.remedy}."
@@ -36,7 +34,10 @@ def next_steps(
     ]
     if gap.verdict is Verdict.AMBIGUOUS and gap.next_test is None:
         told = dict.fromkeys(r.told_by for r in gap.rivals if r.standing and r.told_by)
-        steps += [f"To tell what stands apart: {test}." for test in list(told)[:_MOST_TESTS]]
+        steps += [
+            f"To tell the remaining explanations apart: {test}."
+            for test in list(told)[:_MOST_TESTS]
+        ]
     if gap.verdict is Verdict.OUTSIDE_LIBRARY and gap.interface:
         steps.append(f"Look at the arm where {gap.interface}.")
     if gap.next_test is not None:

@@ -26,5 +26,5 @@ def plain_steps(frf: FrequencyResponse, model: ModalModel) -> list[str]:
     if not any(dof.point in measured for dof in frf.references):
         steps.append("Hit a point where a sensor sits: without one there is no modal mass.")
     if any(m.damping_ratio < TWO_SIDED_95 * m.damping_std for m in model.modes):
-        steps.append("Take more hits, or longer records: a damping is not told apart from 0.")
+        steps.append("Take more hits, or longer records: a damping ratio may still be 0.")
     return steps or ["Nothing: no question is left open by this test."]

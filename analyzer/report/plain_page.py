@@ -42,6 +42,7 @@ from armodal.analyzer.report.shape_figures import (
     shape_bars_figure,
 )
 from armodal.protocols.errors import EstimateError
+from armodal.protocols.foreign.manifest import NO_ARM
 from armodal.protocols.foreign.session_texts import UNKNOWN_PLACES
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
@@ -87,6 +88,7 @@ def write_plain_report(
         .render(
             style=style(),
             session=session,
+            structure="" if session.header.arm.name == NO_ARM else session.header.arm.name,
             facts=facts(session),
             warnings=(
                 *session.warnings,

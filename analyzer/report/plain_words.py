@@ -38,7 +38,7 @@ def answer(frf: FrequencyResponse, model: ModalModel) -> list[str]:
     source = (
         ", from the scatter between points"
         if model.robust_covariance
-        else "; no scatter between points tells more, take them as lower bounds"
+        else "; scatter between points is not known, so take them as lower bounds"
     )
     said = [
         f"{_count(len(f), 'mode')} from {f[0]:.5g} to {f[-1]:.5g} Hz, found in {measured}."
@@ -46,11 +46,11 @@ def answer(frf: FrequencyResponse, model: ModalModel) -> list[str]:
         else f"One mode at {f[0]:.5g} Hz, found in {measured}.",
         (
             f"Together they explain all but {100.0 * model.synthesis_error:.2g} % of the FRFs "
-            f"(RMS); the FRF they explain least has a likeness (FRAC) of {model.frac.min():.4f}."
+            f"(RMS); the worst explained FRF agrees with them to {_floored(model.frac.min())} %."
         ),
         (
-            f"Frequencies are known to {_range(std)} Hz, dampings to {_range(damping)} % of "
-            f"critical (one standard deviation{source})."
+            f"Frequencies are known within {_range(std)} Hz, damping ratios within "
+            f"{_range(damping)} % (one standard deviation{source})."
         ),
     ]
     moving = drift_told(model)
@@ -80,12 +80,14 @@ def open_questions(frf: FrequencyResponse, model: ModalModel) -> list[str]:
     said += _misfits(frf, model)
     unknown = [m for m in model.modes if m.damping_ratio < TWO_SIDED_95 * m.damping_std]
     if unknown:
-        said.append(f"the damping of {_listed(unknown)} cannot be told from 0")
+        said.append(f"the damping of {_listed(unknown)} may be 0")
     if not model.modes:
         return said
     n_places = len(shape_of(model, model.modes[0]))
     if n_places == 1:
-        said.append("one degree of freedom was measured: there are no shapes, and MPC says nothing")
+        said.append(
+            "one degree of freedom was measured: there are no shapes, and MPC has no meaning"
+        )
     elif len(model.modes) > 1:
         shapes = np.stack([shape_of(model, mode) for mode in model.modes], axis=1)
         likeness = np.triu(mac_matrix(shapes, shapes), 1)
@@ -121,6 +123,11 @@ def _misfits(frf: FrequencyResponse, model: ModalModel) -> list[str]:
             f"but {share} % of the FRFs, which is more than noise leaves elsewhere"
         )
     return said
+
+
+def _floored(share: float) -> str:
+    """A share in per cent, never rounded up to all of it."""
+    return f"{np.floor(1e4 * share) / 1e2:g}"
 
 
 def _count(n: int, what: str) -> str:

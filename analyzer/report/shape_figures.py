@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import plotly.graph_objects as go
-from scipy.sparse.csgraph import minimum_spanning_tree
-from scipy.spatial.distance import cdist
+import scipy
 
 from armodal.analyzer.modal import ModalModel
 from armodal.analyzer.report.page_text import shown
@@ -173,7 +172,8 @@ def shape_bars_figure(model: ModalModel) -> Any:
 
 def tree_of(rest: npt.NDArray[np.float64]) -> list[tuple[int, int]]:
     """Pairs of points that a shortest tree joins."""
-    tree = minimum_spanning_tree(cdist(rest, rest)).tocoo()
+    apart = scipy.spatial.distance.cdist(rest, rest)
+    tree = scipy.sparse.csgraph.minimum_spanning_tree(apart).tocoo()
     return [(int(a), int(b)) for a, b in zip(tree.row, tree.col, strict=True)]
 
 

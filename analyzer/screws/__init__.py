@@ -5,6 +5,7 @@ from armodal.analyzer.screws.mozzi import (
     Translation,
     line_angle_rad,
     line_distance_m,
+    line_sense,
     mozzi_axis,
 )
 from armodal.analyzer.screws.rigid_motion import RigidMotion, rigid_motion
@@ -15,6 +16,7 @@ __all__ = [
     "Translation",
     "line_angle_rad",
     "line_distance_m",
+    "line_sense",
     "mozzi_axis",
     "rigid_motion",
 ]

@@ -9,7 +9,14 @@ import numpy.typing as npt
 
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["MozziAxis", "Translation", "line_angle_rad", "line_distance_m", "mozzi_axis"]
+__all__ = [
+    "MozziAxis",
+    "Translation",
+    "line_angle_rad",
+    "line_distance_m",
+    "line_sense",
+    "mozzi_axis",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -80,6 +87,16 @@ def line_angle_rad(direction_a: npt.ArrayLike, direction_b: npt.ArrayLike) -> fl
     a = np.asarray(direction_a, dtype=np.float64)
     b = np.asarray(direction_b, dtype=np.float64)
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b)))
+
+
+def line_sense(direction: npt.ArrayLike) -> Array:
+    """Direction (3,) of a line without sense as it is always written: its largest part positive.
+
+    >>> line_sense([-0.96, 0.0, -0.28]).tolist()
+    [0.96, -0.0, 0.28]
+    """
+    along = np.asarray(direction, dtype=np.float64)
+    return along if along[int(np.argmax(np.abs(along)))] >= 0.0 else -along
 
 
 def line_distance_m(

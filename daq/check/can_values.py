@@ -34,7 +34,7 @@ def check_scale(heard: CanRecording) -> Finding:
         low, high = (math.degrees(limit) for limit in joint.range_rad)
         if angles.min() < low - RANGE_SLACK_DEG or angles.max() > high + RANGE_SLACK_DEG:
             problems.append(
-                f"{joint.name} is said to be at {angles.min():.2f} to {angles.max():.2f} degrees, "
+                f"{joint.name} is reported at {angles.min():.2f} to {angles.max():.2f} degrees, "
                 f"its range is {low:g} to {high:g}"
             )
         told.append(f"{np.median(angles):.2f}")

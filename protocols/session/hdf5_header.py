@@ -45,6 +45,8 @@ def write_header(entry: h5py.Group, header: SessionHeader) -> None:
     if model.told_tolerance_rad is not None:
         told = np.array(model.told_tolerance_rad, dtype=np.float64)
         add_array(entry, "told_tolerance_rad", told)
+    if model.measured_by:
+        add_text(entry, "measured_by", model.measured_by)
     arm = add_group(entry, "arm", "NXcollection")
     add_text(arm, "text", model.arm_text)
     if model.urdf_text is not None:
@@ -81,6 +83,9 @@ def read_header(entry: Tree) -> SessionHeader:
                 "channel_mask": int(board.array("channel_mask", np.uint64, ())),
                 "time_scale": float(entry.array("time_scale", np.float64, ())),
                 "told_tolerance_rad": _told_tolerance_rad(entry),
+                "measured_by": (
+                    entry.text("measured_by", limit=1024) if entry.has("measured_by") else ""
+                ),
             },
             "header",
         )

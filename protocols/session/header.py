@@ -37,6 +37,7 @@ def header_model(header: SessionHeader) -> HeaderModel:
             "channel_mask": header.channel_mask,
             "time_scale": header.time_scale,
             "told_tolerance_rad": header.told_tolerance_rad,
+            "measured_by": header.measured_by,
         },
         "session header",
     )
@@ -86,4 +87,5 @@ def header_of(model: HeaderModel, dictionary_bytes: bytes) -> SessionHeader:
         channel_mask=model.channel_mask,
         time_scale=model.time_scale,
         told_tolerance_rad=model.told_tolerance_rad,
+        measured_by=model.measured_by,
     )

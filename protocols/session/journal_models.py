@@ -60,6 +60,7 @@ class HeaderModel(Strict):
     channel_mask: Annotated[int, Field(gt=0, lt=2**MAX_CHANNELS)]
     time_scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
     told_tolerance_rad: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    measured_by: Name = ""
 
 
 class ReadingModel(Strict):

@@ -89,6 +89,7 @@ class SessionHeader:
     channel_mask: int
     time_scale: float  # 1 in a real laboratory
     told_tolerance_rad: float | None = None  # joint angles were told to so much; None: measured
+    measured_by: str = ""  # who held the hammer; empty: not told
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

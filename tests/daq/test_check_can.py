@@ -26,7 +26,7 @@ CAUGHT = {
     "half-rate": ("rate", "JOINTS_1_2: 62.50 Hz, 125 Hz in the arm file"),
     "missing-message": ("messages", "JOINTS_5_6 never came"),
     "not-available": ("scale", "frames of JOINTS_3_4 cannot be used: .* not available"),
-    "out-of-range": ("scale", "joint_2 is said to be at 300.00 to 300.00 degrees"),
+    "out-of-range": ("scale", "joint_2 is reported at 300.00 to 300.00 degrees"),
     "shaky": ("still", "joint_1 moves by 0.200 degree"),
     "skips-frames": ("counter", "JOINTS_1_2: .* frames lost by the counter"),
     "stuck-counter": ("counter", "the counter stands still in 49. frames"),

@@ -56,7 +56,7 @@ def test_angles_typed_are_kept_as_they_were_typed(posture):
 def test_an_angle_that_may_lie_outside_the_posture_is_refused(posture):
     # 0.5 deg less the 0.2 deg that the word may be off.
     said = ToldSource(TOLD_RAD).take_word(word_off(posture, 0.31), posture, 2.0)
-    assert "joint 3 is told 0.31 deg off posture test 1, 0.30 allowed" in said
+    assert "joint 3 was given 0.31 deg off posture test 1, 0.30 allowed" in said
     assert "not taken" in said
 
 

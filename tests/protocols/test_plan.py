@@ -99,7 +99,8 @@ ALL = '["1", "2", "3", "4", "5", "6", "7",'
     ("old", "new", "said"),
     [
         ("armodal-plan-1", "armodal-arm-1", "format: wanted 'armodal-plan-1', got"),
-        ('arm = "rv4frl"', 'arm = "viper"', "arm: wanted the arm at hand, rv4frl, got 'viper'"),
+        ('arm = "rv4frl"', 'arm = "viper"',
+         "arm: wanted rv4frl, the arm that is given, got 'viper'"),
         ('mode = "roving-response"', 'mode = "roving"',
          "mode: wanted 'roving-response' or 'roving-hammer', got 'roving'"),
         ('fixed_point = "1"', 'fixed_point = "19"', "fixed_point: wanted a point of the arm (1, 2"),

@@ -31,11 +31,11 @@ def move_command(
     point: Annotated[str, typer.Argument(help="Id of the point.")],
     by: Annotated[str | None, typer.Option(help="Offset dx,dy,dz in the link's frame, m.")] = None,
     towards: Annotated[
-        str | None, typer.Option(help="POINT:METRES, so far towards another point of the arm.")
+        str | None, typer.Option(help="POINT:METRES: move it that far towards another point.")
     ] = None,
     distances: Annotated[
         str | None,
-        typer.Option(help="A:0.12,B:0.3,C:0.2: measured m from three other points of the link."),
+        typer.Option(help="A:0.12,B:0.3,C:0.2: distances measured to three points of the link, m."),
     ] = None,
     as_json: Json = False,
 ) -> None:

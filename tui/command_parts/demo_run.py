@@ -70,6 +70,7 @@ def run_demo(
             journal=journal,
             time_scale=time_scale,
             software=software,
+            measured_by="the simulated hand",
         )
         say("capture")
         finished = acquire(settings, operator, show)

@@ -19,7 +19,7 @@ from armodal.protocols.errors import ArmError, SessionError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.protocols.text_file import replace_text
 from armodal.tui.command_parts.gap_motion import show_motion
-from armodal.tui.console import out, print_json, say
+from armodal.tui.console import out, print_json, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["show_simulator"]
@@ -72,7 +72,7 @@ def show_simulator(
     out.print(table)
     if html is not None:
         out.print(f"page {html}")
-    out.print("next: armodal export ARM --mjcf OUT --from YOURS writes the corrected model")
+    say_next("export ARM --mjcf OUT --from YOURS", "writes the corrected model")
 
 
 def _wanted(

@@ -229,9 +229,9 @@ def _axis_table(result: Identification) -> Table | None:
                 )
     table.caption = (
         "First the axis released in the model; then, by posture, the mode's Mozzi axis over all "
-        "points, k (N m/rad) and c by Eqs. (1) and (2). A mode in which joints turn too has "
-        "another Mozzi axis than the compliance: 'bias' is what the fitted model expects of the "
-        "same computation."
+        "points, with k and c from the mode's frequency, damping and moment of inertia; 'off' is "
+        "from the model's axis. A mode in which joints turn too has another Mozzi axis than the "
+        "compliance: 'bias' is what the fitted model expects of the same computation."
     )
     return table
 

@@ -6,12 +6,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
+
 from armodal import SOFTWARE
 from armodal.hil_sim.board_id import BOARD_ID
 from armodal.protocols.session.journal import read_journal
 from armodal.tui.console import err, say, say_next
 from armodal.tui.journey import Step, travel
-from armodal.tui.screens.wishes import Demonstrate, GoHome, Look, Measure, Wish
+from armodal.tui.screens.wishes import Demonstrate, GoHome, Look, Measure, OwnArm, Wish
 from armodal.tui.this_system import check_runs_devices, runs_devices
 
 if TYPE_CHECKING:
@@ -33,7 +35,9 @@ def go_from(first: Wish) -> int:
 
 def _home(wish: GoHome) -> tuple[int, Wish | None]:
     home = import_module("armodal.tui.screens.home.app")
-    app = home.HomeApp(Path.cwd(), measures=runs_devices(), ports=_ports, said=wish.said)
+    app = home.HomeApp(
+        Path.cwd(), measures=runs_devices(), ports=_ports, said=wish.said, arm_made=wish.arm_made
+    )
     wished: Wish | None = app.run()
     return 0, wished
 
@@ -86,6 +90,7 @@ def _measure(wish: Measure) -> tuple[int, Wish | None]:
         arm=arm,
         session=wish.journal,
         simulated=simulated,
+        measured_by=wish.measured_by,
         earlier=wish.earlier,
         time_scale=time_scale,
     )
@@ -105,9 +110,23 @@ def _demonstrate(wish: Demonstrate) -> tuple[int, Wish | None]:
     return 0, Look(session=Path(found["session"]))
 
 
+def _make_arm(wish: OwnArm) -> tuple[int, Wish | None]:
+    """Make an arm file as `armodal arm new` does, with its questions."""
+    arm = import_module("armodal.tui.commands.arm")
+    folder = wish.folder / wish.description.name.split(".")[0]
+    try:
+        arm.new_command(wish.description, folder)
+        err.input("Enter: back to the home screen ")
+    except (typer.Abort, KeyboardInterrupt, EOFError):
+        return 130, GoHome(said="no arm was made")
+    made = next(path for path in sorted(folder.glob("*.toml")) if path.name != "plan.toml")
+    return 0, GoHome(arm_made=made.relative_to(wish.folder))
+
+
 STEPS: dict[type, Step] = {
     GoHome: _home,
     Look: _look,
     Measure: _measure,
     Demonstrate: _demonstrate,
+    OwnArm: _make_arm,
 }

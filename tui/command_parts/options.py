@@ -19,6 +19,7 @@ __all__ = [
     "ArmName",
     "Band",
     "ByHand",
+    "MeasuredBy",
     "Minutes",
     "Mirror",
     "Seed",
@@ -51,6 +52,7 @@ ByHand = Annotated[
         metavar="DEG", help="Without a bus: you read the joint angles, to this many degrees."
     ),
 ]
+MeasuredBy = Annotated[str, typer.Option(metavar="NAME", help="Who measures; the report says so.")]
 Mirror = Annotated[
     Path | None,
     typer.Option(help="Folder on another disk: the journal is kept there too, hit by hit."),

@@ -1,4 +1,9 @@
-"""`armodal identify --method eq13`: the penalty method of file 002 beside the fit of the FRFs."""
+"""`armodal identify --method eq13`: the penalty method beside the fit of the FRFs.
+
+References
+----------
+Bottin et al., Appl. Sci. 10 (2020) 4619, Eq. (13).
+"""
 
 from __future__ import annotations
 
@@ -47,7 +52,7 @@ def penalty_json(found: SessionPenalty, result: Identification) -> dict[str, Any
     whole = {row.joint: row for row in result.joints}
     std = dict(zip(fit.chosen, fit.k_std.tolist(), strict=True))
     return {
-        "equation": "file 002, Eq. (13)",
+        "equation": "Bottin et al., Appl. Sci. 10 (2020) 4619, Eq. (13)",
         "penalty_hz2": fit.penalty_hz2,
         "modes_left_out": fit.left_out,
         "doubted_axes": [
@@ -88,7 +93,7 @@ def penalty_json(found: SessionPenalty, result: Identification) -> dict[str, Any
 def penalty_tables(found: SessionPenalty, result: Identification) -> list[Table]:
     """Chosen joints and paired modes as tables for people."""
     value = penalty_json(found, result)
-    joints = Table(title="Penalty method, file 002 Eq. (13): k in N m/rad, c by Eq. (6)")
+    joints = Table(title="Penalty method (Bottin et al. 2020, Eq. 13): k in N m/rad, c by Eq. 6")
     for column in ("joint", "start", "from", "k Eq. 13", "±", "c", "k whole FRFs"):
         joints.add_column(column, justify="right")
     for row in value["joints"]:

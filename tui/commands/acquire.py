@@ -19,6 +19,7 @@ from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
 from armodal.tui.command_parts.options import (
     ByHand,
+    MeasuredBy,
     Mirror,
     UrAddress,
     one_board,
@@ -53,6 +54,7 @@ def acquire_command(
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
     resume: Annotated[bool, typer.Option(help="Continue an interrupted journal.")] = False,
     mirror: Mirror = None,
+    measured_by: MeasuredBy = "",
     operator: Annotated[Path | None, typer.Option(help="Socket of a scripted operator.")] = None,
     time_scale: TimeScale = 1.0,
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
@@ -93,6 +95,7 @@ def acquire_command(
         plan=the_plan,
         journal=journal,
         mirror=mirror,
+        measured_by=measured_by,
         resume=resume,
         teds_confirmed=accept_teds,
         sensor_memory=None if operator is not None else sensor_memory(),

@@ -58,7 +58,9 @@ XacroArguments = Annotated[
     list[str] | None,
     typer.Option("--arg", help="Argument of a xacro file, NAME:=VALUE; may be given repeatedly."),
 ]
-NoMeshes = Annotated[bool, typer.Option("--no-meshes", help="Capsules between the joints instead.")]
+NoMeshes = Annotated[
+    bool, typer.Option("--no-meshes", help="Take capsules between the joints in place of meshes.")
+]
 N_TESTS = 6
 _DESCRIBED = {".urdf", ".xacro", ".xml"}
 
@@ -81,7 +83,8 @@ def new_command(
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Ask nothing, take the defaults.")] = False,
     keep_inertials: Annotated[
-        bool, typer.Option("--keep-inertials", help="Keep doubted inertials that are possible.")
+        bool,
+        typer.Option("--keep-inertials", help="Keep inertials that are doubtful but possible."),
     ] = False,
     packages: Packages = None,
     arg: XacroArguments = None,
@@ -90,7 +93,9 @@ def new_command(
         Path | None, typer.Option(help="Your hammers and accelerometers, sensors.toml.")
     ] = None,
     minutes: Minutes = None,
-    no_plan: Annotated[bool, typer.Option("--no-plan", help="Make the arm alone.")] = False,
+    no_plan: Annotated[
+        bool, typer.Option("--no-plan", help="Make the arm file without a plan.")
+    ] = False,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:

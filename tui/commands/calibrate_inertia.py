@@ -81,7 +81,7 @@ def calibration_json(found: Calibration) -> dict[str, Any]:
 def calibration_tables(found: Calibration) -> list[Table]:
     """Links and targets as tables for people."""
     links = Table(title="Calibrated links", caption=_TWIN if found.twin is not None else None)
-    for column in ("link", "mass kg", "believed", "radii of gyration mm", "undetermined"):
+    for column in ("link", "mass kg", "arm file", "radii of gyration mm", "undetermined"):
         links.add_column(column, justify="left" if column == "undetermined" else "right")
     undetermined = found.undetermined()
     for i, (joint, body) in enumerate(zip(found.arm.joints, found.bodies, strict=True)):
@@ -115,10 +115,12 @@ def calibrate_command(
     arm: ArmName,
     targets: Annotated[Path, typer.Argument(help="Inertia targets file.")],
     out_path: Annotated[Path, typer.Option("--out", help="Arm file to write, never replaced.")],
-    name: Annotated[str | None, typer.Option(help="Name of the new arm; the file's stem.")] = None,
+    name: Annotated[
+        str | None, typer.Option(help="Name of the new arm; by default the file's.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Find link inertias that meet given targets, nearest to the believed ones.
+    """Find link inertias that meet given targets, nearest to the arm file's.
 
     Example: armodal calibrate-inertia my-arm.toml targets.toml --out my-arm-calibrated.toml
     """

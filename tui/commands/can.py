@@ -23,7 +23,7 @@ from armodal.protocols.can_database import CanDecoder
 from armodal.protocols.can_records import CanFrame
 from armodal.protocols.errors import CanError, SessionError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.console import Json, TimeScale, err, out, print_json, say
+from armodal.tui.console import Json, TimeScale, err, out, print_json, say, say_next
 from armodal.tui.this_system import check_runs_devices
 
 __all__ = ["app"]
@@ -114,7 +114,8 @@ def learn_command(
         )
     if learned.missing or wrong:
         raise typer.Exit(FAILED)
-    say(f"copy {paths['.can.toml']} into the arm file, then: armodal check can {channel} --arm ...")
+    section = paths[".can.toml"]
+    say_next(f"check can {channel} --arm ARM", f"once {section} is copied into the arm file")
 
 
 class _Places:

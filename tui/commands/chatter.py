@@ -54,7 +54,7 @@ def chatter_command(
         str, typer.Option(help="Tool point x,y,z in the last link's frame, m.")
     ] = "0,0,0",
     directions: Annotated[
-        int, typer.Option(min=1, max=360, help="With several postures: feeds round the axis.")
+        int, typer.Option(min=1, max=360, help="With several postures: number of feed directions.")
     ] = 12,
     html: Annotated[Path | None, typer.Option(help="Page with the lobes to write.")] = None,
     as_json: Json = False,

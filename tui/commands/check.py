@@ -34,7 +34,7 @@ app = typer.Typer(
 Duration = Annotated[
     float,
     typer.Option(
-        min=0.1, help="Length of the long run, lab s; up to 60 while the clock's rate is not told."
+        min=0.1, help="Length of the long run, s; extended to 60 until the clock's rate is known."
     ),
 ]
 Only = Annotated[list[str] | None, typer.Option("--step", help="Only this step; repeatable.")]
@@ -72,7 +72,7 @@ def check_board_command(
 def check_can_command(
     channel: Annotated[str, typer.Argument(help="slcan port, or interface:channel.")],
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
-    duration: Annotated[float, typer.Option(min=0.1, help="How long to listen, lab s.")] = 10.0,
+    duration: Annotated[float, typer.Option(min=0.1, help="How long to listen, s.")] = 10.0,
     time_scale: TimeScale = 1.0,
     step: Only = None,
     as_json: Json = False,
@@ -146,7 +146,7 @@ def _finish(report: Report, kind: str, port: str, *, as_json: bool) -> None:
         counts = ", ".join(f"{report.count(verdict)} {verdict}" for verdict in Verdict)
         out.print(f"{report.device}: {counts}")
         passed = (f"run PLAN --{kind} {port}", "")
-        failed = (f"check {kind} {port}", "once what is said above is put right")
+        failed = (f"check {kind} {port}", "once the faults above are mended")
         say_next(*(passed if report.passed else failed))
     if not report.passed:
         raise typer.Exit(FAILED)

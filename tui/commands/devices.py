@@ -36,9 +36,7 @@ def devices_command(as_json: Json = False) -> None:
     if as_json:
         print_json({"found": [asdict(d) for d in found], "missing": [asdict(m) for m in missing]})
         return
-    table = Table(
-        "device", Column("address", overflow="fold"), "given as", "what it says of itself"
-    )
+    table = Table("device", Column("address", overflow="fold"), "given as", "describes itself as")
     for device in found:
         table.add_row(device.kind, device.address, _USES[device.kind], device.description)
     if found:

@@ -155,28 +155,32 @@ def export_command(
         Path | None, typer.Option("--out", help="File to write: .uff, .unv, .mat or .npz.")
     ] = None,
     modes: Annotated[bool, typer.Option(help="Fit modes and write their shapes.")] = True,
-    binary: Annotated[bool, typer.Option(help="Functions as 58b.")] = False,
+    binary: Annotated[bool, typer.Option(help="UFF datasets 58 in binary form (58b).")] = False,
     model: Annotated[
         Path | None, typer.Option(help="Identified model too: .json, or .toml (arm file).")
     ] = None,
     band: Annotated[
         tuple[float, float] | None,
-        typer.Option(help="Also FRFs from LOW to HIGH Hz where hits excite less."),
+        typer.Option(help="Write FRFs from LOW to HIGH Hz, though hits excite less there."),
     ] = None,
     mjcf: Annotated[
-        Path | None, typer.Option(help="Of an arm file: MJCF with its effects, for MuJoCo.")
+        Path | None, typer.Option(help="Given an arm file: write it as MJCF, for MuJoCo.")
     ] = None,
-    urdf: Annotated[Path | None, typer.Option(help="Likewise: URDF.")] = None,
-    sdf: Annotated[Path | None, typer.Option(help="Likewise: SDF, for Gazebo.")] = None,
+    urdf: Annotated[Path | None, typer.Option(help="Given an arm file: write it as URDF.")] = None,
+    sdf: Annotated[
+        Path | None, typer.Option(help="Given an arm file: write it as SDF, for Gazebo.")
+    ] = None,
     own: Annotated[
         Path | None,
-        typer.Option("--from", help="Your own MJCF or URDF of the arm, to be patched."),
+        typer.Option(
+            "--from", help="Your own MJCF or URDF of the arm, to which the effects are added."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Write FRFs, geometry, mode shapes and the identified model for other programs.
 
-    Of an arm file: the corrected arm for simulators.
+    Given an arm file, it writes the corrected arm for simulators.
 
     Example: armodal export session.h5 --out session.uff --model model.json
 

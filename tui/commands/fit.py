@@ -12,6 +12,7 @@ from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.command_parts.fit_settings import FitSettings
 from armodal.tui.command_parts.fit_values import fit_values
 from armodal.tui.command_parts.options import Band, SessionPath
+from armodal.tui.command_parts.posture_notes import noted_once
 from armodal.tui.console import Json, out, print_json, say_next
 from armodal.tui.deviation import deviation
 
@@ -26,7 +27,7 @@ def fit(
     band: Band = None,
     estimator: Annotated[
         FrfEstimator | None,
-        typer.Option(help="FRF estimator, by where the noise is; else the plan's."),
+        typer.Option(help="FRF estimator, by where the noise is; by default the plan's."),
     ] = None,
     exponential_end: Annotated[
         float | None, typer.Option(help="Exponential window's value at the record's end; 1: none.")
@@ -61,17 +62,19 @@ def fit(
     out.print(_table(value))
     for line in _lines(value):
         out.print(line)
-    for note in value["warnings"]:
+    for note in noted_once(value["warnings"]):
         out.print(f"note: {note}")
     say_next(f"review {session}")
 
 
 def _lines(value: dict[str, Any]) -> list[str]:
     """What a person wants to know beside the table."""
-    lines = []
+    windows = {made["window"] for made in value["postures"].values()}
+    lines = [f"all postures: {window}" for window in windows if len(windows) == 1]
     for posture, made in value["postures"].items():
         error = 100.0 * value["synthesis_error"][posture]
-        lines.append(f"{posture}: synthesis error {error:.2g} %; {made['window']}")
+        window = f"; {made['window']}" if len(windows) > 1 else ""
+        lines.append(f"{posture}: synthesis error {error:.2g} %{window}")
         lines += [
             f"  hit {hit['hit']} left out, {hit['reason']}: {hit['note']}"
             for hit in made["hits_dropped"]

@@ -22,7 +22,7 @@ from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
 from armodal.tui.command_parts.worker_processes import worker_processes
-from armodal.tui.console import Json, out, print_json, say
+from armodal.tui.console import Json, out, print_json, say, say_next
 
 __all__ = ["app"]
 
@@ -41,11 +41,13 @@ def gap_study_command(
     ] = HOME,
     nulls: Annotated[int, typer.Option(min=0, help="Cases with nothing hidden.")] = 30,
     effects: Annotated[int, typer.Option(min=0, help="Cases with one effect.")] = 60,
-    pairs: Annotated[int, typer.Option(min=0, help="Cases with two.")] = 12,
+    pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 12,
     outside: Annotated[int, typer.Option(min=0, help="Cases outside the library.")] = 12,
     tests: Annotated[
         int,
-        typer.Option(min=0, help="Further tests a case, or each fifth null, may ask for."),
+        typer.Option(
+            min=0, help="Most further tests of a case, or of every fifth one with nothing hidden."
+        ),
     ] = 0,
     whole: Annotated[
         bool, typer.Option("--whole", help="Hide effects of the whole library, hits at 3 levels.")
@@ -130,6 +132,7 @@ def gap_study_command(
             drawn.add_row(*row)
         out.print(drawn)
     out.print(f"cases {path}")
+    say_next("gap SESSION", "asks the same of your own session")
 
 
 def _command(specs: Sequence[AnySpec], maker: str, of_seed: str, tests: int, curves: int) -> str:

@@ -22,6 +22,7 @@ from armodal.tui.command_parts.penalty_results import (
     penalty_json,
     penalty_tables,
 )
+from armodal.tui.command_parts.posture_notes import noted_once
 from armodal.tui.console import Json, out, print_json, say, say_next
 from armodal.tui.screens.review.picked_file import read_picked
 
@@ -34,7 +35,10 @@ app = typer.Typer(add_completion=False)
 def identify_command(
     session: SessionPath,
     method: Annotated[
-        Method, typer.Option(help="frf: whole FRFs; eq13: file 002's penalty method beside it.")
+        Method,
+        typer.Option(
+            help="frf: whole FRFs; eq13: the penalty method of Bottin et al. (2020) beside it."
+        ),
     ] = Method.FRF,
     joints: Annotated[
         str | None, typer.Option(help="Joints for eq13, by name or number, e.g. 1,3; else all.")
@@ -66,6 +70,6 @@ def identify_command(
     for table in [] if beside is None else penalty_tables(beside, result):
         out.print(table)
     doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
-    for note in (*result.notes, *doubts, *measured.warnings):
+    for note in (*result.notes, *doubts, *noted_once(measured.warnings)):
         out.print(f"note: {note}")
     say_next(f"gap {session}", "asks what the model lacks")

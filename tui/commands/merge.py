@@ -28,7 +28,7 @@ def merge(
     output: Annotated[Path, typer.Option("--out", "-o", help="Session file to write.")],
     as_json: Json = False,
 ) -> None:
-    """Merge measurements with a soft and a hard hammer: every line by its variance.
+    """Merge measurements with a soft and a hard hammer, each line weighted by its variance.
 
     Example: armodal merge soft.h5 hard.h5 --out both.h5
     """

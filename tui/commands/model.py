@@ -113,7 +113,7 @@ def check_command(
 
 def _print_known(known: Any) -> None:
     if not known:
-        out.print("the arm file goes back to no session: every value is believed")
+        out.print("no session is behind this arm file: all its values are assumed")
         return
     table = Table("session", "by", "days ago", "given", title="What it stands on")
     for row in known:

@@ -180,7 +180,9 @@ def mozzi_command(
     ] = None,
     wrist: Annotated[
         str | None,
-        typer.Option(help="Instead: wrist at horizontal,vertical m of the meridian plane."),
+        typer.Option(
+            help="Instead of --posture: the wrist at HORIZONTAL,VERTICAL in the meridian plane, m."
+        ),
     ] = None,
     elbow: Annotated[Elbow, typer.Option(help="Elbow up or down, with --wrist.")] = Elbow.UP,
     at: Annotated[
@@ -189,7 +191,7 @@ def mozzi_command(
     rank: Annotated[
         int,
         typer.Option(
-            min=0, max=10_000_000, help="Instead of one posture: rank so many random ones."
+            min=0, max=10_000_000, help="Instead of one posture: rank this many random ones."
         ),
     ] = 0,
     best: Annotated[int, typer.Option(min=1, help="How many of them are shown.")] = 10,

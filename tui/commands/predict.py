@@ -124,7 +124,9 @@ def predict_command(
     ] = None,
     level: Annotated[
         float,
-        typer.Option(help="With --arm: peak force over the test's middle one, for its laws."),
+        typer.Option(
+            help="With --arm: peak force over the test's median, where stiffness depends on it."
+        ),
     ] = 1.0,
     below: Annotated[
         float, typer.Option(help="With --arm: modes up to this frequency, Hz.", min=0.0)

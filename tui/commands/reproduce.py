@@ -27,6 +27,15 @@ __all__ = ["app"]
 app = typer.Typer(add_completion=False)
 
 TARGETS = ARMS_DIRECTORY.parent / "targets"
+# The papers, by their numbers in --json.
+PAPERS = {
+    "000": "A modal approach for the identification of joint and link compliance of an industrial "
+    "manipulator",
+    "001": "Analysis of the compliance properties of an industrial robot with the Mozzi axis "
+    "approach (2019)",
+    "002": "Modeling and identification of an industrial robot with a selective modal approach "
+    "(2020)",
+}
 STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
 
 
@@ -37,14 +46,14 @@ def reproduce_papers(
     calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
     bare = load_arm(TARGETS / "viper_s650-uncalibrated.toml")
     targets = load_inertia_targets(TARGETS / "viper_s650-without-table4.toml", bare)
-    tell("file 000: three joints and a structural compliance of the RV-4FRL")
+    tell("paper 000: three joints and a structural compliance of the RV-4FRL")
     figures = [*figures_000(load_arm("rv4frl"))]
-    tell("file 001: three joints of the Viper and its Mozzi axis")
+    tell("paper 001: three joints of the Viper and its Mozzi axis")
     own = own_inertias(bare, targets)
     figures += figures_001(predicting, own)
-    tell("the Viper's inertias from the figures of file 002")
+    tell("the Viper's inertias from the figures of paper 002")
     calibration = calibrate_from_file(bare, targets)
-    tell(f"file 002: five joints of the Viper, {n_postures} postures")
+    tell(f"paper 002: five joints of the Viper, {n_postures} postures")
     figures += figures_002(calibrated, predicting, calibration, n_postures=n_postures)
     more = load_inertia_targets(TARGETS / "viper_s650-with-table4.toml", bare)
     n_more = sum(len(modes.f_hz) + len(modes.damping_percent) for modes in more.modes)
@@ -55,25 +64,25 @@ def reproduce_papers(
             arm="rv4frl",
             parameters=1,
             figures=3,
-            words="one density of all links, fitted to the three inertias of file 000, Table 4",
+            words="one density of all links, fitted to the three inertias of paper 000, Table 4",
         ),
         FittedModel(
             arm="viper_s650-without-table4",
             parameters=calibration.u.size,
             figures=met,
-            words=f"{with_priors}, five inertias and two zeros of file 002",
+            words=f"{with_priors}, five inertias and two zeros of paper 002",
         ),
         FittedModel(
             arm="viper_s650",
             parameters=calibration.u.size,
             figures=met + n_more,
-            words="the same, fitted to file 002's Table 4 as well",
+            words="the same, fitted to paper 002's Table 4 as well",
         ),
         FittedModel(
-            arm="viper_s650 by file 001",
+            arm="viper_s650 by paper 001",
             parameters=own.u.size,
             figures=_n_figures(own),
-            words=f"{with_priors} and the three inertias of file 001, Table 2",
+            words=f"{with_priors} and the three inertias of paper 001, Table 2",
         ),
     ]
     return figures, models
@@ -103,7 +112,9 @@ def figure_tables(figures: list[Figure]) -> list[Table | Text]:
     """One table a paper with its reasons beneath, and how many figures have which status."""
     shown: list[Table | Text] = []
     for paper in sorted({figure.paper for figure in figures}):
-        table = Table(title=f"File {paper}", box=box.SIMPLE, padding=0, expand=True)
+        table = Table(
+            title=f"Paper {paper}: {PAPERS[paper]}", box=box.SIMPLE, padding=0, expand=True
+        )
         table.add_column("figure", ratio=1)
         for column in ("published", "ours", "margin"):
             table.add_column(column, justify="right", no_wrap=True)
@@ -146,7 +157,7 @@ def reproduce_command(
     postures: Annotated[int, typer.Option(min=1000, max=100_000_000)] = 1_000_000,
     as_json: Json = False,
 ) -> None:
-    """Compare every published figure of the three papers with ours, with margin and status.
+    """Compare figures of three published papers on modal tests of arms with armodal's own.
 
     Example: armodal reproduce --json
     """

@@ -21,6 +21,7 @@ from armodal.protocols.sensor_memory import load_sensors
 from armodal.tui.command_parts.journey import go_from
 from armodal.tui.command_parts.options import (
     ByHand,
+    MeasuredBy,
     Mirror,
     UrAddress,
     one_board,
@@ -48,6 +49,7 @@ def run_app(
     session: Path,
     simulated: bool,
     mirror: Path | None = None,
+    measured_by: str = "",
     board: str = "",
     can: str = "",
     ur: str = "",
@@ -94,6 +96,7 @@ def run_app(
         earlier=() if earlier is None else earlier_frfs(earlier, place.arm),
         std_wanted=None if std_wanted_percent is None else std_wanted_percent / 100.0,
         mirror=mirror,
+        measured_by=measured_by,
         board=board,
         can=can,
         told_rad=told_tolerance_rad(by_hand, can, ur),
@@ -144,6 +147,7 @@ def run_command(
     ur: UrAddress = "",
     by_hand: ByHand = None,
     mirror: Mirror = None,
+    measured_by: MeasuredBy = "",
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     baud: Annotated[int, typer.Option(min=1, help="Bit rate of a UART.")] = 921_600,
     input_range: Annotated[
@@ -182,6 +186,7 @@ def run_command(
         arm=arm,
         session=session,
         mirror=mirror,
+        measured_by=measured_by,
         board=port,
         can=can,
         ur=ur,

@@ -35,7 +35,8 @@ PostureOption = Annotated[
     typer.Option("--posture", help="Joint angles in degrees, separated by commas; repeatable."),
 ]
 PathOption = Annotated[
-    Path | None, typer.Option("--path", help="Text file: joint angles in degrees, a line each.")
+    Path | None,
+    typer.Option("--path", help="Text file: joint angles in degrees, one posture a line."),
 ]
 
 
@@ -116,7 +117,9 @@ def shaper_command(
     arm: ArmName,
     posture: PostureOption = None,
     path: PathOption = None,
-    modes: Annotated[int, typer.Option(min=1, max=6, help="Lowest modes to shape for.")] = 1,
+    modes: Annotated[
+        int, typer.Option(min=1, max=6, help="Number of modes to shape for, from the lowest.")
+    ] = 1,
     limit: Annotated[
         float, typer.Option(min=0.0, max=100.0, help="Residual vibration allowed, %.")
     ] = 5.0,

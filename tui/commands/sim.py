@@ -21,7 +21,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlantError
 from armodal.protocols.plan import load_plan
 from armodal.tui.command_parts.rehearsed import show_truth, spoken_arm
-from armodal.tui.console import Json, TimeScale, out, say
+from armodal.tui.console import Json, TimeScale, out, say, say_next
 
 __all__ = ["app", "broken_lines"]
 
@@ -99,6 +99,12 @@ def sim(
             say(f"the truth is sealed; armodal sim --open {where} tells it")
             if directory is None:
                 say("without --out the ledger goes when the laboratory ends")
+        if not as_json:
+            speed = "" if time_scale == 1.0 else f" --time-scale {time_scale:g}"
+            say_next(
+                f"run PLAN --board {ports['board']} --can {ports['can']}{speed}",
+                "in another terminal",
+            )
         laboratory.wait()
 
 
@@ -116,8 +122,8 @@ def _what(
         return plant or "rv4frl"
     if plant is not None:
         raise PlantError(
-            "wanted either --plant or --arm, got both; a plant file holds the truth, an arm file "
-            "what is believed"
+            "wanted either --plant or --arm, got both; a plant file holds the true values, an "
+            "arm file the assumed ones"
         )
     the_arm = load_arm(arm)
     the_plan = None if plan is None else load_plan(plan, the_arm)

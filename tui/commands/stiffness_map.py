@@ -44,7 +44,8 @@ def stiffness_map_command(
     arm: ArmName,
     force: Annotated[str, typer.Option(help="fx,fy,fz at the tool, base axes, N.")],
     path: Annotated[
-        Path | None, typer.Option("--path", help="Text file: joint angles in degrees, a line each.")
+        Path | None,
+        typer.Option("--path", help="Text file: joint angles in degrees, one posture a line."),
     ] = None,
     plane: Annotated[
         bool, typer.Option("--plane", help="Instead: the wrist's places in the meridian plane.")
@@ -57,9 +58,11 @@ def stiffness_map_command(
     ] = False,
     spin: Annotated[
         str | None,
-        typer.Option(help="Six joints: the same where the tool may turn about x,y,z, last link."),
+        typer.Option(
+            help="Six joints: the same where the tool may turn about x,y,z of the last link."
+        ),
     ] = None,
-    csv: Annotated[Path | None, typer.Option(help="CSV file to write, a line a posture.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="CSV file to write, one posture a line.")] = None,
     html: Annotated[Path | None, typer.Option(help="Page with the picture to write.")] = None,
     as_json: Json = False,
 ) -> None:

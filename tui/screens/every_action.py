@@ -15,7 +15,9 @@ __all__ = ["every_action"]
 def every_action(app: App[Any], screen: Screen[Any]) -> Iterable[SystemCommand]:
     """Yield what a key of the screen in use does now, once each, with the key that does it."""
     seen = set()
-    for node, binding, enabled, _ in screen.active_bindings.values():
+    # Of several keys for one action that of the line of keys, which comes with the app's own word.
+    active = sorted(screen.active_bindings.values(), key=lambda found: not found.binding.show)
+    for node, binding, enabled, _ in active:
         if not enabled or not binding.description or binding.action in seen:
             continue
         seen.add(binding.action)

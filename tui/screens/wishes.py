@@ -7,14 +7,15 @@ from pathlib import Path
 
 from armodal.protocols.arm.records import Arm
 
-__all__ = ["Demonstrate", "GoHome", "Look", "Measure", "Wish"]
+__all__ = ["Demonstrate", "GoHome", "Look", "Measure", "OwnArm", "Wish"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoHome:
-    """The home screen, which says why something came to nothing."""
+    """The home screen, which says why something came to nothing, or that an arm file was made."""
 
     said: str = ""
+    arm_made: Path | None = None  # what a new session is begun with next
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +35,7 @@ class Measure:
     arm: str | Arm  # file, shipped name, or the arm itself
     plan: str | None  # None: as the journal has it
     simulated: bool
+    measured_by: str = ""
     earlier: Path | None = None  # session of the same arm, whose paths may be measured back
 
 
@@ -44,4 +46,12 @@ class Demonstrate:
     folder: Path
 
 
-Wish = GoHome | Look | Measure | Demonstrate
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnArm:
+    """An arm file of a robot description, for which some things are asked in the terminal."""
+
+    description: Path
+    folder: Path  # where the arm's folder goes
+
+
+Wish = GoHome | Look | Measure | Demonstrate | OwnArm

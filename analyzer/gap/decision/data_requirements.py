@@ -78,7 +78,7 @@ def check_tests(session: Session, more: Sequence[Session]) -> None:
         accepted = [hit for hit in other.hits if hit.verdict.accepted]
         if other.hits and not accepted:
             raise EstimateError(
-                f"no hit of test {number} was accepted, so it tells nothing; leave it out or "
+                f"no hit of test {number} was accepted, so it adds nothing; leave it out or "
                 "measure it again"
             )
         _check_hits(accepted, f" of test {number}")
@@ -109,19 +109,19 @@ def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     if session.hits and has_levels(session):
         notes += [
             f"test {number} was not hit softly and hard at every point: effects that need several "
-            "hit levels stayed closed"
+            "hit levels were not considered"
             for number, other in enumerate(more, start=2)
             if not has_levels(other)
         ]
     if not session.hits:
         notes.append(
             "only averaged FRFs are there: checks that need single hits, and effects that need "
-            "several hit levels, stayed closed"
+            "several hit levels, were not considered"
         )
     elif not has_levels(session):
         notes.append(
-            "not every point was hit softly and hard: effects that need several hit levels stayed "
-            "closed"
+            "not every point was hit softly and hard: effects that need several hit levels were "
+            "not considered"
         )
     if not session.complete:
         notes.append("the session is not complete; what is missing was not judged")

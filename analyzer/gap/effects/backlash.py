@@ -31,7 +31,7 @@ WORDS = EffectWords(
     confused_with=("softening",),
     covers=COVERED,
     covers_here=COVERED_HERE,
-    told_by="a posture whose weight loads the joint: there it is gone",
+    told_by="a posture in which gravity loads the joint: the play closes",
     remedy="set the play of gear or belt, or test in postures that load the joint",
 )
 

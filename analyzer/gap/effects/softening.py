@@ -31,7 +31,7 @@ WORDS = EffectWords(
     confused_with=("microslip", "friction"),
     covers=COVERED,
     covers_here=COVERED_HERE,
-    told_by="hits between soft and hard: damping stays between too",
+    told_by="hits between soft and hard: their damping lies in between, too",
     remedy="give the joint's stiffness at the level of use; look at preloads that open",
 )
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.model.geometry import across, skew
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
+from armodal.analyzer.screws import line_sense
 
 __all__ = ["LineInLink", "described_line"]
 
@@ -61,8 +62,9 @@ class LineInLink:
         return np.concatenate([skew(p) @ u, u]), slopes.T
 
     def describe(self, values: Mapping[str, float]) -> dict[str, object]:
-        """Return where it is, in the arm file's words."""
+        """Return where it is, in the arm file's words and the sense that every line has."""
         u, p = self.at(values)
+        u = line_sense(u)
         return {"link": self.name, "direction": u.tolist(), "point_m": p.tolist()}
 
     def _at(self, moves: Sequence[float]) -> tuple[Array, Array]:

@@ -74,14 +74,14 @@ def advise(
         why = f"tells apart: {', or '.join(fit.title for fit in compared)}"
     elif weak is not None:
         compared = [final, weak]
-        why = f"shows whether {weak.title} is there: little speaks for it so far"
+        why = f"shows whether “{weak.title}” applies: little speaks for it so far"
     else:
         found = _widest(final, hiding, changes)
         if found is None:
             return Advice()
         candidate, change, joint = found
         compared = [final, hidden_rival(stage, final, candidate, change)]
-        why = f"shows whether {candidate.instance.title} is there too, {NARROWS} {joint}"
+        why = f"shows whether “{candidate.instance.title}” applies too, {NARROWS} {joint}"
     best = proposed(stage, compared, rng=rng, tell=tell)
     if best is None:
         return Advice()

@@ -101,7 +101,7 @@ def find_rivals(
     """
     *_, sharp = stages
     start = dict(start or {})
-    tell("the arm as believed" + "".join(f", with: {i.title}" for i in present.instances))
+    tell("the arm as its file has it" + "".join(f", with: {i.title}" for i in present.instances))
     base = _annealed(stages, present, start, fitted)
     others = other_candidates(sharp, base[-1])
     looked = all_candidates(

@@ -149,6 +149,16 @@ def test_point_jacobians_are_the_motion_of_the_points(arm, superset):
         np.testing.assert_allclose(moved, dynamics.point_jacobian[:, :3, column], atol=1e-9)
 
 
+def test_postures_evaluated_together_are_those_evaluated_alone(arm):
+    angles = [np.full(len(arm.joints), 0.1 * i) for i in (1, 2, 1)]
+    together = Superset(arm).postures(angles)
+    for found, each in zip(together, angles, strict=True):
+        alone = Superset(arm).posture(each)
+        np.testing.assert_array_equal(found.mass, alone.mass)
+        np.testing.assert_array_equal(found.gravity_stiffness, alone.gravity_stiffness)
+        np.testing.assert_array_equal(found.point_jacobian, alone.point_jacobian)
+
+
 def test_points_of_the_base_move_with_the_base_alone(superset):
     dynamics = superset.posture(postures(1)[0])
     fixed = [i for i, link in enumerate(superset.point_link) if link < 0]

@@ -67,6 +67,12 @@ def test_every_axis_is_given_by_its_point_nearest_the_origin_of_the_links_frame(
         assert direction @ point == pytest.approx(0.0, abs=1e-12)  # rounding of products near 1
 
 
+def test_an_axis_is_written_in_the_sense_in_which_its_largest_part_is_positive(results):
+    (axis,) = results
+    assert axis.direction_link.max() == np.abs(axis.direction_link).max()
+    assert all(mozzi.line.direction_link @ axis.direction_link >= 0.0 for mozzi in axis.mozzi)
+
+
 def test_without_noise_the_bias_found_is_the_bias_predicted(arm, results):
     """Angle, distance and k of the Mozzi axis taken from the record, by formulas written here."""
     (axis,) = results
@@ -190,7 +196,7 @@ def test_a_stiffness_that_nothing_tells_is_doubted(superset):
             [[0.5] * len(measured.modes)],
             [predicted],
         )
-        assert any("hardly tells the axis" in doubt for doubt in axis.doubts) == said
+        assert any("hardly shows the axis" in doubt for doubt in axis.doubts) == said
 
 
 def test_a_line_is_told_by_its_point_nearest_to_the_origin_and_its_way_off_the_axis(arm, results):

@@ -138,3 +138,15 @@ def test_a_fit_cut_short_says_so_and_hands_over_what_it_has(superset):
         fit_frfs(superset, data, far, max_iterations=2)
     assert caught.value.partial.iterations == 2
     assert np.isfinite(caught.value.partial.cost)
+
+
+def test_a_fit_that_another_has_beaten_is_given_up_before_it_converges(superset):
+    data, _ = problem(superset, true_structure([true_axis()]), np.linspace(5, 110, 22))
+    lacking = state_of(true_structure(), 3)  # without the axis it cannot come near the truth
+    whole = fit_frfs(superset, data, lacking)
+    early = fit_frfs(superset, data, lacking, beaten=whole.cost / 10.0)
+    assert early.iterations < whole.iterations
+    assert early.cost >= whole.cost
+    # What it could still beat is fitted to the end.
+    again = fit_frfs(superset, data, lacking, beaten=2.0 * whole.cost)
+    assert again.cost == whole.cost

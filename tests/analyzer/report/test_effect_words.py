@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.lines_in_links import LineInLink
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.records import Interval
-from armodal.analyzer.report.effect_words import chance, mechanics
+from armodal.analyzer.gap.records import EffectFound, Interval
+from armodal.analyzer.report.effect_words import chance, effect_sentence, mechanics
 from armodal.protocols.arm.files import load_arm
 
 COMPLIANCE = Interval(unit="rad/(N m)", value=1e-5, std=1e-7, low=9.8e-6, high=1.02e-5)
 LOSS = Interval(unit="s", value=2e-4, std=4e-6, low=1.9e-4, high=2.1e-4)
 TILT = Interval(unit="", value=0.01, std=0.001, low=0.008, high=0.012)
+EFFECT = EffectFound(
+    name="an_effect",
+    title="An effect",
+    place="",
+    parameters={"gamma": COMPLIANCE},
+    size="gamma",
+    description={},
+    confidence=0.999,
+    gain=100.0,
+    held_out_gain=10.0,
+    signature="",
+    confused_with=(),
+    told_by="",
+    remedy="",
+)
 AXIS = {"link": "shoulder", "direction": [0.96, 0.0, 0.28], "point_m": [-0.052, 0.018, 0.18]}
 
 
@@ -30,8 +47,22 @@ def test_an_axis_is_told_by_stiffness_damping_direction_point_and_place():
     # c = k tau = 20; relative deviations of 1 % and 2 % add in squares.
     assert told["c"] == "20.00 ± 0.45 N m s/rad"
     assert told["axis"] == "direction +0.96 +0.00 +0.28, through -52 18 180 mm"
-    assert told["place"].startswith("shoulder (its frame")
+    assert told["place"].startswith("shoulder (in its frame")
     assert "tilt" not in told  # where the fit began is nobody's business
+
+
+@pytest.mark.parametrize(
+    ("title", "place", "words"),
+    [
+        ("Link gives way about an axis of its own", "shoulder", "The shoulder gives way about"),
+        ("Link bends along its length", "link_2", "link_2 bends along its length: stiff"),
+        ("Rotor's inertia at a joint", "joint_1", "Rotor's inertia at a joint (joint_1): stiff"),
+        ("Hammer gain is wrong", "", "Hammer gain is wrong: stiff"),
+    ],
+)
+def test_a_finding_names_the_link_that_gives_way(title, place, words):
+    effect = replace(EFFECT, title=title, place=place)
+    assert effect_sentence(effect).startswith(words)
 
 
 def test_what_an_effect_was_confused_with_is_told_and_that_there_is_nothing_too():
@@ -55,8 +86,10 @@ def test_a_moved_axis_is_given_by_its_point_nearest_the_origin_of_its_link(seed)
     begun /= np.linalg.norm(begun)
     ordinary = Ordinary(superset=Superset(load_arm("bench57")), postures=("p",))
     line = LineInLink(ordinary, 1, begun, random.normal(size=3), of="axis")
-    direction, point = line.at(dict(zip(line.moves, random.normal(size=4), strict=True)))
+    told = line.describe(dict(zip(line.moves, random.normal(size=4), strict=True)))
+    direction, point = np.array(told["direction"]), np.array(told["point_m"])
     assert np.linalg.norm(direction) == pytest.approx(1.0)
+    assert direction.max() == np.abs(direction).max()
     assert direction @ point == pytest.approx(0.0, abs=1e-12)  # rounding of products near 1
 
 

@@ -48,6 +48,16 @@ def told_html(session, identified, tmp_path_factory):
     return path.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("who", ["", "shift two"])
+def test_the_first_page_says_who_measured_or_that_it_was_not_recorded(
+    session, one_posture, tmp_path, who
+):
+    told = replace(session, header=replace(session.header, measured_by=who))
+    write_report(told, one_posture, tmp_path / "report.html")
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"<dt>Measured by</dt><dd>{who or 'not recorded'}</dd>" in html
+
+
 class Tags(HTMLParser):
     def __init__(self):
         super().__init__()

@@ -86,6 +86,7 @@ def header() -> SessionHeader:
         dictionary_bytes=encode_dictionary(dictionary),
         channel_mask=0b1111,
         time_scale=1.0,
+        measured_by="shift two",
     )
 
 

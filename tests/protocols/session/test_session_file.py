@@ -98,6 +98,18 @@ def test_default_leads_viewers_to_a_hit_while_there_are_no_frfs(example, tmp_pat
             check_nxdata(file[f"session/hits/hit_{hit.number:04d}"])
 
 
+def test_who_measured_is_kept_where_it_was_told(header: SessionHeader, tmp_path: Path) -> None:
+    for name, who in (("told", "shift two"), ("untold", "")):
+        session = Session(
+            header=replace(header, measured_by=who), hits=(), losses=(), complete=False
+        )
+        path = tmp_path / f"{name}.h5"
+        write_session(session, path)
+        assert read_session(path).header.measured_by == who
+        with h5py.File(path) as file:
+            assert ("measured_by" in file["session"]) == bool(who)
+
+
 def test_calibration_stands_in_words(header: SessionHeader, written: Path) -> None:
     with h5py.File(written) as file:
         channels = file["session/board/channels"]

@@ -215,7 +215,10 @@ def test_inertias_are_calibrated_into_a_new_arm(tmp_path, monkeypatch):
             "does not reach (3.000, 0.000) m",
         ),
         (("plan", "no_such_arm"), "no_such_arm"),
-        (("plan", "viper_s650", "--beside", "rv4frl-three-postures"), "wanted the arm at hand"),
+        (
+            ("plan", "viper_s650", "--beside", "rv4frl-three-postures"),
+            "wanted viper_s650, the arm that is given",
+        ),
         (("workspace", "no_such_arm"), "no_such_arm"),
     ],
 )

@@ -65,7 +65,7 @@ def test_an_arm_file_remembers_its_sessions_and_grows_older(changed):
     assert {row["session_sha256"][0] for row in value["known"]} == {"a", "b", "0"}
     assert all(row["days"] > 100.0 for row in value["known"])
     assert "give sessions of the arm" in run("check", changed).stdout
-    assert "goes back to no session" in run("check", "rv4frl").stdout
+    assert "no session is behind this arm file" in run("check", "rv4frl").stdout
 
 
 @pytest.fixture(scope="module")

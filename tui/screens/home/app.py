@@ -17,10 +17,11 @@ from armodal.tui.screens.every_action import every_action
 from armodal.tui.screens.home.devices import Devices
 from armodal.tui.screens.home.found_sessions import FoundSession, find_sessions, new_journal
 from armodal.tui.screens.home.new_session import NewSession
+from armodal.tui.screens.home.own_arm import DescriptionOfArm
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.themes import register_themes
-from armodal.tui.screens.wishes import Demonstrate, Look, Measure, Wish
+from armodal.tui.screens.wishes import Demonstrate, Look, Measure, OwnArm, Wish
 
 __all__ = ["HomeApp"]
 
@@ -39,7 +40,9 @@ class HomeApp(PrintableApp[Wish]):
     ports
         Serial ports of this machine: (path, description) of each.
     said
-        What to say first.
+        What to say first: why something came to nothing.
+    arm_made
+        Arm file just made: a new session is begun with it.
     environment
         Where NO_COLOR is looked up.
     """
@@ -57,7 +60,7 @@ class HomeApp(PrintableApp[Wish]):
         Binding("d", "demo", "demo"),
         Binding("s", "simulate", "try it simulated"),
         Binding("v", "devices", "devices"),
-        Binding("o", "new", "own arm", show=False),
+        Binding("o", "own_arm", "own arm", show=False),
         Binding("q", "quit", "leave"),
     ]
 
@@ -68,10 +71,11 @@ class HomeApp(PrintableApp[Wish]):
         measures: bool,
         ports: Callable[[], Sequence[tuple[str, str]]],
         said: str = "",
+        arm_made: Path | None = None,
         environment: Mapping[str, str] = os.environ,
     ) -> None:
         super().__init__()
-        self._said = said
+        self._said, self._arm_made = said, arm_made
         self._folder, self._measures, self._ports = folder, measures, ports
         self._environment = environment
         self._found: tuple[FoundSession, ...] = ()
@@ -103,11 +107,20 @@ class HomeApp(PrintableApp[Wish]):
                     Option("v  devices: what is plugged in", id="devices"),
                 ]
             )
+        choices.add_option(Option("o  own arm: make its file from a URDF, xacro or MJCF", id="own"))
         choices.add_option(Option("q  leave", id="leave"))
         choices.focus()
         choices.action_first()
         if self._said:
             self.notify(self._said, severity="error", timeout=20.0, markup=False)
+        if self._arm_made is not None:
+            made = self._arm_made
+            self.notify(
+                f"arm file {made}: check what {made.with_name('README.md')} lists, then n or s "
+                "begins a session with it",
+                timeout=20.0,
+                markup=False,
+            )
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Go where the line says."""
@@ -120,6 +133,7 @@ class HomeApp(PrintableApp[Wish]):
             "simulate": self.action_simulate,
             "demo": self.action_demo,
             "devices": self.action_devices,
+            "own": self.action_own_arm,
             "leave": self.exit,
         }[name]()
 
@@ -159,11 +173,16 @@ class HomeApp(PrintableApp[Wish]):
         self._ask(simulated=True)
 
     def _ask(self, *, simulated: bool) -> None:
-        def answered(wish: Measure | None) -> None:
-            if wish is not None:
-                self.exit(wish)
+        asks = NewSession(new_journal(self._folder), simulated=simulated, arm=self._arm_made)
+        self.push_screen(asks, self._wished)
 
-        self.push_screen(NewSession(new_journal(self._folder), simulated=simulated), answered)
+    def _wished(self, wish: Measure | OwnArm | None) -> None:
+        if wish is not None:
+            self.exit(wish)
+
+    def action_own_arm(self) -> None:
+        """Ask for the robot description that an arm file is made of."""
+        self.push_screen(DescriptionOfArm(self._folder), self._wished)
 
     def action_demo(self) -> None:
         """Watch a whole test."""

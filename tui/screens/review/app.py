@@ -102,7 +102,7 @@ class ReviewApp(PrintableApp[int]):
         Binding("left_square_bracket", "posture(-1)", "posture", key_display="[]"),
         Binding("right_square_bracket", "posture(1)", "next posture", show=False),
         Binding("s", "save", "save picks", show=False),
-        Binding("w", "report", "write the report", show=False),
+        Binding("w", "report", "report"),
         Binding("t", "next_theme", "theme", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q", "leave", "leave"),

@@ -239,8 +239,9 @@ def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
         return None
     table = _table("effect", "place", "parameter", "at most", "")
     for row in rows:
-        cells = (str(row.get(key, "?")) for key in ("name", "place", "parameter"))
-        _add(table, *cells, _number(row.get("largest")), str(row.get("unit", "")))
+        what = str(row.get("title") or row.get("name", "?"))
+        cells = (str(row.get(key, "?")) for key in ("place", "parameter"))
+        _add(table, what, *cells, _number(row.get("largest")), str(row.get("unit", "")))
     return _titled("Could still hide, 95 %", table)
 
 

@@ -15,11 +15,12 @@ __all__ = ["report_beside"]
 
 async def report_beside(app: App[Any], session: Path, command: tuple[str, ...]) -> None:
     """Write the report beside the session; say that it begins, and where it is or why not."""
-    app.notify("the report is being written: this takes some ten seconds")
+    app.notify("the report is being written: some ten seconds")
     run = CommandRun(("report", str(session), "--json"), lambda _: None, command)
     try:
         found = await run.result()
     except (ArmodalError, OSError) as error:
         app.notify(str(error), severity="error", timeout=20.0, markup=False)
         return
-    app.notify(f"report {found.get('report')}", timeout=20.0, markup=False)
+    name = Path(str(found.get("report"))).name
+    app.notify(f"report {name}, beside the session", timeout=20.0, markup=False)

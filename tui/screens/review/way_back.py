@@ -8,11 +8,11 @@ __all__ = ["way_back"]
 
 
 def way_back(session: Path) -> str:
-    """Return how the session is built anew; empty where no journal lies beside it."""
+    """Return how the session is rebuilt; empty where no journal lies beside it."""
     journal = session.with_suffix(".journal")
     if not journal.is_file():
         return ""
     return (
-        "What was captured is in the journal beside it, which builds the session anew:\n"
+        "What was captured is in the journal beside it, which rebuilds the session:\n"
         f"  armodal recover {journal.name}\n\n"
     )

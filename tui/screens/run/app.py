@@ -261,7 +261,7 @@ class RunApp(PrintableApp[int]):
             self.push_screen(MassScreen(), self.conductor.choose_mass)
 
     def action_retake(self) -> None:
-        """Begin the point in hand anew."""
+        """Start the point in hand over."""
         self.conductor.retake()
 
     def action_skip(self) -> None:

@@ -387,6 +387,7 @@ class Conductor:
             input_range_v=self.state.input_range_v,
             sensor_memory=self.options.sensor_memory,
             told_tolerance_rad=self.options.told_rad,
+            measured_by=self.options.measured_by,
             arm=self.place.arm,
             plan=self.place.plan,
             journal=self.place.journal,

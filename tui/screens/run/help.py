@@ -20,7 +20,7 @@ WORDS = """\
 
 [b]Keys[/b]
  Enter  go on, as the screen says       h  the simulated hand does what is asked
- t      begin the point anew            k  skip the point
+ t      start the point over            k  skip the point
  u      take the last accepted hit back g  progress; arrows and Enter jump to a point
  e      type the joint angles read, where no device tells them
  m      move the point in hand, before its first accepted hit

@@ -23,6 +23,7 @@ class RunOptions:
     ur: str = ""  # address of a Universal Robots controller, in place of the bus
     arm_folder: Path | None = None  # where the arm file and its meshes lie
     told_rad: float | None = None  # joint angles are told by the operator, to so much
+    measured_by: str = ""
     mirror: Path | None = None  # folder of the journal's copy
     baud: int = 921_600
     input_range_v: float | None = None

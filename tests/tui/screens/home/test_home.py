@@ -8,6 +8,7 @@ import os
 import h5py
 import numpy as np
 import pytest
+from support.screen import screen_rows
 from textual.widgets import Button, Input, OptionList, Static
 
 from armodal.protocols.session.hdf5 import DEFINITION, FORMAT_VERSION
@@ -16,7 +17,7 @@ from armodal.tui.screens.home.app import HomeApp
 from armodal.tui.screens.home.devices import Devices
 from armodal.tui.screens.home.found_sessions import find_sessions, new_journal
 from armodal.tui.screens.home.new_session import NewSession
-from armodal.tui.screens.wishes import Demonstrate, Look, Measure
+from armodal.tui.screens.wishes import Demonstrate, Look, Measure, OwnArm
 
 
 def write_session_head(path, *, complete):
@@ -78,18 +79,80 @@ def test_r_goes_on_with_the_one_under_the_cursor(folder):
     assert wish.journal == folder / "demo" / "half.journal"
 
 
+def test_the_command_palette_lists_every_key_of_the_screen(folder):
+    listed = []
+
+    def look(app):
+        listed.extend(command.title for command in app.get_system_commands(app.screen))
+
+    wish_after(folder, look=look)
+    wanted = {"New session", "Resume", "Demo", "Try it simulated", "Devices", "Own arm", "Leave"}
+    assert wanted <= set(listed)
+    assert len(listed) == len(set(listed))
+
+
 def test_the_demo_is_one_key_away(folder):
     assert wish_after(folder, "d") == Demonstrate(folder=folder / "demo")
 
 
 def test_a_new_session_is_begun_with_what_the_fields_say(folder):
-    keys = ["s", "enter", "enter", "enter", "tab", "enter"]
+    keys = ["s", "enter", "enter", "enter", *"shift two", "enter"]
     assert wish_after(folder, *keys) == Measure(
         journal=folder / "session.journal",
         arm="rv4frl",
         plan="rv4frl-three-postures",
         simulated=True,
+        measured_by="shift two",
     )
+
+
+def test_an_own_arm_is_made_of_a_description_that_is_there(folder):
+    def look(app):
+
+        rows = screen_rows(app)
+        assert sum("no.urdf" in row for row in rows) == 2  # as it was typed, and what was wanted
+        assert any("wanted a .urdf, .xacro, .xml file" in row for row in rows)
+
+    assert wish_after(folder, "o", *"no.urdf", "enter", look=look) is None
+    (folder / "my.urdf").write_text("<robot/>")
+    wish = wish_after(folder, "o", *"my.urdf", "enter")
+    assert wish == OwnArm(description=folder / "my.urdf", folder=folder)
+
+
+def test_a_new_session_is_begun_with_the_arm_just_made(folder):
+    made = folder / "my" / "my.toml"
+    made.parent.mkdir()
+    made.with_name("plan.toml").write_text("")
+
+    async def go():
+        app = HomeApp(folder, measures=True, ports=list, arm_made=made)
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.press("n")
+            given = (app.screen.query_one(f"#{field}", Input).value for field in ("arm", "plan"))
+            return tuple(given)
+
+    assert asyncio.run(go()) == (str(made), str(made.with_name("plan.toml")))
+
+
+@pytest.mark.parametrize(
+    ("keys", "hint"), [(["s"], "A shipped arm"), (["s", "enter", "enter", "enter"], "the report")]
+)
+def test_the_whole_question_fits_80_by_24_and_tells_of_the_field_in_use(folder, keys, hint):
+    def look(app):
+        rows = "\n".join(screen_rows(app))
+        for words in (
+            "simulated laboratory",
+            "Arm",
+            "Plan",
+            "Name",
+            "Who measures",
+            "Begin",
+            "session ",
+            hint,
+        ):
+            assert words in rows
+
+    wish_after(folder, *keys, look=look)
 
 
 def test_all_that_is_wrong_with_a_new_session_is_said_at_once(folder):
@@ -121,9 +184,8 @@ def test_devices_are_told_with_what_they_call_themselves(folder):
 def test_where_no_device_runs_nothing_is_offered_that_measures(folder):
     def look(app):
         choices = app.query_one(OptionList)
-        assert [o.id for o in choices.options if o.id and not o.id.startswith("session")] == [
-            "leave"
-        ]
+        ids = [o.id for o in choices.options if o.id and not o.id.startswith("session")]
+        assert ids == ["own", "leave"]
 
     assert wish_after(folder, "d", measures=False, look=look) is None
 

@@ -282,15 +282,16 @@ def test_a_file_that_is_not_there_is_a_session_error(tmp_path):
 
 
 KEYS = {
-    "frf": "+/- zoom n mode ↑↓ FRF a all p phase y curve [] posture ? help q leave",
-    "cmif": "+/- zoom n mode g groups [] posture ? help q leave",
-    "poles": "+/- zoom n mode space pick x drop r refit a auto s save [] posture ? help q leave",
-    "modes": "⏎ shape s save picks [] posture ? help q leave",
-    "mac": "c compare with [] posture ? help q leave",
-    "shape": "n mode ←↑ turn +/- zoom </> amplitude f/d speed space stop l names [] posture ? help "
+    "frf": "+/- zoom n mode ↑↓ FRF a all p phase y curve [] posture w report ? help q leave",
+    "cmif": "+/- zoom n mode g groups [] posture w report ? help q leave",
+    "poles": "+/- zoom n mode space pick x drop r refit a auto s save [] posture w report ? help "
     "q leave",
-    "identify": "⏎ start esc stop [] posture ? help q leave",
-    "gap": "⏎ start esc stop n next test → run [] posture ? help q leave",
+    "modes": "⏎ shape s save picks [] posture w report ? help q leave",
+    "mac": "c compare with [] posture w report ? help q leave",
+    "shape": "n mode ←↑ turn +/- zoom </> amplitude f/d speed space stop l names [] posture w "
+    "report ? help q leave",
+    "identify": "⏎ start esc stop [] posture w report ? help q leave",
+    "gap": "⏎ start esc stop n next test → run [] posture w report ? help q leave",
 }
 
 

@@ -193,7 +193,7 @@ def test_angles_by_hand_are_confirmed_or_typed(tmp_path):
 
     async def body(pilot):
         await stage.tell(pilot, *LAB_EVENTS, reading(None))
-        assert "none: you tell the joint angles, to 0.2°" in stage.text()
+        assert "none: you read the joint angles, to 0.2°" in stage.text()
         assert "Are these sensors mounted" in stage.text()  # no controller is waited for
         await stage.tell(pilot, *SESSION_EVENTS[len(LAB_EVENTS) :], reading(None))
         assert "Enter: it stands as wanted, by your reading to 0.2°, and is held" in stage.text()

@@ -25,8 +25,10 @@ def verdict_text(state: RunState, width: int, height: int) -> Text:
     hit, verdict = judged.hit, judged.hit.verdict
     if verdict.accepted:
         text = big("ACCEPTED", GOOD, width=width, height=large)
-        text.append(f"\n✓ record {hit.number} is in the journal", style=GOOD)
-        text.append(f"  {verdict.peak_n:.0f} N, {1e3 * verdict.width_s:.1f} ms")
+        kept = f"✓ record {hit.number} is in the journal"
+        pulse = f"  {verdict.peak_n:.0f} N, {1e3 * verdict.width_s:.1f} ms"
+        between = "\n" if len(kept) + len(pulse) > width else ""
+        text.append(f"\n{kept}", style=GOOD).append(f"{between}{pulse}")
         for note in verdict.notes[:1]:
             text.append(f"\n{note}", style=DIM)
         return text

@@ -101,7 +101,7 @@ def devices_text(state: RunState) -> Text:
         text.append(f"✗ {troubles['can']}\n", style=BAD)
     elif state.told_rad is not None:
         text.append("✓ ", style=GOOD)
-        text.append(f"none: you tell the joint angles, to {math.degrees(state.told_rad):g}°\n")
+        text.append(f"none: you read the joint angles, to {math.degrees(state.told_rad):g}°\n")
     elif reading is None or reading.joints_rad is None:
         text.append(f"✗ no joint angles on {state.can_channel or 'no port'}\n", style=BAD)
     else:
@@ -141,12 +141,12 @@ def levels_text(state: RunState, width: int) -> Text:
         text.append("  --input-range VOLTS shows them in mV", style=DIM)
     text.append("\n")
     wide = width >= WIDE
-    bar = max(width - (98 if wide else 70), 6)
+    bar = max(width - (99 if wide else 71), 6)
     lowest, highest = _extremes(state, len(channels))
     for i, channel in enumerate(channels):
         full = abs(channel.full_scale)
         text.append(f" {channel.name:<8}")
-        text.append(f"no {channel.serial_number:<9} ", style="")
+        text.append(f"S/N {channel.serial_number:<9} ")
         text.append(f"{sensitivity_words(channel, state.input_range_v):<16} ", style=style)
         text.append(f"± {full:<7.5g}{channel.unit.replace('^2', '²'):<6}")
         if wide or channel.iepe in {IepeState.OPEN, IepeState.SHORT}:
