@@ -19,7 +19,7 @@ import numpy as np
 from support.accepted_hits import missing
 from support.forked_acquisition import ForkedAcquisition, fork_acquisition
 from support.reach_plan import reach_plan
-from support.source_devices import SOURCES
+from support.source_devices import RATE_HZ, SOURCES
 
 from armodal.daq.commands import Ready, ToldPosture
 from armodal.daq.events import Failed, Finished, HitJudged, Prompted, SessionOpened
@@ -50,10 +50,10 @@ class KilledSession:
     """One journal on one source, killed and resumed again and again."""
 
     def __init__(self, name: str, folder: Path, rng: np.random.Generator) -> None:
-        self._source, self._name = SOURCES[name], name
+        self._start, self._name = SOURCES[name], name
         self._folder, self._rng = folder, rng
         self._arm = load_arm("ur5")
-        self._plan = reach_plan(rate_hz=self._source.rate_hz, samples=2048, pretrigger=256)
+        self._plan = reach_plan(rate_hz=RATE_HZ, samples=2048, pretrigger=256)
         self._journal = folder / "killed.journal"
         self._told: dict[int, object] = {}
         self._device: subprocess.Popen[str] | None = None
@@ -73,7 +73,7 @@ class KilledSession:
     def kill_once(self) -> None:
         """Run the session up to a kill at a drawn time; compare what is left."""
         if not self._started:
-            text, self._device = self._source.start(self._folder, HIT_EVERY_S, 20.0)
+            text, self._device = self._start(self._folder, HIT_EVERY_S, 20.0)
             (self._folder / "source.toml").write_text(text, encoding="utf-8")
             self._started = True
         settings = AcquisitionSettings(
