@@ -54,7 +54,8 @@ def main(volts: np.ndarray, rate_hz: int) -> None:
         opendaq.IntProperty(opendaq.String("NativeStreamingPort"), number, opendaq.Boolean(True))
     )
     instance.add_server("OpenDAQNativeStreaming", config)
-    print(port, flush=True)
+    sys.stdout.write(f"{port}\n")
+    sys.stdout.flush()
     begun_s, sent = time.monotonic(), 0
     while not select.select([sys.stdin], [], [], EVERY_S)[0]:
         n = int((time.monotonic() - begun_s) * rate_hz) - sent
