@@ -1,9 +1,10 @@
 """A device of openDAQ whose signals are ours, by native streaming: a program.
 
-    python opendaq_server.py VOLTS.npy RATE_HZ
+    python opendaq_server.py VOLTS.npy RATE_HZ [AT N]
 
-plays (n, channels) volts again and again as signals AI0, AI1, ... with one clock, a tick a sample.
-It prints its port, and ends when its standard input does.
+plays (n, channels) volts again and again as signals AI0, AI1, ... with one clock, a tick a sample;
+from sample AT on it leaves N out, which its clock alone tells. It prints its port, and ends when
+its standard input does.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ def described(name: str, rule: object, sample_type: object) -> object:
     return builder
 
 
-def main(volts: np.ndarray, rate_hz: int) -> None:
+def main(volts: np.ndarray, rate_hz: int, gap_at: int = -1, gap: int = 0) -> None:
     instance = opendaq.Instance()
     folder = instance.get_item("Sig")
     clock = described("time", opendaq.LinearDataRule(1, 0), opendaq.SampleType.Int64)
@@ -56,18 +57,26 @@ def main(volts: np.ndarray, rate_hz: int) -> None:
     instance.add_server("OpenDAQNativeStreaming", config)
     sys.stdout.write(f"{port}\n")
     sys.stdout.flush()
-    begun_s, sent = time.monotonic(), 0
-    while not select.select([sys.stdin], [], [], EVERY_S)[0]:
-        n = int((time.monotonic() - begun_s) * rate_hz) - sent
-        rows = volts[np.arange(sent, sent + n) % len(volts)]
-        ticks = opendaq.DataPacket(time_descriptor, n, sent)
+
+    def send(first: int, end: int) -> None:
+        rows = volts[np.arange(first, end) % len(volts)]
+        ticks = opendaq.DataPacket(time_descriptor, end - first, first)
         domain.send_packet(ticks)
         for i, (signal, descriptor) in enumerate(signals):
-            packet = opendaq.DataPacketWithDomain(ticks, descriptor, n, 0)
+            packet = opendaq.DataPacketWithDomain(ticks, descriptor, end - first, 0)
             np.frombuffer(memoryview(packet.raw_data))[:] = rows[:, i]
             signal.send_packet(packet)
-        sent += n
+
+    begun_s, sent = time.monotonic(), 0
+    while not select.select([sys.stdin], [], [], EVERY_S)[0]:
+        due = int((time.monotonic() - begun_s) * rate_hz)
+        if sent < gap_at < due:
+            send(sent, gap_at)
+            sent = gap_at + gap
+        if sent < due:
+            send(sent, due)
+            sent = due
 
 
 if __name__ == "__main__":
-    main(np.load(sys.argv[1]), int(sys.argv[2]))
+    main(np.load(sys.argv[1]), *map(int, sys.argv[2:]))
