@@ -171,6 +171,8 @@ def test_the_board_with_an_stm32_fits_its_chip_and_its_vectors_point_at_its_inte
     for place, name in handlers.items():
         assert vectors[place] == symbols[name] | 1, name  # Thumb
     assert len(image.read_bytes()) < 512 * 1024
+    sram1_end = 0x2000_0000 + 80 * 1024
+    assert all(symbols[name] < sram1_end for name in ("ring", "in", "out"))  # for DMA
     assert symbols["bss_end"] < 0x2000_0000 + 120 * 1024  # 8 KB for the stack
 
 

@@ -45,7 +45,7 @@ class Stm32g474:
         self.memories, self.call, self.oscillator_hz = memories, call, oscillator_hz
         self.has_crystal = True
         self.t_s, self.faults, self.masked_until_s = 0.0, [], 0.0
-        self.regs: dict[int, int] = {RCC: 0x500, RCC + 8: 1, FLASH_ACR: 0x600, SPI1 + 8: 2}
+        self.regs: dict[int, int] = {RCC: 0x500, RCC + 8: 1, FLASH_ACR: 0x600, ADC1 + 8: 1 << 29}
         self.places: dict[int, object] = {}
         self.incoming: deque[int] = deque()
         self.sent = bytearray()
@@ -119,7 +119,7 @@ class Stm32g474:
         elif DMA1 + 8 <= address < DMA1 + 8 + 20 * 4 and (address - DMA1 - 8) % 20 == 0:
             self._dma(1 + (address - DMA1 - 8) // 20, old, value)
         elif address == ADC1 + 8:
-            self._adc(value)
+            self._adc(old, value)
         elif address == NVIC_ISER:
             self.regs[address] = old | value
 
@@ -372,7 +372,9 @@ class Stm32g474:
 
     # -- the slow converter -----------------------------------------------------------------------
 
-    def _adc(self, value):
+    def _adc(self, old, value):
+        if value & 1 << 28 and old & 1 << 29:
+            self.faults.append("the ADC's regulator is switched on in deep sleep")
         if value & 1 << 31:
             self.regs[ADC1 + 8] = value & ~(1 << 31)
         if value & 1 and value & 1 << 28:

@@ -48,7 +48,8 @@ static void wait(void *context, uint32_t us)
 static void converter_on(void)
 {
     reg_write(ADC12_CCR, 3u << 16); /* the bus clock over 4: 37.5 MHz of at most 60 */
-    reg_write(ADC_CR, BIT(28));     /* out of deep sleep, its regulator on */
+    reg_write(ADC_CR, 0);           /* out of deep sleep first */
+    reg_write(ADC_CR, BIT(28));     /* then its regulator on: RM0440, section 21.4.6 */
     wait_us(20);
     reg_write(ADC_CR, BIT(28) | BIT(31)); /* calibrate */
     (void)wait_for(ADC_CR, BIT(31), 0, CONVERT_US);
