@@ -176,6 +176,19 @@ def test_the_board_with_an_stm32_fits_its_chip_and_its_vectors_point_at_its_inte
     assert symbols["bss_end"] < 0x2000_0000 + 120 * 1024  # 8 KB for the stack
 
 
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="no package ziglang on this machine")
+def test_ziglang_compiles_the_board_with_an_stm32_too(tmp_path, monkeypatch):
+    monkeypatch.setattr("armodal.protocols.c.firmware.shutil.which", lambda name: None)
+    program = build("stm32g474", tmp_path).read_bytes()
+    entry, headers_at = struct.unpack_from("<II", program, 24)  # of an ELF file of 32 bits
+    at, address = struct.unpack_from("<II", program, headers_at + 4)
+    assert address == 0x0800_0000
+    stack, reset = struct.unpack_from("<II", program, at)
+    assert stack == 0x2000_0000 + 128 * 1024
+    assert reset == entry
+    assert reset & 1  # Thumb
+
+
 @needs_qemu
 def test_the_library_is_as_small_as_promised():
     sizes = measure()
