@@ -95,11 +95,11 @@ def test_the_board_tells_what_its_sensors_memories_hold(library):
     assert board.model.faults == []
 
 
-@pytest.mark.parametrize(("crystal", "hz"), [(True, 150e6), (False, 150e6)])
-def test_it_runs_as_fast_without_its_crystal(library, crystal, hz):
+@pytest.mark.parametrize("crystal", [True, False])
+def test_it_runs_as_fast_without_its_crystal(library, crystal):
     board = Stm32Board(library, crystal=crystal)
     linked(board)
-    assert board.model.system_hz() == hz
+    assert board.model.system_hz() == 150e6
     assert board.model.faults == []
 
 
@@ -153,9 +153,9 @@ def test_the_preview_has_every_sample_once(library):
     link, _ = linked(board)
     link.configure(configuration(trigger_level_counts=8_000_000))
     link.start()
-    samples = preview_of(heard(board, link, 1.0))
+    samples = preview_of(heard(board, link, 0.4))
     counts = np.concatenate([s.counts[:, 0] for s in samples])
-    assert len(counts) > 3_500
+    assert len(counts) > 1_400
     assert (np.diff(counts) == 1).all()
     assert [s.first_sample for s in samples] == list(range(0, 64 * len(samples), 64))
 
@@ -165,9 +165,9 @@ def test_samples_that_nobody_fetched_in_time_are_counted(library):
     link, _ = linked(board)
     link.configure(configuration(trigger_level_counts=8_000_000))
     link.start()
-    heard(board, link, 0.5)
+    heard(board, link, 0.2)
     board.model.masked_until_s = board.model.t_s + 0.01  # 40 samples, of which the chip keeps two
-    frames = heard(board, link, 0.5)
+    frames = heard(board, link, 0.2)
     samples = preview_of(frames)
     status, _ = link.status()
     assert status.adc_overruns == 1
@@ -189,14 +189,14 @@ def test_a_broken_cable_is_told_and_a_hard_hit_is_not(library):
 
     def bias_mv(channel, t_s):
         after_s = t_s - began_s
-        hit = channel == 0 and 0.2 <= after_s < 0.203  # 3 ms at the rail
-        return RAIL_MV if hit or (channel == 2 and after_s > 1.0) else OK_MV
+        hit = channel == 0 and 0.1 <= after_s < 0.103  # 3 ms at the rail
+        return RAIL_MV if hit or (channel == 2 and after_s > 0.3) else OK_MV
 
     board.model.bias_mv = bias_mv
     link, found = linked(board)
-    board.clock.sleep(0.8)
+    board.clock.sleep(0.25)
     assert link.hello().dictionary_hash == found.dictionary_hash
-    board.clock.sleep(1.0)
+    board.clock.sleep(0.3)
     later = BoardLink(board.open(), board.clock).hello()
     assert later.dictionary_hash != found.dictionary_hash
     assert [c.iepe for c in later.dictionary.channels] == [
