@@ -31,12 +31,12 @@ _FILES = {
     "an386": (PORTS / "table_adc.c",),
     "stm32g474": tuple(PORTS / f"{name}.c" for name in ("ads131m04", "dma_link", "teds_wire")),
 }
-_UART = "-DBSP_LINK_BYTES_PER_S=92160u"  # at 921600 baud
+BAUD = 921_600  # what armodal opens a serial port with
 _OF_BOARD = {
     "pty": (_PATIENT,),
-    "an386": (_PATIENT, _UART),  # each byte costs the emulator
+    "an386": (_PATIENT,),
     "stm32g474": (
-        *(_UART, '-DBSP_BOARD_ID="nucleo-g474re"', "-DBSP_TICK_HZ=1024000u"),
+        *('-DBSP_BOARD_ID="nucleo-g474re"', "-DBSP_TICK_HZ=1024000u"),
         "-DBSP_GROUP_DELAY_SAMPLES=1.5",  # sinc3: 3 (R - 1) / 2 over R, R from 128 on
     ),
 }
@@ -52,7 +52,7 @@ _ZIG = (
 )
 
 
-def build(board: str, folder: Path = FOLDER) -> Path:
+def build(board: str, folder: Path = FOLDER, baud: int = BAUD) -> Path:
     """Compile a board of `BOARDS`; return the program, or the image for the microcontroller.
 
     Raises
@@ -64,7 +64,7 @@ def build(board: str, folder: Path = FOLDER) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     files = [*SOURCES, PORTS / "board.c", *_FILES[board], *sorted((PORTS / board).glob("*.c"))]
     compiler, how = _host() if board == "pty" else _arm(board)
-    arguments = [*STRICT, *how, *_OF_BOARD[board], f"-I{INCLUDE}", f"-I{PORTS}"]
+    arguments = [*STRICT, *how, *options(board, baud), f"-I{INCLUDE}", f"-I{PORTS}"]
     arguments += map(str, files)
     said = compile_with(compiler, arguments, program)
     if said:
@@ -72,9 +72,10 @@ def build(board: str, folder: Path = FOLDER) -> Path:
     return program
 
 
-def options(board: str) -> tuple[str, ...]:
+def options(board: str, baud: int = BAUD) -> tuple[str, ...]:
     """What a board tells the compiler of itself, wherever it is compiled."""
-    return _OF_BOARD[board]
+    link = () if board == "pty" else (f"-DBSP_BAUD={baud}u",)
+    return (*_OF_BOARD[board], *link)
 
 
 def _host() -> tuple[list[str], tuple[str, ...]]:
@@ -108,12 +109,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # No `choices`: with them Python 3.11 refuses that none is named.
     parser.add_argument("board", nargs="*", help=f"of {', '.join(BOARDS)}; left out: all")
     parser.add_argument("--folder", type=Path, default=FOLDER, help="where programs are put")
+    parser.add_argument("--baud", type=int, default=BAUD, help="of a UART, 9600 to 4000000")
     given = parser.parse_args(arguments)
     unknown = [name for name in given.board if name not in BOARDS]
     if unknown:
         parser.error(f"wanted boards of {', '.join(BOARDS)}, got {', '.join(unknown)}")
+    if not 9600 <= given.baud <= 4_000_000:
+        parser.error(f"--baud: wanted 9600 to 4000000, got {given.baud}")
     for board in given.board or BOARDS:
-        sys.stdout.write(f"{board}: {build(board, given.folder)}\n")
+        sys.stdout.write(f"{board}: {build(board, given.folder, given.baud)}\n")
     return 0
 
 

@@ -143,7 +143,7 @@ def test_a_session_by_hand_with_the_board_of_the_guide(programs, board, tmp_path
 def test_boards_are_built_by_name_and_all_without_one(tmp_path, monkeypatch, capsys):
     built = []
     monkeypatch.setattr(
-        "armodal.protocols.c.firmware.build", lambda board, folder: built.append(board)
+        "armodal.protocols.c.firmware.build", lambda board, folder, baud: built.append(board)
     )
     assert main([]) == 0
     assert built == list(BUILT)
@@ -153,6 +153,9 @@ def test_boards_are_built_by_name_and_all_without_one(tmp_path, monkeypatch, cap
         main(["an385"])
     assert ended.value.code == 2
     assert f"wanted boards of {', '.join(BUILT)}, got an385" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["stm32g474", "--baud", "300"])
+    assert "--baud: wanted 9600 to 4000000, got 300" in capsys.readouterr().err
 
 
 @needs_gcc

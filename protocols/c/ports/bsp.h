@@ -5,8 +5,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What the link sustains (docs/porting.md, section 3): here USB full speed. */
-#ifndef BSP_LINK_BYTES_PER_S
+/* What the link sustains (docs/porting.md, section 3): a UART's rate over ten, else USB full speed. */
+#ifdef BSP_BAUD
+#define BSP_LINK_BYTES_PER_S (BSP_BAUD / 10u)
+#else
 #define BSP_LINK_BYTES_PER_S 800000u
 #endif
 

@@ -4,12 +4,8 @@
 #include "registers.h"
 #include "stm32g474.h"
 
-#ifndef BSP_BAUD
-#define BSP_BAUD 921600u /* what armodal opens a serial port with */
-#endif
-
 enum {
-    IN_BYTES = 1024,  /* 11 ms at 921 600 baud */
+    IN_BYTES = 1024,  /* 11 ms at 921 600 baud, 3 ms at 3 Mbaud */
     OUT_BYTES = 4096, /* five frames of a preview of four channels */
     REQUEST_IN = 34,  /* DMAMUX: LPUART1_RX, LPUART1_TX */
     REQUEST_OUT = 35,
