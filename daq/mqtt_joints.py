@@ -7,6 +7,7 @@ half is, and what it could publish with is replaced by an error.
 from __future__ import annotations
 
 import importlib
+import select
 import time
 from collections import deque
 from collections.abc import Sequence
@@ -102,7 +103,13 @@ class MqttSource:
 
     def collect(self, now_s: float) -> None:
         """Fetch the messages that have come."""
-        if self._read() or self._look_after():
+        gone = self._look_after()
+        # The package reads one packet at a time, and a controller may send many in a turn.
+        for _ in range(MOST_WAITING):
+            if gone or not select.select([self._fd], [], [], 0.0)[0]:
+                break
+            gone = self._read()
+        if gone:
             raise DeviceLostError(
                 f"the MQTT broker {self._wanted.broker} is gone; check it and its network, then "
                 "resume"

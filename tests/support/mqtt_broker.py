@@ -35,7 +35,7 @@ class MqttBroker:
         )
         self.silent, self.refuses, self.grants, self.mute = False, False, True, False
         self.received: Counter[int] = Counter()
-        self.will = False
+        self.will, self.told = False, 0
         self.t_s = 100.0
         self._stop = threading.Event()
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -82,6 +82,7 @@ class MqttBroker:
             if listens and not self.silent:
                 self.t_s += 1.0 / self.rate_hz
                 line.sendall(self._message(self.tell(self.t_s)))
+                self.told += 1
 
     def _answer(self, kind: int, body: bytes) -> bytes:
         if kind == CONNECT:

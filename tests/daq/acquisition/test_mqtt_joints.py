@@ -105,6 +105,19 @@ def test_angles_come_with_the_controller_s_own_gaps_counted(serve):
         assert source.faults == 0
 
 
+def test_messages_that_come_between_two_looks_are_all_heard_at_the_second(serve):
+    broker = serve()
+    with closing(MqttSource(wanted(broker.address), NAMES)) as source:
+        hear_every_joint(source, SystemClock(), 5.0)
+        broker.rate_hz = 1_000.0
+        told_before, heard_before = broker.told, source.joints.frames
+        while broker.told < told_before + 100:
+            time.sleep(0.01)
+        source.collect(SystemClock().now_s())
+        source.hear()
+        assert source.joints.frames >= heard_before + 99
+
+
 def test_what_the_broker_has_kept_is_not_believed(serve):
     broker = serve(kept={"t": 1.0, "q": [0.0] * 6, "mode": "HELD"})
     broker.silent = True
