@@ -52,13 +52,15 @@ def main(seconds: float, name: str) -> None:
         losses: list[str] = []
         while True:
             event = acquisition.channel.recv()
-            if isinstance(event, Prompted) and event.prompt.kind is PromptKind.POSTURE:
-                acquisition.channel.send(ToldPosture())
-            elif isinstance(event, Prompted) and event.prompt.kind is PromptKind.POINT:
-                acquisition.channel.send(Ready())
+            ends = len(hits) * EVERY_S >= seconds  # then nothing is answered any more
+            if isinstance(event, Prompted) and not ends:
+                if event.prompt.kind is PromptKind.POSTURE:
+                    acquisition.channel.send(ToldPosture())
+                elif event.prompt.kind is PromptKind.POINT:
+                    acquisition.channel.send(Ready())
             elif isinstance(event, HitJudged):
                 hits.append(event)
-                if len(hits) * EVERY_S >= seconds:
+                if len(hits) * EVERY_S >= seconds and not ends:
                     acquisition.channel.send(Stop())
             elif isinstance(event, LossNoted):
                 losses.append(event.loss.note)
