@@ -1,10 +1,10 @@
 """A device of openDAQ whose signals are ours, by native streaming: a program.
 
-    python opendaq_server.py VOLTS.npy RATE_HZ [AT N]
+    python opendaq_server.py VOLTS.npy RATE_HZ
 
-plays (n, channels) volts again and again as signals AI0, AI1, ... with one clock, a tick a sample;
-from sample AT on it leaves N out, which its clock alone tells. It prints its port, and ends when
-its standard input does.
+plays (n, channels) volts again and again as signals AI0, AI1, ... with one clock, a tick a sample.
+It prints its port. A number on its standard input is how many samples it leaves out there and then,
+which its clock alone tells; it ends when its input does.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def described(name: str, rule: object, sample_type: object) -> object:
     return builder
 
 
-def main(volts: np.ndarray, rate_hz: int, gap_at: int = -1, gap: int = 0) -> None:
+def main(volts: np.ndarray, rate_hz: int) -> None:
     instance = opendaq.Instance()
     folder = instance.get_item("Sig")
     clock = described("time", opendaq.LinearDataRule(1, 0), opendaq.SampleType.Int64)
@@ -67,16 +67,16 @@ def main(volts: np.ndarray, rate_hz: int, gap_at: int = -1, gap: int = 0) -> Non
             np.frombuffer(memoryview(packet.raw_data))[:] = rows[:, i]
             signal.send_packet(packet)
 
-    begun_s, sent = time.monotonic(), 0
-    while not select.select([sys.stdin], [], [], EVERY_S)[0]:
+    begun_s, sent, told = time.monotonic(), 0, "0"
+    while told:
         due = int((time.monotonic() - begun_s) * rate_hz)
-        if sent < gap_at < due:
-            send(sent, gap_at)
-            sent = gap_at + gap
         if sent < due:
             send(sent, due)
             sent = due
+        asked = select.select([sys.stdin], [], [], EVERY_S)[0]
+        told = sys.stdin.readline() if asked else "0"
+        sent += int(told or 0)
 
 
 if __name__ == "__main__":
-    main(np.load(sys.argv[1]), *map(int, sys.argv[2:]))
+    main(np.load(sys.argv[1]), int(sys.argv[2]))

@@ -175,7 +175,7 @@ def test_signals_of_ours_come_as_they_are_and_what_is_left_out_is_told(opendaq, 
     rate_hz, gap = 5_000, 777
     numbers = np.arange(200_000)
     np.save(tmp_path / "volts.npy", np.stack([numbers, -numbers], axis=1) / 2**23 * 10.0)
-    command = [PLAYER, tmp_path / "volts.npy", str(rate_hz), "5000", str(gap)]
+    command = [PLAYER, tmp_path / "volts.npy", str(rate_hz)]
     with subprocess.Popen(
         [sys.executable, *command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as server:
@@ -184,7 +184,13 @@ def test_signals_of_ours_come_as_they_are_and_what_is_left_out_is_told(opendaq, 
             with closing(open_source(front_end(address))) as source:
                 assert source.rate_refusal(Fraction(rate_hz)) == ""
                 source.start(Fraction(rate_hz), SystemClock().now_s())
-                chunks = read_for(source, 2.5)
+                chunks = read_for(source, 0.5)
+                server.stdin.write(f"{gap}\n")
+                server.stdin.flush()
+                for _ in range(100):
+                    chunks += read_for(source, 0.1)
+                    if chunks[-1].counts[0, 0] > chunks[0].counts[0, 0] + 5 * gap:
+                        break
         finally:
             server.kill()
     assert [chunk.lost for chunk in chunks if chunk.lost] == [gap]
