@@ -3,9 +3,9 @@
     python bench/front_end.py SECONDS [replay|sound|ni|opendaq]
 
 A hit comes every two seconds; joint angles are told by hand. NI is a gRPC server of ours; openDAQ
-its own reference device by native streaming, at 25 kS/s, whose sines trigger and are no hits; the
-sound card one in the place of PortAudio. What is measured: samples taken and seen, losses, verdict
-and commit times, processor time of the acquisition process.
+its own server with signals of ours, by native streaming; the sound card one in the place of
+PortAudio. What is measured: samples taken and seen, losses, verdict and commit times, processor
+time of the acquisition process.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from support.reach_plan import reach_plan
-from support.source_devices import SOURCES
+from support.source_devices import RATE_HZ, SOURCES
 
 from armodal.daq.commands import Ready, Stop, ToldPosture
 from armodal.daq.events import Failed, Finished, HitJudged, LossNoted, Prompted
@@ -33,11 +33,10 @@ EVERY_S = 2.0
 
 
 def main(seconds: float, name: str) -> None:
-    source = SOURCES[name]
-    plan = reach_plan(rate_hz=source.rate_hz, samples=16384, pretrigger=1000)
+    plan = reach_plan(rate_hz=RATE_HZ, samples=16384, pretrigger=1000)
     with tempfile.TemporaryDirectory() as made, ExitStack() as keep:
         folder = Path(made)
-        text, device = source.start(folder, EVERY_S, seconds)
+        text, device = SOURCES[name](folder, EVERY_S, seconds)
         if device is not None:
             keep.callback(device.kill)
         (folder / "bench.toml").write_text(text, encoding="utf-8")
@@ -53,13 +52,15 @@ def main(seconds: float, name: str) -> None:
         losses: list[str] = []
         while True:
             event = acquisition.channel.recv()
-            if isinstance(event, Prompted) and event.prompt.kind is PromptKind.POSTURE:
-                acquisition.channel.send(ToldPosture())
-            elif isinstance(event, Prompted) and event.prompt.kind is PromptKind.POINT:
-                acquisition.channel.send(Ready())
+            ends = len(hits) * EVERY_S >= seconds  # then nothing is answered any more
+            if isinstance(event, Prompted) and not ends:
+                if event.prompt.kind is PromptKind.POSTURE:
+                    acquisition.channel.send(ToldPosture())
+                elif event.prompt.kind is PromptKind.POINT:
+                    acquisition.channel.send(Ready())
             elif isinstance(event, HitJudged):
                 hits.append(event)
-                if len(hits) * EVERY_S >= seconds:
+                if len(hits) * EVERY_S >= seconds and not ends:
                     acquisition.channel.send(Stop())
             elif isinstance(event, LossNoted):
                 losses.append(event.loss.note)
@@ -79,7 +80,7 @@ def main(seconds: float, name: str) -> None:
                 "samples_seen": event.samples_seen,
                 "verdict_s": {"median": verdicts[len(verdicts) // 2], "worst": verdicts[-1]},
                 "commit_s_worst": max(hit.commit_s for hit in hits),
-                "cpu_share": event.cpu_s / (event.samples_taken / source.rate_hz),
+                "cpu_share": event.cpu_s / (event.samples_taken / RATE_HZ),
             },
             indent=1,
         )

@@ -10,6 +10,7 @@ from typing import Any
 from armodal.daq.front_end.ni import ni_package
 from armodal.daq.front_end.opendaq import opendaq_package
 from armodal.daq.front_end.sound import sound_package
+from armodal.daq.mqtt_joints import mqtt_package
 from armodal.daq.ports import FoundPort, find_ports
 from armodal.protocols.c.build import compilers, is_current
 from armodal.protocols.errors import MissingPackageError
@@ -57,7 +58,13 @@ def find_devices(
     ]
     found += _can_networks(networks)
     missing = []
-    for kind, look in (("sound", _sound_cards), ("ni", _ni_modules), ("opendaq", _opendaq_devices)):
+    looks: tuple[tuple[str, Callable[[], list[FoundDevice]]], ...] = (
+        ("sound", _sound_cards),
+        ("ni", _ni_modules),
+        ("opendaq", _opendaq_devices),
+        ("mqtt", _no_broker),
+    )
+    for kind, look in looks:
         try:
             found += look()
         except MissingPackageError as error:
@@ -104,6 +111,12 @@ def _opendaq_devices() -> list[FoundDevice]:
         FoundDevice(kind="opendaq", address=device.connection_string, description=device.name)
         for device in instance.available_devices
     ]
+
+
+def _no_broker() -> list[FoundDevice]:
+    """Brokers do not tell of themselves; only the package may be missing."""
+    mqtt_package()
+    return []
 
 
 def _ni_modules() -> list[FoundDevice]:

@@ -82,7 +82,7 @@ class _LabWatch:
     """Board and bus as far as they are there."""
 
     def __init__(self, settings: AcquisitionSettings, outbox: Outbox, clock: Clock) -> None:
-        if settings.told_tolerance_rad is None and not settings.ur_address:
+        if not settings.without_bus:
             can_mapping(settings.arm)
         self._settings = settings
         self._outbox = outbox

@@ -8,6 +8,7 @@ from armodal.daq.can_listener import CanSource, check_hears
 from armodal.daq.clock import Clock
 from armodal.daq.joint_source import CanJoints, JointSource
 from armodal.daq.joint_state import JointState
+from armodal.daq.mqtt_joints import MqttSource
 from armodal.daq.rtde_joints import RtdeSource
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.surroundings import Surroundings
@@ -28,7 +29,8 @@ def open_joints(settings: AcquisitionSettings, surroundings: Surroundings) -> Jo
 
     Raises
     ------
-    ArmError, PlanError, CanError, ControllerError, PortError, DeviceTimeoutError, DeviceLostError
+    ArmError, PlanError, CanError, ControllerError, PortError, DeviceTimeoutError, DeviceLostError,
+    MissingPackageError
         If the arm or the plan does not go with it, or it cannot be opened.
     """
     if settings.told_tolerance_rad is not None:
@@ -37,6 +39,8 @@ def open_joints(settings: AcquisitionSettings, surroundings: Surroundings) -> Jo
     if settings.ur_address:
         check_ur(settings.arm)
         return RtdeSource(settings.ur_address)
+    if settings.mqtt is not None:
+        return MqttSource(settings.mqtt, [joint.name for joint in settings.arm.joints])
     mapping = can_mapping(settings.arm)
     check_hears(settings.can_channel, mapping)
     return can_joints(surroundings.open_can(settings, mapping.bitrate), mapping, settings.arm)
@@ -48,7 +52,8 @@ def can_mapping(arm: Arm) -> CanMapping:
         raise ArmError(
             f"arm {arm.name} has no [can] section: wanted one that says where the joint angles are "
             "in the controller's frames; without a bus, give --ur with the address of a "
-            "Universal Robots controller, or --by-hand with the degrees to which you read them"
+            "Universal Robots controller, --mqtt with a file that names a broker, or --by-hand "
+            "with the degrees to which you read them"
         )
     return arm.can
 

@@ -6,13 +6,12 @@ connection is not kept on this object: only its receiving half is.
 
 from __future__ import annotations
 
-import math
 import socket
 import time
 from collections.abc import Iterator
 
 from armodal.daq.commands import ToldPosture
-from armodal.daq.joint_timeline import JointCycle, JointTimeline
+from armodal.daq.timed_joints import TimedJoints
 from armodal.protocols.errors import ControllerError, DeviceLostError, DeviceTimeoutError
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.rtde import (
@@ -20,7 +19,6 @@ from armodal.protocols.rtde import (
     RtdeKind,
     RtdePackage,
     RtdeParser,
-    RtdeSample,
     decode_accepted,
     decode_outputs,
     decode_sample,
@@ -29,9 +27,8 @@ from armodal.protocols.rtde import (
     request_start,
     request_version,
 )
-from armodal.protocols.session.records import JointReading
 
-__all__ = ["RtdeJoints", "RtdeSource"]
+__all__ = ["RtdeSource", "ur_joints"]
 
 PORT = 30004
 RATE_HZ = 125.0  # what every controller of the CB3 and e-Series sends
@@ -40,80 +37,10 @@ ANSWER_WALL_S = 3.0
 MOST_BYTES = 65536
 
 
-class RtdeJoints:
-    """What the controller has told of the arm; times are lab seconds.
-
-    Attributes
-    ----------
-    frames, lost, invalid : int
-        Data packages understood, skipped by the controller's time, and not understood.
-    """
-
-    def __init__(self) -> None:
-        self._timeline = JointTimeline(stale_after_s=STALE_AFTER_S, rate_hz=RATE_HZ)
-        self._last_s = -math.inf  # controller time
-        self.frames = 0
-        self.lost = 0
-        self.invalid = 0
-
-    @property
-    def rate_hz(self) -> float:
-        """Packages a lab second."""
-        return RATE_HZ
-
-    @property
-    def absent(self) -> tuple[str, ...]:
-        """All joints until the first package."""
-        return () if self._timeline.last else tuple(f"joint {i + 1}" for i in range(JOINTS))
-
-    def take(self, sample: RtdeSample | None, now_s: float) -> None:
-        """Take in a package read at `now_s`; one whose time stands still tells nothing."""
-        if sample is None:
-            self.invalid += 1
-            return
-        step_s = sample.timestamp_s - self._last_s
-        if step_s == 0.0:
-            return
-        self._last_s = sample.timestamp_s
-        self.frames += 1
-        if 0.0 < step_s < math.inf:
-            self.lost += max(round(step_s * RATE_HZ) - 1, 0)
-        self._timeline.add(
-            JointCycle(
-                oldest_s=now_s,
-                newest_s=now_s,
-                joints_rad=sample.joints_rad,
-                drive_state=sample.robot_mode,
-                held=sample.held,
-            )
-        )
-
-    def reading(self, now_s: float) -> JointReading:
-        """Return what is known at `now_s`; joints None when it is stale."""
-        last = self._timeline.last
-        if last is None:
-            return _unknown(now_s, math.inf, None)
-        age_s = now_s - last.oldest_s
-        if age_s > STALE_AFTER_S:
-            return _unknown(now_s, age_s, last)
-        return last.reading(now_s, age_s)
-
-    def reading_before(self, host_s: float) -> JointReading:
-        """Return the newest angles not later than `host_s`, aged at that time."""
-        found, age_s = self._timeline.before(host_s)
-        return _unknown(host_s, age_s, self._timeline.last) if found is None else found
-
-    def reading_after(self, host_s: float) -> JointReading | None:
-        """Return the first angles newer than `host_s`; None so far."""
-        return self._timeline.after(host_s)
-
-    def spread_rad(self, since_s: float, until_s: float = math.inf) -> float | None:
-        """Return the largest range any joint covered in a time; None if it is not known."""
-        return self._timeline.spread_rad(since_s, until_s)
-
-    def silence_s(self, since_s: float, until_s: float) -> float:
-        """Return for how long the controller told nothing between two times."""
-        return self._timeline.silence_s(since_s, until_s)
+def ur_joints() -> TimedJoints:
+    """Angles as a Universal Robots controller tells them, none yet."""
+    names = [f"joint {i + 1}" for i in range(JOINTS)]
+    return TimedJoints(names, rate_hz=RATE_HZ, stale_after_s=STALE_AFTER_S)
 
 
 class RtdeSource:
@@ -133,7 +60,7 @@ class RtdeSource:
     def __init__(self, address: str) -> None:
         host, port = _parts(address)
         self.name = f"{host}:{port}"
-        self.joints = RtdeJoints()
+        self.joints = ur_joints()
         self._parser = RtdeParser()
         self._fetched: list[tuple[float, bytes]] = []
         line = _connect(host, port)
@@ -261,13 +188,3 @@ def _connect(host: str, port: int) -> socket.socket:
         raise ControllerError(
             f"{host}:{port} cannot be reached from this computer: check address and network"
         ) from error
-
-
-def _unknown(host_s: float, age_s: float, last: JointCycle | None) -> JointReading:
-    return JointReading(
-        joints_rad=None,
-        drive_state=None if last is None else last.drive_state,
-        held=last is not None and last.held,
-        age_s=max(age_s, 0.0),
-        host_s=host_s,
-    )

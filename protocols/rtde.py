@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from armodal.protocols.errors import ControllerError
+from armodal.protocols.joint_sample import JointSample
 
 __all__ = [
     "JOINTS",
@@ -21,7 +22,6 @@ __all__ = [
     "RtdeKind",
     "RtdePackage",
     "RtdeParser",
-    "RtdeSample",
     "decode_accepted",
     "decode_outputs",
     "decode_sample",
@@ -62,16 +62,6 @@ class RtdePackage:
 
     kind: RtdeKind | None
     payload: bytes
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RtdeSample:
-    """One data package: what the controller told at its own time."""
-
-    timestamp_s: float
-    joints_rad: tuple[float, ...]  # six, base first
-    robot_mode: int
-    held: bool
 
 
 class RtdeParser:
@@ -156,17 +146,17 @@ def decode_accepted(payload: bytes) -> bool:
     return payload[0] == 1
 
 
-def decode_sample(payload: bytes, recipe: int) -> RtdeSample | None:
+def decode_sample(payload: bytes, recipe: int) -> JointSample | None:
     """Return what a data package of our recipe tells; None where it cannot be read."""
     if len(payload) != _SAMPLE.size:
         return None
     number, timestamp_s, *joints_rad, mode, status = _SAMPLE.unpack(payload)
     if number != recipe or not all(map(math.isfinite, (timestamp_s, *joints_rad))):
         return None
-    return RtdeSample(
+    return JointSample(
         timestamp_s=timestamp_s,
         joints_rad=tuple(joints_rad),
-        robot_mode=mode,
+        drive_state=mode,
         held=mode == IDLE or (mode == RUNNING and not status & TEACH_BUTTON),
     )
 

@@ -28,6 +28,11 @@ RATE_TOLERANCE = 1e-9  # relative: rates are told as doubles
 OVERWRITTEN = -200279
 MOST_READ = 2**18  # values at once: 2 MB, half of what gRPC takes in one message
 
+# What a module finds of a sensor's circuit, by the driver's property of that name.
+_CIRCUIT_FAULTS = {
+    "open_current_loop_chans": "is open",
+    "excit_fault_chans": "is at fault, most often a short",
+}
 # What the driver's codes mean to an operator (NI-DAQmx, Error Codes).
 _MEANINGS = {
     -200220: "there is no such device; NI MAX, or `armodal devices`, shows the names",
@@ -186,17 +191,20 @@ class NiModule:
 
     def _check_sensors(self) -> None:
         """Refuse to measure with a sensor that is not there, where the module can tell."""
-        try:
-            is_open = bool(self._task.in_stream.open_current_loop_chans_exist)
-            names = list(self._task.in_stream.open_current_loop_chans) if is_open else []
-        except self._ni.errors.DaqError:
-            return  # this module does not look
-        if names:
-            self._task.stop()
-            raise FrontEndError(
-                f"{self.name}: the sensor circuit of {', '.join(map(str, names))} is open: check "
-                "sensor and cable"
-            )
+        for named, fault in _CIRCUIT_FAULTS.items():
+            stream = self._task.in_stream
+            try:
+                # The driver tells the names only to who has asked whether there are any.
+                is_there = bool(getattr(stream, f"{named}_exist"))
+                names = list(getattr(stream, named)) if is_there else []
+            except self._ni.errors.DaqError:
+                continue  # this module does not look
+            if names:
+                self._task.stop()
+                raise FrontEndError(
+                    f"{self.name}: the sensor circuit of {', '.join(map(str, names))} {fault}: "
+                    "check sensor and cable"
+                )
 
     @contextmanager
     def _told(self, *, lost: bool = False) -> Iterator[None]:

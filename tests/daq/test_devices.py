@@ -1,5 +1,5 @@
 import sys
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import pytest
 from support.fake_ni import FakeNi
@@ -32,6 +32,7 @@ def test_what_is_there_is_listed_with_its_address(monkeypatch, networks):
     monkeypatch.setitem(sys.modules, "opendaq", SimpleNamespace(Instance=lambda: instance))
     for name, module in FakeNi().modules.items():
         monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.setitem(sys.modules, "paho.mqtt.client", ModuleType("client"))
     found, missing = looked(networks)
     assert found == {
         ("serial", "/dev/ttyACM0", "Some board"),
@@ -47,11 +48,13 @@ def test_what_is_missing_is_said_with_how_to_get_it(monkeypatch, networks):
     monkeypatch.setitem(sys.modules, "sounddevice", None)
     monkeypatch.setitem(sys.modules, "nidaqmx", None)
     monkeypatch.setitem(sys.modules, "opendaq", None)
+    monkeypatch.setitem(sys.modules, "paho.mqtt.client", None)
     found, missing = looked(networks)
     assert {kind for kind, *_ in found} == {"serial", "can"}
     assert "armodal[sound]" in missing["sound"]
     assert "armodal[ni]" in missing["ni"]
     assert "armodal[opendaq]" in missing["opendaq"]
+    assert "armodal[mqtt]" in missing["mqtt"]
 
 
 def test_a_missing_driver_is_said(monkeypatch, networks):

@@ -4,6 +4,7 @@ import json
 import math
 import re
 import shutil
+import struct
 import subprocess
 import sys
 from contextlib import closing, contextmanager
@@ -17,7 +18,8 @@ from armodal.daq.board_link import BoardLink
 from armodal.daq.check import BOARD_STEPS, BoardCheckOptions, Verdict, check_board
 from armodal.daq.clock import SystemClock
 from armodal.daq.serial_port import SerialPort
-from armodal.protocols.c.firmware import build
+from armodal.protocols.c.firmware import BOARDS as BUILT
+from armodal.protocols.c.firmware import build, main
 from armodal.protocols.c.sizes import CODE_LIMIT_BYTES, measure
 from armodal.protocols.session.hdf5 import read_session
 
@@ -25,6 +27,9 @@ needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler 
 needs_qemu = pytest.mark.skipif(
     shutil.which("qemu-system-arm") is None or shutil.which("arm-none-eabi-gcc") is None,
     reason="no qemu-system-arm or no arm-none-eabi-gcc on this machine",
+)
+needs_gcc = pytest.mark.skipif(
+    shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc on this machine"
 )
 needs_zig = pytest.mark.skipif(
     shutil.which("qemu-system-arm") is None or find_spec("ziglang") is None,
@@ -133,6 +138,58 @@ def test_a_session_by_hand_with_the_board_of_the_guide(programs, board, tmp_path
         assert math.degrees(hit.before.joints_rad[1]) == pytest.approx(-30.2)
         # Half a sample off the top of a push of five samples: cos(pi / 10); noise 0.6 N.
         assert 250.0 * math.cos(math.pi / 10) - 0.6 < hit.verdict.peak_n < 250.6
+
+
+def test_boards_are_built_by_name_and_all_without_one(tmp_path, monkeypatch, capsys):
+    built = []
+    monkeypatch.setattr(
+        "armodal.protocols.c.firmware.build", lambda board, folder, baud: built.append(board)
+    )
+    assert main([]) == 0
+    assert built == list(BUILT)
+    assert main(["an386"]) == 0
+    assert built[-1] == "an386"
+    with pytest.raises(SystemExit) as ended:
+        main(["an385"])
+    assert ended.value.code == 2
+    assert f"wanted boards of {', '.join(BUILT)}, got an385" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["stm32g474", "--baud", "300"])
+    assert "--baud: wanted 9600 to 4000000, got 300" in capsys.readouterr().err
+
+
+@needs_gcc
+def test_the_board_with_an_stm32_fits_its_chip_and_its_vectors_point_at_its_interrupts(tmp_path):
+    program = build("stm32g474", tmp_path)
+    image = tmp_path / "board.bin"
+    subprocess.run(["arm-none-eabi-objcopy", "-O", "binary", program, image], check=True)
+    told = subprocess.run(
+        ["arm-none-eabi-nm", program], capture_output=True, text=True, check=True
+    ).stdout
+    symbols = {name: int(at, 16) for at, _, name in map(str.split, told.splitlines())}
+    vectors = struct.unpack("<118I", image.read_bytes()[: 4 * 118])
+    assert vectors[0] == 0x2000_0000 + 128 * 1024
+    handlers = {1: "reset", 16 + 11: "on_dma_converter", 16 + 13: "on_dma_link_in",
+                16 + 14: "on_dma_link_out", 16 + 28: "on_tim2"}  # fmt: skip
+    for place, name in handlers.items():
+        assert vectors[place] == symbols[name] | 1, name  # Thumb
+    assert len(image.read_bytes()) < 512 * 1024
+    sram1_end = 0x2000_0000 + 80 * 1024
+    assert all(symbols[name] < sram1_end for name in ("ring", "in", "out"))  # for DMA
+    assert symbols["bss_end"] < 0x2000_0000 + 120 * 1024  # 8 KB for the stack
+
+
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="no package ziglang on this machine")
+def test_ziglang_compiles_the_board_with_an_stm32_too(tmp_path, monkeypatch):
+    monkeypatch.setattr("armodal.protocols.c.firmware.shutil.which", lambda name: None)
+    program = build("stm32g474", tmp_path).read_bytes()
+    entry, headers_at = struct.unpack_from("<II", program, 24)  # of an ELF file of 32 bits
+    at, address = struct.unpack_from("<II", program, headers_at + 4)
+    assert address == 0x0800_0000
+    stack, reset = struct.unpack_from("<II", program, at)
+    assert stack == 0x2000_0000 + 128 * 1024
+    assert reset == entry
+    assert reset & 1  # Thumb
 
 
 @needs_qemu

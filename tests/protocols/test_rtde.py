@@ -34,7 +34,7 @@ def test_requests_are_those_of_the_guide():
 def test_a_sample_tells_angles_and_whether_the_arm_is_held():
     found = decode_sample(sample(), 1)
     assert found.joints_rad == JOINTS_RAD
-    assert (found.timestamp_s, found.robot_mode, found.held) == (12.5, 7, True)
+    assert (found.timestamp_s, found.drive_state, found.held) == (12.5, 7, True)
 
 
 @pytest.mark.parametrize(

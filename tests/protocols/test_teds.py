@@ -100,3 +100,24 @@ def test_without_the_range_a_sensitivity_is_not_compared():
 def test_a_data_sheet_of_no_maker_contradicts_nothing():
     nobody = sensor(teds=bits(*basic(maker=0)), serial_number="A-1")
     assert contradictions(nobody, RANGE_V) == []
+
+
+def test_an_impedance_head_is_two_sensors_of_which_each_has_its_data_sheet():
+    sheets = {
+        "force": iepe(0.022, is_force=True, serial=900),
+        "acceleration": iepe(0.0102, calibrated=DAY, serial=901),
+    }
+    full_scales = {"force": RANGE_V / 0.022, "acceleration": RANGE_V / 0.0102}
+    numbers = {"force": "900", "acceleration": "901"}
+
+    def output(quantity, cable):
+        made = channel(f"head_{quantity}", quantity, scale=1e-5)
+        return replace(
+            made, full_scale=full_scales[quantity], serial_number=numbers[quantity],
+            calibration_date="", teds=sheets[cable],
+        )  # fmt: skip
+
+    for quantity in sheets:
+        assert contradictions(output(quantity, quantity), RANGE_V) == []
+    swapped = contradictions(output("force", "acceleration"), RANGE_V)
+    assert any("the sensor says acceleration, the board force" in said for said in swapped)

@@ -35,7 +35,12 @@ class Ads131m04:
 
     def transfer(self, out: bytes) -> bytes:
         """Chip select low, bytes both ways, chip select high."""
-        assert len(out) == FRAME
+        said = self.shift_out()
+        self.shift_in(out)
+        return said
+
+    def shift_out(self) -> bytes:
+        """The chip's half of a frame: what it says, whatever it is told meanwhile."""
         if self.dead:
             return bytes(FRAME)
         words = [self._status() if self._answer is None else self._answer]
@@ -45,8 +50,13 @@ class Ads131m04:
         crc = binascii.crc_hqx(frame, 0xFFFF)  # CRC-16 CCITT
         sent = int.from_bytes(frame + crc.to_bytes(2, "big") + b"\0", "big") ^ self.flips
         self.flips = 0
-        self._obey(int.from_bytes(out[:2], "big"), int.from_bytes(out[WORD : WORD + 2], "big"))
         return sent.to_bytes(FRAME, "big")
+
+    def shift_in(self, out: bytes) -> None:
+        """The host's half of a frame, obeyed as chip select goes up."""
+        assert len(out) == FRAME
+        if not self.dead:
+            self._obey(int.from_bytes(out[:2], "big"), int.from_bytes(out[WORD : WORD + 2], "big"))
 
     def _status(self) -> int:
         new = 0b1111 if self.waiting else 0

@@ -39,6 +39,7 @@ class FakeNi:
         self.volts = np.zeros((0, 2))
         self.channels, self.rate_hz, self.running = [], 0.0, False
         self.open_inputs, self.looks_for_open = [], True
+        self.short_inputs = []
         self.teds = {}  # place: bytes in a list, as the package gives them
         self.installed, self.fails, self.closed = True, {}, False
         constants = SimpleNamespace(
@@ -101,6 +102,14 @@ class FakeNi:
             @property
             def open_current_loop_chans(self):
                 return fake.open_inputs
+
+            @property
+            def excit_fault_chans_exist(self):
+                return bool(fake.short_inputs)
+
+            @property
+            def excit_fault_chans(self):
+                return fake.short_inputs
 
         class Timing:
             def cfg_samp_clk_timing(self, rate, *, sample_mode, samps_per_chan):

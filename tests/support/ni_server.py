@@ -43,15 +43,25 @@ class Task:
         self.rate_hz, self.buffer, self.started_s, self.taken = 1000.0, 0, None, 0
 
 
+# Attributes of NI-DAQmx: whether there are such channels, and which.
+FAULTY = {
+    0x2A09: "open_inputs",
+    0x2A0A: "open_inputs",
+    0x3088: "short_inputs",
+    0x3089: "short_inputs",
+}
+
+
 class Module(services.NiDAQmxServicer):
-    """The module; `volts` is (n, 4), `open_inputs` names circuits without a sensor.
+    """The module; `volts` is (n, 4), `open_inputs` names circuits without a sensor,
+    `short_inputs` those whose supply is at fault.
 
     As NI's own, it keeps the task of a program that has gone, and a started task has the module.
     """
 
     def __init__(self, volts, speed=1.0):
         self.volts, self.speed = volts, speed
-        self.open_inputs = []
+        self.open_inputs, self.short_inputs = [], []
         self.teds = {}  # place, as cDAQ1Mod1/ai0: bytes of the sensor's memory
         self.tasks = {}
 
@@ -149,10 +159,12 @@ class Module(services.NiDAQmxServicer):
         return messages.GetPhysicalChanAttributeBytesResponse(value=data)
 
     def GetReadAttributeBool(self, request, context):
-        return messages.GetReadAttributeBoolResponse(value=bool(self.open_inputs))
+        names = getattr(self, FAULTY[request.attribute_raw])
+        return messages.GetReadAttributeBoolResponse(value=bool(names))
 
     def GetReadAttributeString(self, request, context):
-        return messages.GetReadAttributeStringResponse(value=", ".join(self.open_inputs))
+        names = getattr(self, FAULTY[request.attribute_raw])
+        return messages.GetReadAttributeStringResponse(value=", ".join(names))
 
     def ReadAnalogF64(self, request, context):
         task = self.tasks[request.task.name]

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 from support.accepted_hits import missing
+from support.forked_acquisition import ForkedAcquisition, fork_acquisition
 from support.reach_plan import reach_plan
-from support.source_devices import SOURCES
+from support.source_devices import RATE_HZ, SOURCES
 
 from armodal.daq.commands import Ready, ToldPosture
 from armodal.daq.events import Failed, Finished, HitJudged, Prompted, SessionOpened
-from armodal.daq.process import DaqProcess, start_process
 from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
@@ -31,7 +31,7 @@ from armodal.protocols.session.journal import read_journal
 from armodal.protocols.session.recovery import rebuild
 
 HIT_EVERY_S = 0.2
-LONGEST_S = 1.2  # from the first hit asked for to the kill: a few hits
+LONGEST_S = 0.8  # from the first hit asked for to the kill: a few hits
 DEVICE_LOST_WITHIN_S = 30.0  # a loaded machine; the device itself is missed after two seconds
 
 
@@ -50,10 +50,10 @@ class KilledSession:
     """One journal on one source, killed and resumed again and again."""
 
     def __init__(self, name: str, folder: Path, rng: np.random.Generator) -> None:
-        self._source, self._name = SOURCES[name], name
+        self._start, self._name = SOURCES[name], name
         self._folder, self._rng = folder, rng
         self._arm = load_arm("ur5")
-        self._plan = reach_plan(rate_hz=self._source.rate_hz, samples=2048, pretrigger=256)
+        self._plan = reach_plan(rate_hz=RATE_HZ, samples=2048, pretrigger=256)
         self._journal = folder / "killed.journal"
         self._told: dict[int, object] = {}
         self._device: subprocess.Popen[str] | None = None
@@ -73,7 +73,7 @@ class KilledSession:
     def kill_once(self) -> None:
         """Run the session up to a kill at a drawn time; compare what is left."""
         if not self._started:
-            text, self._device = self._source.start(self._folder, HIT_EVERY_S, 20.0)
+            text, self._device = self._start(self._folder, HIT_EVERY_S, 20.0)
             (self._folder / "source.toml").write_text(text, encoding="utf-8")
             self._started = True
         settings = AcquisitionSettings(
@@ -85,21 +85,18 @@ class KilledSession:
             resume=self._journal.exists(),
         )
         of_device = self._device is not None and self._rng.random() < 1 / 3
-        acquisition = start_process("acquire", settings)
+        acquisition = fork_acquisition(settings, self._folder / "stderr")
         try:
             self._run(acquisition, of_device=of_device)
         finally:
-            acquisition.process.kill()
-            acquisition.process.wait()
-            acquisition.channel.close()
-            acquisition.stderr.close()
+            acquisition.end()
         self._compare()
         self.tally.kills += 1
         if of_device:
             self.tally.devices_killed += 1
             self.close()
 
-    def _run(self, acquisition: DaqProcess, *, of_device: bool) -> None:
+    def _run(self, acquisition: ForkedAcquisition, *, of_device: bool) -> None:
         channel, kill_at_s, killed_s = acquisition.channel, math.inf, math.inf
         while True:
             now_s = time.monotonic()
@@ -107,6 +104,7 @@ class KilledSession:
                 killed_s = now_s
                 victim = self._device if of_device else acquisition.process
                 assert victim is not None
+                assert victim.pid is not None
                 os.kill(victim.pid, signal.SIGKILL)
             if now_s - killed_s > DEVICE_LOST_WITHIN_S:
                 self.tally.wrong.append(f"{self._name}: the killed device was not missed")

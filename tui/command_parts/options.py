@@ -74,7 +74,16 @@ UrAddress = Annotated[
 ]
 
 
-def told_tolerance_rad(by_hand: float | None, can: str, ur: str) -> float | None:
+MqttFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Without a bus: joint angles from an MQTT broker, by a file that says where.",
+    ),
+]
+
+
+def told_tolerance_rad(by_hand: float | None, can: str, ur: str, mqtt: Path | None) -> float | None:
     """The tolerance of angles told by hand, rad; None where a device tells them or none is given.
 
     Raises
@@ -83,7 +92,7 @@ def told_tolerance_rad(by_hand: float | None, can: str, ur: str) -> float | None
         If there is more than one source of joint angles, or the tolerance is none.
     """
     person = None if by_hand is None else f"{by_hand:g}"
-    given = {"--can": can, "--ur": ur, "--by-hand": person}
+    given = {"--can": can, "--ur": ur, "--mqtt": mqtt, "--by-hand": person}
     named = [f"{option} {value}" for option, value in given.items() if value]
     if len(named) > 1:
         raise SessionError(

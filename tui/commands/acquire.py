@@ -15,12 +15,14 @@ from armodal.daq.events import Event
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
+from armodal.protocols.mqtt_joints import load_mqtt_joints
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
 from armodal.tui.command_parts.options import (
     ByHand,
     MeasuredBy,
     Mirror,
+    MqttFile,
     UrAddress,
     one_board,
     say_if_on_one_disk,
@@ -49,6 +51,7 @@ def acquire_command(
     board: Annotated[list[str], typer.Option(help="Port of the board, or a front-end file.")],
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
+    mqtt: MqttFile = None,
     by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
@@ -70,7 +73,8 @@ def acquire_command(
     """Capture a session: postures, points and hits of a plan, into a durable journal.
 
     Joint angles come from the controller's bus; with --ur from a Universal Robots controller by
-    RTDE; with --by-hand from you: you confirm or type them at every posture, and results say so.
+    RTDE; with --mqtt from a broker; with --by-hand from you: you confirm or type them at every
+    posture, and results say so.
 
     Example: armodal acquire rv4frl-three-postures --board /dev/ttyACM0 --can /dev/ttyACM1
     """
@@ -78,18 +82,20 @@ def acquire_command(
     if operator is not None and can and not resume:
         the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
-    told_rad = told_tolerance_rad(by_hand, can, ur)
-    if told_rad is None and not (can or ur):
+    told_rad = told_tolerance_rad(by_hand, can, ur, mqtt)
+    if told_rad is None and not (can or ur or mqtt):
         raise SessionError(
             "wanted where joint angles come from, got nothing: give --can with the port of the "
-            "controller's bus, --ur with the address of a Universal Robots controller, or "
-            "--by-hand with the degrees to which you read them yourself"
+            "controller's bus, --ur with the address of a Universal Robots controller, --mqtt with "
+            "a file that names a broker, or --by-hand with the degrees to which you read them "
+            "yourself"
         )
     settings = AcquisitionSettings(
         board_port=one_board(board),
         board_baud=baud,
         can_channel=can,
         ur_address=ur,
+        mqtt=None if mqtt is None else load_mqtt_joints(mqtt),
         told_tolerance_rad=told_rad,
         arm=the_arm,
         plan=the_plan,

@@ -16,6 +16,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.front_end import load_front_end
+from armodal.protocols.mqtt_joints import load_mqtt_joints
 from armodal.protocols.plan import load_plan
 from armodal.protocols.sensor_memory import load_sensors
 from armodal.tui.command_parts.journey import go_from
@@ -23,6 +24,7 @@ from armodal.tui.command_parts.options import (
     ByHand,
     MeasuredBy,
     Mirror,
+    MqttFile,
     UrAddress,
     one_board,
     say_if_on_one_disk,
@@ -53,6 +55,7 @@ def run_app(
     board: str = "",
     can: str = "",
     ur: str = "",
+    mqtt: Path | None = None,
     by_hand: float | None = None,
     baud: int = 921_600,
     seed: int = 1,
@@ -99,8 +102,9 @@ def run_app(
         measured_by=measured_by,
         board=board,
         can=can,
-        told_rad=told_tolerance_rad(by_hand, can, ur),
+        told_rad=told_tolerance_rad(by_hand, can, ur, mqtt),
         ur=ur,
+        mqtt=None if mqtt is None else load_mqtt_joints(mqtt),
         baud=baud,
         input_range_v=input_range_v,
         sensor_memory=memory,
@@ -145,6 +149,7 @@ def run_command(
     ] = None,
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
     ur: UrAddress = "",
+    mqtt: MqttFile = None,
     by_hand: ByHand = None,
     mirror: Mirror = None,
     measured_by: MeasuredBy = "",
@@ -190,6 +195,7 @@ def run_command(
         board=port,
         can=can,
         ur=ur,
+        mqtt=mqtt,
         by_hand=by_hand,
         baud=baud,
         simulated=simulated,

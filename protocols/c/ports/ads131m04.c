@@ -109,9 +109,6 @@ ads_result ads_begin(const ads_port *port, ads_osr osr, const uint8_t gains[ADS_
     if (result == ADS_OK) {
         result = write_register(port, REGISTER_GAIN, gain);
     }
-    for (i = 0; i < 2 && result == ADS_OK; i++) {
-        result = exchange(port, 0, 0, &answer);
-    }
     return result;
 }
 
@@ -158,10 +155,16 @@ static uint32_t missed(const ads_ring *ring, uint64_t from, uint64_t to)
 
 int ads_ring_done(ads_ring *ring, uint64_t ready_ticks)
 {
-    const uint32_t gone = missed(ring, ring->done_ticks, ready_ticks);
-    ring->done_ticks = ready_ticks;
-    if (gone != 0u) {
-        return 1;
+    const int is_emptied = ring->is_emptying;
+    if (is_emptied == 0) {
+        ring->is_emptying =
+            ring->done_ticks == 0u || missed(ring, ring->done_ticks, ready_ticks) != 0u;
+        ring->done_ticks = ready_ticks;
+    } else {
+        ring->is_emptying = 0;
+    }
+    if (is_emptied != 0 || ring->is_emptying != 0) {
+        return ring->is_emptying;
     }
     ring->ticks[ring->written % ADS_RING_FRAMES] = ready_ticks;
     ring->written = ring->written + 1u;

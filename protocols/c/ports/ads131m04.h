@@ -49,8 +49,8 @@ typedef struct {
     void (*transfer)(void *context, const uint8_t *out, uint8_t *in, size_t n);
 } ads_port;
 
-/* Reset the chip, set oversampling and gains (1, 2, 4, ... 128 as 0, 1, 2, ... 7), read all back,
-   and empty the two samples that wait in it. */
+/* Reset the chip, set oversampling and gains (1, 2, 4, ... 128 as 0, 1, 2, ... 7), and read all
+   back. */
 ads_result ads_begin(const ads_port *port, ads_osr osr, const uint8_t gains[ADS_CHANNELS]);
 
 /* Take a frame apart; counts are valid with ADS_OK only. */
@@ -65,13 +65,15 @@ typedef struct {
     uint64_t last_ticks; /* of the last frame that was read */
     uint32_t period_x256; /* ticks of a sample, in 256ths */
     uint32_t bad_frames;  /* wrong CRC or fault, since the start */
+    int is_emptying;      /* the frame under way is to be thrown away */
 } ads_ring;
 
 void ads_ring_begin(ads_ring *ring, uint32_t period_x256);
 uint8_t *ads_ring_next(ads_ring *ring);
-/* The frame is there; `ready_ticks` is when its data was ready. Not 0: it is of an older sample,
-   since data-readies were not served, and two samples wait in the chip. Fetch another frame at once,
-   for the same ticks. */
+/* The frame is there; `ready_ticks` is when its data was ready. Not 0: it is the first, or data-readies
+   were not served; then two samples may wait in the chip, and the frame be the older one's. Fetch one
+   frame more at once, for the same ticks: both are thrown away, and the next data-ready finds its own
+   sample alone, or none, which its status says. */
 int ads_ring_done(ads_ring *ring, uint64_t ready_ticks);
 
 /* At most `most` samples that are whole and follow one another; how many. *ticks is when the first

@@ -27,23 +27,22 @@ static uint64_t read_ticks(void *context)
 static bool makes_rate(void *context, uint32_t numerator, uint32_t denominator, char *reason,
                        size_t size)
 {
-    static const char refusal[] = "the converter makes 51200 Hz over 1 to 512";
-    uint32_t divisor;
+    const char *refusal = bsp_adc_refusal(numerator, denominator);
+    size_t i;
     (void)context;
-    /* 51200 Hz / divisor, 1 to 512: numerator * divisor == 51200 * denominator */
-    for (divisor = 1; divisor <= 512; divisor++) {
-        if ((uint64_t)numerator * divisor == (uint64_t)51200 * denominator) {
-            return true;
-        }
+    for (i = 0; refusal != NULL && i + 1 < size && refusal[i] != '\0'; i++) {
+        reason[i] = refusal[i];
     }
-    memcpy(reason, refusal, size < sizeof refusal ? size : sizeof refusal);
-    return false;
+    if (refusal != NULL && size != 0) {
+        reason[i] = '\0';
+    }
+    return refusal == NULL;
 }
 
 static void start_converter(void *context, uint32_t numerator, uint32_t denominator)
 {
     (void)context;
-    bsp_adc_start((51200u * denominator) / numerator);
+    bsp_adc_start(numerator, denominator);
 }
 
 static void stop_converter(void *context)
@@ -70,7 +69,8 @@ static const ab_config config = {
     .preview = preview_buffer,
     .preview_size = sizeof preview_buffer};
 
-static const ab_channel channels[CHANNELS] = {
+/* What is compiled in of the sensors; the data sheets that they carry are read at boot. */
+static ab_channel channels[CHANNELS] = {
     {.name = "hammer", .quantity = "force", .unit = "N", .scale = 0.00238, .full_scale = 20000.0,
      .highpass_hz = 0.05, .serial_number = "H-1", .calibration_date = "2026-03-02", .iepe = 1},
     {.name = "acc_x", .quantity = "acceleration", .unit = "m/s^2", .scale = 1.19e-5,
@@ -83,25 +83,51 @@ static const ab_channel channels[CHANNELS] = {
      .full_scale = 100.0, .highpass_hz = 0.3, .serial_number = "A-1", .calibration_date = "",
      .iepe = 1}};
 
-int main(void)
-{
-    const ab_dictionary dictionary = {.board_id = "my-board",
-                                      .firmware = "1.0",
-                                      .link_bytes_per_s = BSP_LINK_BYTES_PER_S,
-                                      .block_capacity = CAPACITY,
-                                      .tick_hz = 1000000,
-                                      .filter_group_delay_samples = 34.0,
-                                      .channels = channels,
-                                      .n_channels = CHANNELS};
-    size_t size = ab_dictionary_encode(dictionary_bytes, sizeof dictionary_bytes, &dictionary);
-    uint8_t bytes[64];
-    size_t n = 0, taken;
+static const ab_dictionary dictionary = {.board_id = BSP_BOARD_ID,
+                                         .firmware = "1.0",
+                                         .link_bytes_per_s = BSP_LINK_BYTES_PER_S,
+                                         .block_capacity = CAPACITY,
+                                         .tick_hz = BSP_TICK_HZ,
+                                         .filter_group_delay_samples = BSP_GROUP_DELAY_SAMPLES,
+                                         .channels = channels,
+                                         .n_channels = CHANNELS};
 
-    if (size == 0 || ab_init(&board, &config, dictionary_bytes, (uint16_t)size, bsp_random()) !=
-                         AB_INIT_OK) {
+static uint16_t describe(void)
+{
+    size_t size = ab_dictionary_encode(dictionary_bytes, sizeof dictionary_bytes, &dictionary);
+
+    if (size == 0) {
         bsp_halt();
     }
-    for (;;) {
+    return (uint16_t)size;
+}
+
+/* Look at one sensor's supply; describe the board anew if its state is another. */
+static void watch_supply(uint32_t channel)
+{
+    const uint8_t state = bsp_iepe(channel);
+
+    if (state != channels[channel].iepe) {
+        channels[channel].iepe = state;
+        (void)ab_set_dictionary(&board, dictionary_bytes, describe());
+    }
+}
+
+int main(void)
+{
+    uint8_t bytes[64];
+    size_t n = 0, taken;
+    uint32_t i;
+
+    bsp_begin();
+    for (i = 0; i < CHANNELS; i++) {
+        channels[i].teds = bsp_teds(i, &channels[i].teds_size);
+        channels[i].iepe = bsp_iepe(i);
+    }
+    if (ab_init(&board, &config, dictionary_bytes, describe(), bsp_random()) != AB_INIT_OK) {
+        bsp_halt();
+    }
+    for (i = 0;; i = (i + 1) % CHANNELS) {
         int32_t counts[64 * CHANNELS];
         uint32_t lost;
         uint64_t first_ticks;
@@ -117,6 +143,7 @@ int main(void)
         taken = ab_receive(&board, bytes, n);
         memmove(bytes, bytes + taken, n - taken);
         n -= taken;
+        watch_supply(i);
         ab_poll(&board);
     }
 }

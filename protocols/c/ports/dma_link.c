@@ -37,7 +37,7 @@ size_t dma_link_write(dma_link *link, const uint8_t *bytes, size_t n)
 
     while (taken < n && link->queued - link->sent < link->out_size) {
         link->out[link->queued & (link->out_size - 1u)] = bytes[taken++];
-        link->queued++;
+        link->queued = link->queued + 1u; /* the byte is there before it counts */
     }
     if (link->under_way == 0u) {
         send_next(link);

@@ -35,9 +35,9 @@ typedef struct {
     uint32_t overruns; /* times that bytes were lost */
     uint8_t *out;
     uint32_t out_size;
-    uint32_t queued;                /* bytes put into `out`; wraps */
-    volatile uint32_t sent;         /* of these sent; wraps */
-    volatile uint32_t under_way;    /* bytes of the transfer in hand; 0: none */
+    volatile uint32_t queued;    /* bytes put into `out`; wraps */
+    volatile uint32_t sent;      /* of these sent; wraps */
+    volatile uint32_t under_way; /* bytes of the transfer in hand; 0: none */
 } dma_link;
 
 /* The sizes are powers of two; the rings stay where they are. */

@@ -79,12 +79,28 @@ bool table_adc_behind(void)
     return divisor != 0u && ready_samples() - taken > AT_ONCE;
 }
 
-void bsp_adc_start(uint32_t wanted)
+/* By what 51200 Hz is divided, 1 to 512; 0 where no such number makes the rate. */
+static uint32_t divisor_of(uint32_t numerator, uint32_t denominator)
+{
+    uint32_t wanted = 512;
+    while (wanted != 0u && (uint64_t)numerator * wanted != (uint64_t)BASE_HZ * denominator) {
+        wanted--;
+    }
+    return wanted;
+}
+
+const char *bsp_adc_refusal(uint32_t numerator, uint32_t denominator)
+{
+    return divisor_of(numerator, denominator) == 0u ? "the converter makes 51200 Hz over 1 to 512"
+                                                    : NULL;
+}
+
+void bsp_adc_start(uint32_t numerator, uint32_t denominator)
 {
     if (push[1] == 0) {
         fill();
     }
-    divisor = wanted;
+    divisor = divisor_of(numerator, denominator);
     started = table_clock();
     taken = 0;
 }
@@ -123,4 +139,18 @@ uint32_t bsp_adc_read(int32_t *counts, uint32_t most, uint64_t *ticks, uint32_t 
     }
     taken += n;
     return n;
+}
+
+/* Its sensors have supplies that work, and no data sheets. */
+const uint8_t *bsp_teds(uint32_t channel, uint16_t *size)
+{
+    (void)channel;
+    *size = 0;
+    return NULL;
+}
+
+uint8_t bsp_iepe(uint32_t channel)
+{
+    (void)channel;
+    return 1;
 }

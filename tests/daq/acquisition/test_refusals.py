@@ -9,6 +9,7 @@ from support.teds_bits import iepe
 from armodal.daq.journal_writer import LAST_BYTES
 from armodal.daq.session_machine import PromptKind
 from armodal.protocols.board.messages import encode_dictionary
+from armodal.protocols.board.records import IepeState
 from armodal.protocols.session.journal import load_journal, read_journal
 
 
@@ -156,6 +157,20 @@ def test_a_sensor_that_was_confirmed_is_kept_with_the_data(lab, start, other_sen
         "calibration: hammer: the sensor says serial number 7, the board 1; confirmed by the "
         "operator"
     )
+
+
+@pytest.mark.parametrize("state", [IepeState.OPEN, IepeState.SHORT])
+def test_a_sensor_circuit_that_is_open_or_short_is_told(lab, start, fakes, state):
+    found = fakes["dictionary"]()
+    channels = list(found.channels)
+    channels[1] = dataclasses.replace(channels[1], iepe=state)
+    lab.board.dictionary_bytes = encode_dictionary(
+        dataclasses.replace(found, channels=tuple(channels))
+    )
+    run = start()
+    said = f"the board finds the sensor circuit of {channels[1].name} {state.name.lower()}: check"
+    run.noted(said)
+    run.end()
 
 
 @pytest.fixture

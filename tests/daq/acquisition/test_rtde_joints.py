@@ -19,7 +19,7 @@ from armodal.daq.commands import Stop
 from armodal.daq.events import DeviceTrouble, Finished, JointsSeen
 from armodal.daq.lab_watch import run_lab_watch
 from armodal.daq.open_joints import check_ur, hear_every_joint
-from armodal.daq.rtde_joints import RATE_HZ, STALE_AFTER_S, RtdeJoints, RtdeSource
+from armodal.daq.rtde_joints import RATE_HZ, STALE_AFTER_S, RtdeSource, ur_joints
 from armodal.protocols.errors import (
     ArmError,
     CanError,
@@ -27,7 +27,7 @@ from armodal.protocols.errors import (
     DeviceLostError,
     DeviceTimeoutError,
 )
-from armodal.protocols.rtde import RtdeSample
+from armodal.protocols.joint_sample import JointSample
 from armodal.protocols.session.journal import load_journal
 
 JOINTS_RAD = (0.1, -0.2, 0.3, -0.4, 0.5, -0.6)
@@ -35,7 +35,7 @@ LISTENS = {"V", "O", "S"}  # what asks to be told; none of them is an input
 
 
 def sample(at_s, joints_rad=JOINTS_RAD, *, held=True):
-    return RtdeSample(timestamp_s=at_s, joints_rad=joints_rad, robot_mode=7, held=held)
+    return JointSample(timestamp_s=at_s, joints_rad=joints_rad, drive_state=7, held=held)
 
 
 def collect_to_the_end(source):
@@ -66,7 +66,7 @@ def by_rtde(lab, start, serve):
 
 
 def test_angles_are_known_until_they_are_stale():
-    joints = RtdeJoints()
+    joints = ur_joints()
     assert joints.reading(1.0).joints_rad is None
     assert len(joints.absent) == 6
     joints.take(sample(50.0), 1.0)
@@ -79,14 +79,14 @@ def test_angles_are_known_until_they_are_stale():
 
 
 def test_a_controller_whose_clock_stands_still_tells_nothing_new():
-    joints = RtdeJoints()
+    joints = ur_joints()
     joints.take(sample(50.0), 1.0)
     joints.take(sample(50.0), 2.0)
     assert joints.reading(2.0).joints_rad is None
 
 
 def test_packages_left_out_are_counted_by_the_controller_s_clock():
-    joints = RtdeJoints()
+    joints = ur_joints()
     for n in (0, 1, 2, 5, 6):
         joints.take(sample(50.0 + n / RATE_HZ), 1.0 + n / RATE_HZ)
     joints.take(None, 2.0)

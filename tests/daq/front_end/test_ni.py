@@ -108,6 +108,14 @@ def test_an_open_sensor_circuit_is_refused(ni):
     assert not ni.running
 
 
+def test_a_short_sensor_circuit_is_refused(ni):
+    source = opened()
+    ni.short_inputs = ["cDAQ1Mod1/ai0"]
+    with pytest.raises(FrontEndError, match=r"circuit of cDAQ1Mod1/ai0 is at fault, .*: check"):
+        source.start(RATE, 0.0)
+    assert not ni.running
+
+
 def test_a_module_that_does_not_look_for_open_circuits_measures(ni):
     ni.looks_for_open = False
     opened().start(RATE, 0.0)

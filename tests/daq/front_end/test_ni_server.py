@@ -121,10 +121,13 @@ def test_what_is_not_there_is_one_sentence(address, change, to, words):
     assert "NI says" not in str(raised.value)
 
 
-def test_an_open_sensor_circuit_is_refused(module, address):
-    module.open_inputs = ["cDAQ1Mod1/ai1"]
+@pytest.mark.parametrize(
+    ("kind", "words"), [("open_inputs", "is open"), ("short_inputs", "is at fault, .* a short")]
+)
+def test_an_open_or_short_sensor_circuit_is_refused(module, address, kind, words):
+    setattr(module, kind, ["cDAQ1Mod1/ai1"])
     with closing(open_source(front_end(address))) as source:
-        with pytest.raises(FrontEndError, match="circuit of cDAQ1Mod1/ai1 is open: check sensor"):
+        with pytest.raises(FrontEndError, match=f"circuit of cDAQ1Mod1/ai1 {words}: check sensor"):
             source.start(RATE, 0.0)
         (task,) = module.tasks.values()
         assert task.started_s is None

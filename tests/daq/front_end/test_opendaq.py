@@ -9,6 +9,7 @@ import subprocess
 import sys
 from contextlib import closing
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,6 +39,7 @@ sensitivity_mv = -10.0
 """
 RATE_HZ = Fraction(25_000)  # 40 ticks of a microsecond
 COUNTER = 3  # of the reference device's waveforms
+PLAYER = Path(__file__).resolve().parents[2] / "support" / "opendaq_server.py"
 SERVER = """
 import opendaq, sys, time
 instance = opendaq.Instance()
@@ -166,3 +168,34 @@ def test_over_the_network_until_the_device_is_killed(opendaq):
                     read_for(source, 3.0)
         finally:
             server.kill()
+
+
+def test_signals_of_ours_come_as_they_are_and_what_is_left_out_is_told(opendaq, tmp_path):
+    """Each value is its sample's number; the device leaves 777 samples out."""
+    rate_hz, gap = 5_000, 777
+    numbers = np.arange(200_000)
+    np.save(tmp_path / "volts.npy", np.stack([numbers, -numbers], axis=1) / 2**23 * 10.0)
+    command = [PLAYER, tmp_path / "volts.npy", str(rate_hz)]
+    with subprocess.Popen(
+        [sys.executable, *command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as server:
+        try:
+            address = f"daq.ns://127.0.0.1:{server.stdout.readline().strip()}"
+            with closing(open_source(front_end(address))) as source:
+                assert source.rate_refusal(Fraction(rate_hz)) == ""
+                source.start(Fraction(rate_hz), SystemClock().now_s())
+                chunks = read_for(source, 0.5)
+                server.stdin.write(f"{gap}\n")
+                server.stdin.flush()
+                for _ in range(100):
+                    chunks += read_for(source, 0.1)
+                    if chunks[-1].counts[0, 0] > chunks[0].counts[0, 0] + 5 * gap:
+                        break
+        finally:
+            server.kill()
+    assert [chunk.lost for chunk in chunks if chunk.lost] == [gap]
+    counts = np.concatenate([chunk.counts for chunk in chunks])
+    steps = np.diff(counts[:, 0])
+    assert sorted(set(steps)) == [1, gap + 1]
+    assert (steps > 1).sum() == 1
+    np.testing.assert_array_equal(counts[:, 1], -counts[:, 0])

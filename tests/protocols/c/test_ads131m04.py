@@ -42,27 +42,47 @@ def begin(driver, chip, *, osr=0, gains=(0, 0, 0, 0)):
 
 
 class Fetched:
-    """What interrupts do: a frame for every data-ready that is served."""
+    """What interrupts do: a frame for every data-ready that is served; the first has been.
 
-    def __init__(self, driver):
+    `before` are counts of samples that wait in the chip when it is.
+    """
+
+    def __init__(self, driver, before=()):
         self.ffi, self.c = driver
         self.ring = self.ffi.new("ads_ring *")
         self.c.ads_ring_begin(self.ring, 256 * PERIOD)
-        self.chip, self.at = Ads131m04(), 1_000
+        self.chip, self.at = Ads131m04(), 1_000 - PERIOD
         assert begin(driver, self.chip) == OK
+        for counts in before:
+            self.chip.sample(*counts)
+        self.data_ready((0, 0, 0, 0))
 
-    def data_ready(self, counts, *, served=True, flips=0):
+    def data_ready(self, counts, *, served=True, flips=0, overtaken=None):
+        """`overtaken` are the counts of a sample that is ready before the frame has begun, or,
+        behind a "later", before the next frame has, where one follows at once."""
         self.at += PERIOD
         self.chip.sample(*counts)
-        if served:
-            self.fetch(flips)
-
-    def fetch(self, flips):
-        self.chip.flips = flips
-        frame = self.chip.transfer(bytes(18))
-        self.ffi.memmove(self.c.ads_ring_next(self.ring), frame, 18)
-        if self.c.ads_ring_done(self.ring, self.at):
-            self.fetch(flips)
+        if not served:
+            return
+        at, due = self.at, None
+        if overtaken is not None:
+            due = overtaken[-4:]
+            if overtaken[0] != "later":
+                self.chip.sample(*due)
+        while True:
+            self.chip.flips = flips
+            frame = self.chip.transfer(bytes(18))
+            self.ffi.memmove(self.c.ads_ring_next(self.ring), frame, 18)
+            if overtaken is not None and overtaken[0] == "later":
+                self.chip.sample(*due)
+                overtaken = due
+            if not self.c.ads_ring_done(self.ring, at):
+                break
+        if due is not None:  # its interrupt was due; now it is served
+            self.at += PERIOD
+            frame = self.chip.transfer(bytes(18))
+            self.ffi.memmove(self.c.ads_ring_next(self.ring), frame, 18)
+            assert not self.c.ads_ring_done(self.ring, self.at)
 
     def read(self, most=64):
         """Samples, ticks of the first, and how many were lost before it."""
@@ -122,6 +142,13 @@ def test_samples_come_as_converted_with_the_ticks_of_the_first(fetched):
     assert fetched.read() == ([SAMPLES[10]], 1_000 + 11 * PERIOD, 0)
 
 
+def test_what_waits_in_the_chip_at_the_start_makes_no_sample_late(driver):
+    fetched = Fetched(driver, before=[(-1, -1, -1, -1)] * 2)
+    for counts in SAMPLES[:5]:
+        fetched.data_ready(counts)
+    assert fetched.read() == (SAMPLES[:5], 1_000 + PERIOD, 0)
+
+
 def test_no_more_come_than_asked_for(fetched):
     for counts in SAMPLES[:10]:
         fetched.data_ready(counts)
@@ -151,8 +178,33 @@ def test_data_ready_that_nobody_served_is_counted_by_the_ticks(fetched):
     for i, counts in enumerate(SAMPLES[:9]):
         fetched.data_ready(counts, served=i not in (4, 5, 6))
     assert len(fetched.read()[0]) == 4
-    # Two wait in the chip after a pause; the older one, without ticks, is not taken for the newer.
-    assert fetched.read() == (SAMPLES[7:9], 1_000 + 8 * PERIOD, 3)
+    # Two wait in the chip after a pause, and no ticks tell which is which: both are given up.
+    assert fetched.read() == (SAMPLES[8:9], 1_000 + 9 * PERIOD, 4)
+
+
+@pytest.mark.parametrize("later", [(), ("later",)])
+@pytest.mark.parametrize("paused", [False, True])
+def test_a_sample_that_overtakes_a_frame_keeps_its_place(fetched, later, paused):
+    """The tick of every sample that is read is its own, whenever the next one became ready."""
+    for i in range(12):
+        served = not paused or i not in (4, 5)
+        overtaken = (*later, *((2 * i + 2,) * 4)) if i in (0, 6) else None
+        fetched.data_ready((2 * i + 1,) * 4, served=served, overtaken=overtaken)
+    numbered = {1_000 + PERIOD: 1, 1_000 + 2 * PERIOD: 2}  # by ticks
+    at = 1_000 + 2 * PERIOD
+    for i in range(1, 12):
+        at += PERIOD
+        numbered[at] = 2 * i + 1
+        if i == 6:
+            at += PERIOD
+            numbered[at] = 2 * i + 2
+    told = 0
+    while fetched.ring.read != fetched.ring.written:
+        samples, ticks, lost = fetched.read()
+        told += len(samples) + lost
+        for place, counts in enumerate(samples):
+            assert counts == (numbered[ticks + place * PERIOD],) * 4
+    assert told == len(numbered)
 
 
 def test_a_ring_that_is_not_emptied_loses_the_oldest_and_counts_them(fetched):
@@ -175,8 +227,9 @@ def test_what_is_lost_and_what_comes_are_all_there_were(fetched):
         if rng.random() < 0.03:
             samples, _, lost = fetched.read(int(rng.integers(1, 200)))
             told += len(samples) + lost
-    fetched.data_ready((1, 1, 1, 1))
+    for _ in range(2):  # the first may find two in the chip
+        fetched.data_ready((1, 1, 1, 1))
     while fetched.ring.read != fetched.ring.written:
         samples, _, lost = fetched.read(200)
         told += len(samples) + lost
-    assert told == 3001
+    assert told == 3002

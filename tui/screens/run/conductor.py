@@ -369,7 +369,7 @@ class Conductor:
         self.tell(
             LabWanted(
                 board_port=board,
-                can_channel=self.options.ur or can,
+                can_channel=self.options.joint_source or can,
                 simulated=simulated,
                 input_range_v=input_range_v,
             )
@@ -382,6 +382,7 @@ class Conductor:
             board_baud=self.options.baud,
             can_channel="" if self.options.without_bus else self.state.can_channel,
             ur_address=self.options.ur,
+            mqtt=self.options.mqtt,
             mirror=self.options.mirror,
             teds_confirmed=self.state.sensors_confirmed,
             input_range_v=self.state.input_range_v,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.mqtt_joints import MqttJoints
 from armodal.protocols.sensor_memory import KnownSensor
 from armodal.tui.screens.run.place import SessionPlace
 
@@ -21,6 +22,7 @@ class RunOptions:
     board: str = ""
     can: str = ""
     ur: str = ""  # address of a Universal Robots controller, in place of the bus
+    mqtt: MqttJoints | None = None  # a broker's topic, in place of the bus
     arm_folder: Path | None = None  # where the arm file and its meshes lie
     told_rad: float | None = None  # joint angles are told by the operator, to so much
     measured_by: str = ""
@@ -38,6 +40,11 @@ class RunOptions:
     software: str = "armodal"
 
     @property
+    def joint_source(self) -> str:
+        """Where joint angles come from, in place of the bus; empty: from the bus, or a person."""
+        return self.ur or ("" if self.mqtt is None else self.mqtt.broker)
+
+    @property
     def without_bus(self) -> bool:
         """Whether joint angles come from elsewhere than a port of this computer."""
-        return bool(self.ur) or self.told_rad is not None
+        return bool(self.joint_source) or self.told_rad is not None

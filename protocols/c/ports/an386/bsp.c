@@ -42,20 +42,17 @@ uint64_t bsp_ticks64(void)
     return table_clock() / (CLOCK_HZ / 1000000);
 }
 
-static void open_link(void)
+void bsp_begin(void)
 {
-    if (UART_CTRL == 0u) {
-        UART_BAUDDIV = 16u; /* the smallest; in QEMU no bit takes time */
-        UART_CTRL = TX_ENABLE | RX_ENABLE;
-        SYSTICK_RELOAD = CLOCK_HZ / 2000 - 1; /* wakes what rests, every 0.5 ms */
-        SYSTICK_CTRL = TICK_ON;
-    }
+    UART_BAUDDIV = 16u; /* the smallest; in QEMU no bit takes time */
+    UART_CTRL = TX_ENABLE | RX_ENABLE;
+    SYSTICK_RELOAD = CLOCK_HZ / 2000 - 1; /* wakes what rests, every 0.5 ms */
+    SYSTICK_CTRL = TICK_ON;
 }
 
 size_t bsp_link_write(const uint8_t *bytes, size_t n)
 {
     size_t taken = 0;
-    open_link();
     while (taken < n && (UART_STATE & TX_FULL) == 0u) {
         UART_DATA = bytes[taken++];
     }
@@ -65,7 +62,6 @@ size_t bsp_link_write(const uint8_t *bytes, size_t n)
 size_t bsp_link_read(uint8_t *bytes, size_t n)
 {
     size_t came = 0;
-    open_link();
     while (came < n && (UART_STATE & RX_FULL) != 0u) {
         bytes[came++] = (uint8_t)UART_DATA;
     }

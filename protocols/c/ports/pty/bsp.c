@@ -16,7 +16,7 @@
 static int line = -1;
 
 /* The side of the program that talks to us is kept open too: it may come and go. */
-static void open_link(void)
+void bsp_begin(void)
 {
     struct termios raw;
     int other;
@@ -50,9 +50,6 @@ size_t bsp_link_read(uint8_t *bytes, size_t n)
     const int rest_ms = table_adc_behind() ? 0 : 1;
     ssize_t came;
 
-    if (line < 0) {
-        open_link();
-    }
     wait.fd = line;
     (void)poll(&wait, 1, rest_ms); /* the only place where the program rests */
     came = read(line, bytes, n);
