@@ -1,4 +1,4 @@
-"""A joint that is softer for larger motion, without a loss of its own."""
+"""A joint that is softer, or harder, for larger motion, without a loss of its own."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _LEAST = 0.02  # of the joint's stiffness, at such a swing
 
 WORDS = EffectWords(
     name="softening",
-    title="Joint softens with larger motion",
-    changes="a joint's stiffness falls with the hit's level; its damping stays",
-    signature="frequencies fall with harder hits, damping does not change",
-    confused_with=("microslip", "friction"),
+    title="Joint softens or hardens with larger motion",
+    changes="a joint's stiffness falls (or grows) with the hit's level; its damping stays",
+    signature="frequencies fall (or rise) with harder hits, damping does not change",
+    confused_with=("microslip", "friction", "backlash"),
     covers=COVERED,
     covers_here=COVERED_HERE,
     told_by="hits between soft and hard: their damping lies in between, too",
