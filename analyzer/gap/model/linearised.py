@@ -36,22 +36,35 @@ from armodal.analyzer.gap.model.swings import (
 )
 from armodal.analyzer.gap.model.systems import systems
 
-__all__ = ["linearised", "swings_of"]
+__all__ = ["JointPosture", "joint_postures", "kept_spring", "linearised", "swings_of"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
+_TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
 _STEP = 0.02  # of a parameter's prior deviation
 _LEAST = 0.02  # of a joint's spring or damper, that a law leaves
-_IN_PLACE = EffectWords(name="in place", title="Spring in a law's place", changes="", signature="")
+_SPRING = EffectWords(name="in place", title="Spring in a law's place", changes="", signature="")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Posture:
+class JointPosture:
     """One posture's joints."""
 
     swings: Sequence[Swings]
     geometry: PostureGeometry
+    values: Mapping[str, float]  # of the model
+
+    def at(self, values: Mapping[str, float], joint: str) -> JointPosture:
+        """Return the one joint with its own spring and damper as values have them."""
+        old, new = (
+            [float(np.exp(own[f"ln {what} {joint}"])) for what in "kc"]
+            for own in (self.values, values)
+        )
+        (swings,) = self.swings
+        loss = self.values[f"loss {joint}"]
+        there = swings.stiffer(new[0] - old[0], new[1] - old[1], loss)
+        return replace(self, swings=(there,), values=values)
 
 
 def linearised(
@@ -62,6 +75,7 @@ def linearised(
     *,
     last: bool = False,
     slopes: bool = True,
+    near: Mapping[str, JointPosture] | None = None,
 ) -> Hypothesis:
     """Return the hypothesis with its joints' own laws linearised about values, on some lines.
 
@@ -71,6 +85,8 @@ def linearised(
         The last instance anew; laws that are known on all of the lines stay where they are.
     slopes
         Else a law is known at that point alone.
+    near
+        Postures of a model that differs in the law's joint alone, if they are at hand.
     """
     ends = hypothesis.instances[-1]
     wanted = [
@@ -81,7 +97,9 @@ def linearised(
         return hypothesis
     plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
     about = tuple(
-        replace(i, about=_about(plain, i, models, lines, values, slopes=slopes)) if anew else i
+        replace(i, about=_about(plain, i, models, lines, values, near, slopes=slopes))
+        if anew
+        else i
         for i, anew in zip(hypothesis.instances, wanted, strict=True)
     )
     return replace(hypothesis, instances=about)
@@ -107,7 +125,7 @@ def swings_of(
     """
     ordinary = hypothesis.ordinary
     joints = tuple(ordinary.arm.joints[i].name for i in ordinary.elastic)
-    postures = _postures(hypothesis, models, lines, values, joints)
+    postures = joint_postures(hypothesis, models, lines, values, joints)
     first = {own.name: own for own in reversed(lines)}
     found = []
     for at, joint in enumerate(joints):
@@ -130,6 +148,7 @@ def _about(
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
+    near: Mapping[str, JointPosture] | None,
     *,
     slopes: bool,
 ) -> Linearised:
@@ -142,7 +161,11 @@ def _about(
         at, step = values[parameter.name], _STEP * parameter.std
         step = -step if at + step > parameter.high else step
         points.append({**values, parameter.name: at + step})
-    followed = _followed(plain, law, models, lines, points)
+    if near is None:
+        postures = joint_postures(plain, models, lines, values, (law.joint,))
+    else:
+        postures = {name: own.at(values, law.joint) for name, own in near.items()}
+    followed = _followed(law, postures, lines, points)
     per_unit = {
         parameter.name: 1.0 / (moved[parameter.name] - values[parameter.name])
         for parameter, moved in zip(parameters, points[1:], strict=True)
@@ -150,22 +173,24 @@ def _about(
     return _beside(plain, law, models, lines, values, followed, per_unit)
 
 
-def _postures(
+def joint_postures(
     plain: Hypothesis,
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
     joints: Sequence[str],
-) -> dict[str, _Posture]:
+) -> dict[str, JointPosture]:
     """By its name, each posture's joints as a model without laws foretells them."""
-    found: dict[str, _Posture] = {}
+    found: dict[str, JointPosture] = {}
     for model, own in zip(models, lines, strict=True):
         if own.name in found:
             continue
         assembly = Postures([model], [own]).assembled(plain, values)[0]
         system = systems([assembly])
         rows = [_row(assembly, joint) for joint in joints]
-        found[own.name] = _Posture(swings=turns_of(system, rows), geometry=assembly.geometry)
+        found[own.name] = JointPosture(
+            swings=turns_of(system, rows), geometry=assembly.geometry, values=values
+        )
     return found
 
 
@@ -178,14 +203,12 @@ def _row(assembly: Assembly, joint: str) -> Array:
 
 
 def _followed(
-    plain: Hypothesis,
     law: JointLaw,
-    models: Sequence[PosedModel],
+    postures: Mapping[str, JointPosture],
     lines: Sequence[PostureLines],
     points: Sequence[Mapping[str, float]],
 ) -> list[tuple[Array, Array]]:
     """Turns and torques (points, n_hits, n_steps) of each of the lines."""
-    postures = _postures(plain, models, lines, points[0], (law.joint,))
     names = list(postures)
     impulses = np.stack([postures[name].swings[0].by_impulse for name in names])
     order = sorted(range(len(lines)), key=lambda p: names.index(lines[p].name))
@@ -229,22 +252,15 @@ def _beside(
 ) -> Linearised:
     """Springs and dampers in the law's place, and what is added to their response."""
     joint = law.joint
-    k, c = (float(np.exp(values[f"ln {what} {joint}"])) for what in "kc")
-    springs = {}
-    for own, (turn, torque) in zip(lines, followed, strict=True):
-        by_k, by_c = _spring_and_damper(turn[0], torque[0])
-        springs[own.key] = (
-            float(np.log(max(1.0 + by_k / k, _LEAST))),
-            float(np.log(max(1.0 + by_c / c, _LEAST))),
-        )
+    springs = dict(zip([own.key for own in lines], _in_place(law, values, followed), strict=True))
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         assembly.multiply_spring(joint, values, *springs[assembly.lines.key])
 
-    in_place = Instance(
-        effect=_IN_PLACE, place=joint, builder=build, level_dependent=True, is_term=True
+    in_its_place = Instance(
+        effect=_SPRING, place=joint, builder=build, level_dependent=True, is_term=True
     )
-    near = replace(plain, instances=(*plain.instances, in_place))
+    near = replace(plain, instances=(*plain.instances, in_its_place))
     table = {}
     for model, own, (_, torque) in zip(models, lines, followed, strict=True):
         together = Postures([model], [own])
@@ -266,6 +282,39 @@ def _beside(
             },
         )
     return Linearised(values={name: values[name] for name in slopes}, table=table)
+
+
+def _in_place(
+    law: JointLaw, values: Mapping[str, float], followed: Sequence[tuple[Array, Array]]
+) -> list[tuple[float, float]]:
+    """What a spring and a damper in a law's place add to ln k and ln c, on each of the lines."""
+    k, c = (float(np.exp(values[f"ln {what} {law.joint}"])) for what in "kc")
+    found = []
+    for turn, torque in followed:
+        by_k, by_c = _spring_and_damper(turn[0], torque[0])
+        log_k, log_c = (np.log(max(1.0 + by / own, _LEAST)) for by, own in ((by_k, k), (by_c, c)))
+        found.append((float(log_k), float(log_c)))
+    return found
+
+
+def kept_spring(
+    law: JointLaw,
+    near: Mapping[str, JointPosture],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+) -> dict[str, float]:
+    """Values with the joint's k and c such that, with its law, they are what they were.
+
+    On average over the lines; `near` are postures of the model without it.
+    """
+    names = [f"ln {what} {law.joint}" for what in "kc"]
+    wanted = np.array([values[name] for name in names])
+    found = dict(values)
+    for _ in range(_TO_THE_MIDDLE):
+        postures = {name: own.at(found, law.joint) for name, own in near.items()}
+        added = _in_place(law, found, _followed(law, postures, lines, [found]))
+        found |= dict(zip(names, (wanted - np.mean(added, axis=0)).tolist(), strict=True))
+    return found
 
 
 def _spring_and_damper(turn: Array, torque: Array) -> tuple[float, float]:

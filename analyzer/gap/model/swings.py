@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses
 from armodal.analyzer.gap.model.joint_laws import Element
@@ -39,6 +40,7 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 STEP_S, _STEPS = 5e-4, 1200
 # As near to the poles as the finest lines of a fit: what comes after the record counts nothing.
 SIGMA_RAD_S = 4.0 * np.pi
+_BAND_HZ = 500.0  # twice as far as the lines of a fit at most
 _TAPER = 0.15  # of the band, cosine
 _BLOCK = 32
 _NEWTON = 3
@@ -50,7 +52,22 @@ class Swings:
     """A joint in one posture, on the lines of `turns_of`."""
 
     by_force: ComplexArray  # (n_hits, L) rad/N, of each hit
-    by_impulse: Array  # (n_steps,) rad/(N m s)
+    by_torque: ComplexArray  # (L,) rad/(N m)
+
+    @property
+    def by_impulse(self) -> Array:
+        """(n_steps,) rad/(N m s)."""
+        return _in_time(self.by_torque)
+
+    def stiffer(self, stiffness: float, damping: float, loss: float) -> Swings:
+        """Return the same with so much more in N m/rad and N m s/rad on the joint's spring.
+
+        `loss` is the factor by which its stiffness loses (`response.hysteresis`).
+        """
+        s = _lines()
+        more = stiffness * (1.0 + loss * hysteresis(s)) + damping * s
+        left = 1.0 / (1.0 + more * self.by_torque)
+        return Swings(by_force=self.by_force * left, by_torque=self.by_torque * left)
 
 
 def seconds() -> Array:
@@ -59,7 +76,9 @@ def seconds() -> Array:
 
 
 def _lines() -> ComplexArray:
-    return np.asarray(SIGMA_RAD_S + 2j * np.pi * np.fft.rfftfreq(_STEPS, STEP_S))
+    """(L,) as far as anything of an arm answers; beyond, what is in time has nothing."""
+    f_hz = np.fft.rfftfreq(_STEPS, STEP_S)
+    return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz[f_hz < _BAND_HZ])
 
 
 def _in_time(on_lines: ComplexArray) -> Array:
@@ -100,7 +119,7 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
     answers = (inverses(A) * scale[:, :, None, :])[0] @ np.transpose(rows)  # (L, n, k)
     forces = (system.force[0][:, None] @ system.hit[0])[:, 0]  # (n_hits, n)
     return [
-        Swings(by_force=forces @ answer.T, by_impulse=_in_time(answer @ row))
+        Swings(by_force=forces @ answer.T, by_torque=answer @ row)
         for answer, row in zip(np.moveaxis(answers, 2, 0), rows, strict=True)
     ]
 

@@ -13,18 +13,16 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import (
     Fit,
     Stage,
-    as_at_the_middle,
     better_start,
     fit_hypothesis,
 )
-from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.candidates import all_candidates, goes_with, other_candidates
-from armodal.analyzer.gap.search.scan import Candidate, scan_instances
+from armodal.analyzer.gap.search.laws import fitted_laws
+from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["PATIENCE", "Rivals", "find_rivals"]
 
@@ -126,7 +124,8 @@ def find_rivals(
                 )
         finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
         finals = [*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])]
-        finals = [*finals, *_laws(sharp, finals, base[-1], tell)]
+        leading = [f.last for f in finals[:1] if f.last.level_dependent]
+        finals = [*finals, *fitted_laws(sharp, base[-1], leading, _STEPS[-1], tell)]
         finals = _hopeful([f for f in finals if f.last.key not in without])
     ended: list[Fit] = []
     for fit in finals:
@@ -263,28 +262,6 @@ def _alternatives(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
             if goes_with(instance, rest) and all(instance.key != i.key for i in others):
                 richer = replace(rest, instances=(*others, instance))
                 found.append(fit_hypothesis(stage, richer, start=begin, max_iterations=steps))
-    return found
-
-
-def _laws(stage: Stage, fits: Sequence[Fit], base: Fit, tell: Progress) -> list[Fit]:
-    """Every law of its own of the joints whose springs and dampers change most with the level."""
-    present, ordinary = base.hypothesis, base.hypothesis.ordinary
-    if not ordinary.swings or present.level_dependent:
-        return []
-    looked = [c for c in scan_instances(stage, base, any_change(ordinary)) if c.gain > _LOOK]
-    joints = [c.instance.place for c in looked[:1]]
-    joints += [fit.last.place for fit in _one_each(fits)[:1] if fit.last.level_dependent]
-    swings = {joint: (swing, rate) for joint, swing, rate in ordinary.swings}
-    found: list[Fit] = []
-    for joint in dict.fromkeys(joints):
-        every = (law for make in hooks("laws") for law in make(ordinary, joint, *swings[joint]))
-        for instance in every:
-            tell(f"a law of its own: {instance.title}")
-            richer = replace(present, instances=(*present.instances, instance))
-            begin = instance.initial_values(base.values)
-            starts = [as_at_the_middle(stage, richer, values) for values in begin]
-            best = better_start(stage, richer, starts)
-            found.append(fit_hypothesis(stage, richer, start=best, max_iterations=_STEPS[-1]))
     return found
 
 
