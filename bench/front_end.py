@@ -4,8 +4,8 @@
 
 A hit comes every two seconds; joint angles are told by hand. NI is a gRPC server of ours; openDAQ
 its own server with signals of ours, by native streaming; the sound card one in the place of
-PortAudio. What is measured: samples taken and seen, losses, verdict and commit times, processor
-time of the acquisition process.
+PortAudio. What is measured: samples taken and seen, losses, verdict and commit times, how long the
+machine held a process up, processor time of the acquisition process.
 """
 
 from __future__ import annotations
@@ -14,11 +14,13 @@ import json
 import math
 import sys
 import tempfile
+import time
 from contextlib import ExitStack
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+from support.held_up import StallWatch
 from support.reach_plan import reach_plan
 from support.source_devices import RATE_HZ, SOURCES
 
@@ -30,6 +32,7 @@ from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 
 EVERY_S = 2.0
+LATE_S = 0.15
 
 
 def main(seconds: float, name: str) -> None:
@@ -47,6 +50,7 @@ def main(seconds: float, name: str) -> None:
             plan=plan,
             journal=folder / "s.journal",
         )
+        held_up, began_s = StallWatch(), time.monotonic()
         acquisition = start_process("acquire", settings)
         hits: list[HitJudged] = []
         losses: list[str] = []
@@ -79,6 +83,8 @@ def main(seconds: float, name: str) -> None:
                 "samples_taken": event.samples_taken,
                 "samples_seen": event.samples_seen,
                 "verdict_s": {"median": verdicts[len(verdicts) // 2], "worst": verdicts[-1]},
+                "verdicts_late": sum(verdict > LATE_S for verdict in verdicts),
+                "machine_held_up_s": held_up.longest_s(began_s),
                 "commit_s_worst": max(hit.commit_s for hit in hits),
                 "cpu_share": event.cpu_s / (event.samples_taken / RATE_HZ),
             },

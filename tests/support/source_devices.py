@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +70,9 @@ def _served(command: list[str]) -> tuple[subprocess.Popen[str], str]:
         text=True,
         start_new_session=True,
     )
+    if sys.platform == "linux":
+        with suppress(OSError):  # a device of its own does not wait for this computer's work
+            os.sched_setscheduler(server.pid, os.SCHED_RR, os.sched_param(1))
     assert server.stdout is not None
     return server, server.stdout.readline().strip()
 
