@@ -32,7 +32,7 @@ class Residuals:
 
 
 def hypothesis_of(*parameters):
-    return SimpleNamespace(space=lambda: Space(parameters), instances=())
+    return SimpleNamespace(space=lambda: Space(parameters), instances=(), has_laws=False)
 
 
 def test_a_linear_problem_within_bounds_takes_a_step():
