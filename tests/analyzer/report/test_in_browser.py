@@ -128,6 +128,14 @@ def test_it_prints_on_eight_pages_at_most_the_answer_on_the_first(page, of, requ
         deviceScaleFactor=1,
         mobile=False,
     )
+    paper_px = (297 - 28) / 25.4 * 96
     height = page.run("document.querySelector('.first').getBoundingClientRect().height")
+    # A figure is kept whole where it may not be broken, and is no taller than the paper.
+    cut = page.run(
+        f"""[...document.querySelectorAll('figure')].filter(e =>
+            getComputedStyle(e).breakInside !== 'avoid'
+            || e.getBoundingClientRect().height > {paper_px}).length"""
+    )
     page.call("Emulation.setEmulatedMedia", media="")
-    assert height < (297 - 28) / 25.4 * 96
+    assert height < paper_px
+    assert cut == 0

@@ -290,7 +290,7 @@ def _frf_text(found: PointFrf | None, point: str, columns: int, rows: int) -> Te
         [] if values is None else [Series(x=found.freq_hz, y=values, style="bold")],
         x=x,
         y=lower_y,
-        title="coherence: needs a second hit" if values is None else "coherence, the lowest axis",
+        title="coherence: needs a second hit" if values is None else "coherence, lowest of x y z",
         x_name="Hz",
         left=left,
     ).text()

@@ -93,9 +93,9 @@ def error_advice(kind: str, message: str = "") -> tuple[str, str]:
 def ratio_words(found: RatioCalibration) -> str:
     """Return a ratio calibration in words; what one hit cannot tell is said."""
     if found.n_hits < FEWEST_MASS_HITS:
-        return f"{found.ratio:.4f} of {found.n_hits} hit(s): hit {FEWEST_MASS_HITS} times"
+        return f"{found.ratio:.4f} from {found.n_hits} hit(s): hit {FEWEST_MASS_HITS} times"
     return (
-        f"{found.ratio:.4f} ± {found.ratio_std:.4f} of {found.n_hits} hits (wanted 1), uneven by "
+        f"{found.ratio:.4f} ± {found.ratio_std:.4f} from {found.n_hits} hits (wanted 1), uneven by "
         f"{100 * found.unevenness:.1f} %"
     )
 

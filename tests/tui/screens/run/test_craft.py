@@ -127,7 +127,7 @@ def test_scatter_needs_two_hits_and_falls_as_the_root_of_their_number():
     assert found.f_hz == pytest.approx(20.0, abs=LINE_HZ)
     assert 0.0 < found.relative_std < 0.05
     words = scatter_line(Scatter(f_hz=20.0, relative_std=0.02, n_hits=2), 6).plain
-    assert words == "FRF at 20.0 Hz: ± 2 % of 2 hits, 6 more hits wanted: ± 1 %"
+    assert words == "FRF at 20.0 Hz: ± 2 % from 2 hits, 6 more hits wanted: ± 1 %"
 
 
 def test_the_good_hit_before_skips_rejected_and_withdrawn_ones():
@@ -164,7 +164,7 @@ def test_the_hit_screen_says_what_is_wrong_and_what_is_still_wanted(tmp_path, si
 
 def test_the_hits_that_a_wanted_scatter_still_takes_are_counted():
     found = Scatter(f_hz=20.0, relative_std=0.02, n_hits=2)
-    begin = "FRF at 20.0 Hz: ± 2 % of 2 hits, ± 1 % "
+    begin = "FRF at 20.0 Hz: ± 2 % from 2 hits, ± 1 % "
     assert scatter_line(found, 6, 0.01).plain == f"{begin}wants 6 more hits"
     assert scatter_line(found, 1, 0.01).plain == f"{begin}wants 6 more hits, 5 beyond the plan (t)"
     assert scatter_line(found, 1, 0.02).plain.endswith("± 2 % is reached")

@@ -78,8 +78,8 @@ def scatter_line(found: Scatter | None, n_left: int, std_wanted: float | None = 
     """Say how well the FRF is known, and what the hits still wanted will do to it."""
     more = f"{n_left} more hit{'' if n_left == 1 else 's'} wanted"
     if found is None:
-        return Text(more) if n_left else Text("scatter is not known of one hit", style=DIM)
-    words = f"FRF at {found.f_hz:.1f} Hz: ± {_percent(found.relative_std)} of {found.n_hits} hits"
+        return Text(more) if n_left else Text("one hit shows no scatter", style=DIM)
+    words = f"FRF at {found.f_hz:.1f} Hz: ± {_percent(found.relative_std)} from {found.n_hits} hits"
     if std_wanted is not None:
         lacking = max(found.hits_for(std_wanted) - found.n_hits, 0)
         wanted = f"± {_percent(std_wanted)} "
