@@ -144,7 +144,9 @@ def judge_record(
     if overloaded := clipped(block.counts, channels, limits.clip):
         found.reject("overload", "at the end of the range: " + ", ".join(overloaded))
     if still := stuck(block.counts, channels, start):
-        found.reject("stuck", "one count again and again after the hit: " + ", ".join(still))
+        found.reject(
+            "stuck", "a constant reading (stuck channel) after the hit: " + ", ".join(still)
+        )
     found.strength(pulses, abs(trigger.level_n))
     found.swing(pulses, force_n)
     found.number(pulses, start, rate_hz)
@@ -178,8 +180,14 @@ class _Findings:
 
     def turned(self, *, late: bool) -> None:
         """Say that the force is against the trigger's slope, and came before the trigger."""
-        advice = "; turn trigger.slope in the plan, and the pulse itself triggers" if late else ""
-        self._notes.append("the hammer's polarity is reversed: its force is turned" + advice)
+        advice = (
+            ". Reverse trigger.slope in the plan, so that the start of the pulse triggers"
+            if late
+            else ""
+        )
+        self._notes.append(
+            "the hammer's polarity is reversed; the sign of its force was corrected" + advice
+        )
 
     def reject(self, reason: str, note: str) -> None:
         self._reasons.append(reason)
@@ -215,7 +223,7 @@ class _Findings:
         """Double hits, and bounces in which the hammer never let go."""
         for reason, released, words in (
             ("double", True, "more than one pulse, at "),
-            ("bounce", False, "the hammer bounced without letting go, at "),
+            ("bounce", False, "the force rose again before the hammer lost contact, at "),
         ):
             others = [p for p in pulses.others if p.released == released]
             if others:
@@ -263,7 +271,7 @@ class _Findings:
     ) -> None:
         """Warn of responses that never rise from the noise, or have not decayed."""
         if lost := lost_in_noise(counts, channels, quiet, start):
-            self._notes.append("no more than noise after the hit: " + ", ".join(lost))
+            self._notes.append("no response above noise after the hit: " + ", ".join(lost))
         ringing = still_ringing(
             counts, channels, quiet, start, self._limits.decayed / exponential_end
         )

@@ -92,7 +92,8 @@ def driving_point(frf: FrequencyResponse, reference: int = 0) -> Finding:
             Outcome.FAULT,
             Fault.SIGN_FLIPPED,
             confidence,
-            f"all {n_down} clear resonances give energy: the sign of sensor or hammer is flipped",
+            f"all {n_down} clear resonances give energy: "
+            "the polarity of sensor or hammer is reversed",
         )
     return say(
         Outcome.FAULT,

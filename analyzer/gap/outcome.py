@@ -301,7 +301,7 @@ def notes_on_its_end(final: Fit) -> list[str]:
     if final.promised < _UNFINISHED:
         return []
     words = (
-        f"the last fit is not at its end: {final.promised:.1f} nats more were promised where its "
+        f"the last fit did not converge: {final.promised:.1f} nats more were promised where its "
         "steps brought next to nothing; sizes and stiffnesses may be off by more than is stated"
     )
     return [words]

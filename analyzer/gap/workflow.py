@@ -337,7 +337,9 @@ def _by_level(
     found = told_apart(superset, level_apart, levelled, start, Discrepancy())
     if found is None or (surely and found.gain < SURELY_BY_LEVEL):
         return stages, present
-    notes.append("the response depends on the hits' level: soft and hard were kept apart")
+    notes.append(
+        "the response depends on the hits' level: soft and hard hits were analysed separately"
+    )
     told = replace(
         levelled,
         ordinary=replace(levelled.ordinary, level_gain=found.gain, swings=found.swings),

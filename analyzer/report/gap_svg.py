@@ -34,7 +34,7 @@ def errors_svg(result: GapResult) -> str:
         f'<circle cx="{_LEFT + 86:g}" cy="10" r="5" fill="{DRIVEN}"/>',
         text(_LEFT + 96.0, 14.0, "after"),
         f'<path d="M{_LEFT + 156:g} 2v16" stroke="{INK}" stroke-width="2"/>',
-        text(_LEFT + 164.0, 14.0, "noise alone"),
+        text(_LEFT + 164.0, 14.0, "expected"),
     ]
     y = 24.0 + 0.5 * _ROW
     for row in before:

@@ -1,4 +1,4 @@
-"""Play in a joint's transmission."""
+"""Backlash in a joint's transmission."""
 
 from __future__ import annotations
 

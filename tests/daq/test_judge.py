@@ -226,7 +226,7 @@ def test_a_response_of_mere_noise_is_noted(judge):
     counts[:, 2] = np.round(rng.normal(0.0, 300.0, N))
     verdict = judge(replace(block, counts=counts))
     assert verdict.accepted
-    assert verdict.notes == ("no more than noise after the hit: acc_y",)
+    assert verdict.notes == ("no response above noise after the hit: acc_y",)
 
 
 def test_a_verdict_takes_a_few_milliseconds(judge):

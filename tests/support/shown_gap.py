@@ -49,7 +49,7 @@ def named_result(session):
         effects=(
             EffectFound(
                 name="link_axis",
-                title="Link gives way about an axis of its own",
+                title="Link is compliant about an axis of its own",
                 place=joints[0].link.name,
                 parameters={size: compliance},
                 size=size,

@@ -24,7 +24,7 @@ GAP = {
         },
         {
             "name": "link_axis",
-            "title": "Link gives way about an axis of its own",
+            "title": "Link is compliant about an axis of its own",
             "place": "shoulder",
             "size": "axis compliance shoulder",
             "parameters": {

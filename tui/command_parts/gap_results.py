@@ -188,10 +188,10 @@ def _rival_lines(rivals: Sequence[RivalRow]) -> Text:
 def _gap_table(before: tuple[PostureGap, ...], after: tuple[PostureGap, ...]) -> Table:
     table = narrow_table(
         "Gap: FRF error, and the worst frequency, before and after",
-        ("posture", "", "  before", "  after", "  noise alone", "  f before", "  f after"),
+        ("posture", "", "  before", "  after", "  expected", "  f before", "  f after"),
     )
     table.caption = (
-        "noise alone: what scatter and the errors every test has would leave; an error after that "
+        "expected: what scatter and the errors every test has would leave; an error after that "
         "is far above it says that something is still missing"
     )
     for old, new in zip(before, after, strict=True):

@@ -59,7 +59,7 @@ def chatter_command(
     html: Annotated[Path | None, typer.Option(help="Page with the lobes to write.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Stability lobes at the tool with a 95 % band; of several postures a map over feeds.
+    """Stability lobes at the tool with a 95 % band; for postures, a map over feed directions.
 
     Example: armodal chatter demo/demo.arm.toml --posture=0,30,60,0,60,0 --kt 600 --kr 200
     """

@@ -36,7 +36,7 @@ def fit(
         float | None, typer.Option(help="Length of the force record kept after the trigger, s.")
     ] = None,
     keep_hits: Annotated[
-        int | None, typer.Option(min=1, help="Most hits averaged at a point.")
+        int | None, typer.Option(min=1, help="Maximum number of hits averaged at a point.")
     ] = None,
     max_order: Annotated[
         int, typer.Option(min=4, max=300, help="Highest model order of the stabilisation diagram.")

@@ -90,7 +90,7 @@ def gap_command(
         str, typer.Option(help="clear, medium, faint, or a part of clear: 0.3.")
     ] = "medium",
     seed: Annotated[int, typer.Option(min=0, help="Seed of the laboratory.")] = 1,
-    budget: Annotated[int, typer.Option(min=0, help="Most further tests.")] = 2,
+    budget: Annotated[int, typer.Option(min=0, help="Maximum number of further tests.")] = 2,
     simulator: Annotated[
         str | None,
         typer.Option(help="mujoco: the session's hits in your own simulator, before and after."),
@@ -108,7 +108,7 @@ def gap_command(
     ] = None,
     false_name: Annotated[
         float,
-        typer.Option(min=1e-4, max=0.5, help="Probability of a false name that you accept."),
+        typer.Option(min=1e-4, max=0.5, help="Accepted probability of naming a wrong effect."),
     ] = FALSE_NAME,
     folder: Annotated[
         Path, typer.Option("--out", help="Folder for the laboratory's sessions; continued there.")

@@ -100,7 +100,7 @@ def step_to(
     apart = judged.calibration.apart
     wanted = -apart if _only_relaxes(better) else apart
     if gains.sum() < wanted:
-        return None, "fits better but does not foretell postures it was not fitted to"
+        return None, "fits better but does not predict the validation postures"
     step = Step(
         without=present,
         fit=better,

@@ -1,4 +1,4 @@
-"""Play in a joint's transmission, closed by larger motion."""
+"""Backlash in a joint's transmission, closed by larger motion."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LEAST = 0.02  # of the joint's spring
 
 WORDS = EffectWords(
     name="backlash",
-    title="Play in a joint's transmission",
+    title="Backlash in a joint's transmission",
     changes="a joint's stiffness grows with the hit's level, since play takes less of the motion",
     signature="softer hits see a softer joint, most in postures whose weight does not close it",
     confused_with=("softening",),

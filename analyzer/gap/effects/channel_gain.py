@@ -20,7 +20,7 @@ WORDS = EffectWords(
     changes="one channel of the accelerometer, by a factor",
     signature="one channel too large or too small at all frequencies and in all postures",
     confused_with=("flipped_axis",),
-    told_by="the ratio calibration with a known mass, each axis in turn",
+    told_by="a ratio calibration on a free, known mass, each axis in turn",
     remedy="check the channel's sensitivity in the set-up and on the certificate",
 )
 _MATERIAL = 0.05

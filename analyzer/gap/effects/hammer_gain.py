@@ -15,7 +15,7 @@ WORDS = EffectWords(
     changes="all FRFs by one factor",
     signature="every FRF too large or too small alike; masses and stiffnesses off by the factor",
     confused_with=("payload", "channel_gain"),
-    told_by="the ratio calibration with a known mass; a known mass added to the arm",
+    told_by="a ratio calibration on a free, known mass; a known mass added to the arm",
     remedy="calibrate hammer and accelerometer together on a known mass",
 )
 _MATERIAL = 0.03

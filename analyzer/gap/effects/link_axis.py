@@ -24,7 +24,7 @@ Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="link_axis",
-    title="Link gives way about an axis of its own",
+    title="Link is compliant about an axis of its own",
     changes="releases one rotation about a line of the link, between its joint and its mass",
     signature="a mode whose motion turns about one line that moves with the link",
     confused_with=("bearing", "released_joint", "base", "link_bending", "link_torsion"),

@@ -27,7 +27,7 @@ _SLIDERS = 8
 
 WORDS = EffectWords(
     name="microslip",
-    title="Seat of a joint slips little by little",
+    title="Micro-slip in a seat or clamp of a joint",
     changes="a joint's stiffness falls with the hit's level while its damping grows",
     signature="harder hits see a softer joint with more damping",
     confused_with=("softening", "friction"),

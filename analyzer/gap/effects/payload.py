@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="payload",
-    title="Unknown body on a link",
+    title="Unmodelled mass on a link",
     changes="mass, first moments and inertia of a rigid body on a link",
     signature="frequencies fall together with the share that the link has in each mode",
     confused_with=("rotor", "hammer_gain"),

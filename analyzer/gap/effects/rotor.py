@@ -19,7 +19,7 @@ __all__ = ["WORDS", "carried_moment", "instances"]
 
 WORDS = EffectWords(
     name="rotor",
-    title="Rotor's inertia at a joint",
+    title="Motor's rotor inertia at a joint",
     changes="adds to the joint's own diagonal of M, and to nothing else",
     signature="the joint's mode falls in every posture by the same inertia, whatever is beyond",
     confused_with=("servo", "payload"),

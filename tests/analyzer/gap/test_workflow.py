@@ -153,4 +153,4 @@ def test_a_level_that_a_turned_axis_hid_is_looked_for_again():
     case = make_case(seed=3343554958663793303, arm="ur5", effect=kinds, ladder=True)
     result = find_gap(case.session(), gates=False, modes=False, advice=False).result
     assert mark(json.loads(case.open_truth()), result).outcome == "right"
-    assert any("soft and hard were kept apart" in note for note in result.notes)
+    assert any("soft and hard hits were analysed separately" in note for note in result.notes)

@@ -54,9 +54,13 @@ def test_an_axis_is_told_by_stiffness_damping_direction_point_and_place():
 @pytest.mark.parametrize(
     ("title", "place", "words"),
     [
-        ("Link gives way about an axis of its own", "shoulder", "The shoulder gives way about"),
+        ("Link is compliant about an axis of its own", "shoulder", "The shoulder gives way about"),
         ("Link bends along its length", "link_2", "link_2 bends along its length: stiff"),
-        ("Rotor's inertia at a joint", "joint_1", "Rotor's inertia at a joint (joint_1): stiff"),
+        (
+            "Motor's rotor inertia at a joint",
+            "joint_1",
+            "Motor's rotor inertia at a joint (joint_1): stiff",
+        ),
         ("Hammer gain is wrong", "", "Hammer gain is wrong: stiff"),
     ],
 )

@@ -48,7 +48,7 @@ NAMED = GapResult(
     effects=(
         EffectFound(
             name="link_axis",
-            title="Link gives way about an axis of its own",
+            title="Link is compliant about an axis of its own",
             place="link_3",
             parameters=P,
             size=next(iter(P)),

@@ -106,7 +106,7 @@ def test_the_result_lies_beside_the_session_with_an_arm_file_and_a_page(found):
     arm = load_arm(value["arm_file"])
     assert [(e.name, e.place) for e in arm.effects] == [("link_axis", value["effects"][0]["place"])]
     page = path.with_suffix(".html").read_text(encoding="utf-8")
-    assert "Link gives way about an axis of its own" in page
+    assert "Link is compliant about an axis of its own" in page
 
 
 @pytest.mark.long

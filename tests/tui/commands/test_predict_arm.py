@@ -67,7 +67,7 @@ def test_a_user_s_mistake_is_one_message(arguments, message):
 def test_a_plan_for_an_arm_with_an_axis_counts_with_its_mode(corrected, small_search):
     value = json.loads(CliRunner().invoke(app, ["plan", corrected, "--tests=3", "--json"]).stdout)
     (note,) = value["notes"]
-    assert note == "planned with: Link gives way about an axis of its own (shoulder)"
+    assert note == "planned with: Link is compliant about an axis of its own (shoulder)"
     assert all(len(test["modes"]) == 4 for test in value["tests"])  # of three joints and the axis
 
 

@@ -148,7 +148,10 @@ class HomeApp(PrintableApp[Wish]):
             # Arm, plan and laboratory are as the journal has them.
             self.exit(Measure(journal=journal, arm="", plan=None, simulated=False))
         else:
-            self.notify(f"nothing is measured on this system: armodal recover {journal}")
+            self.notify(
+                "measuring is not supported on this operating system; "
+                f"read what was captured: armodal recover {journal}"
+            )
 
     def action_open(self) -> None:
         """Open what the cursor is on."""

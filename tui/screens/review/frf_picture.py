@@ -90,7 +90,7 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
     def _caption(self, i: int, j: int) -> str:
         frf, line = self.state.view.frf, self.cursor_line()
         value, coherence = frf.values[i, j, line], frf.coherence[i, j, line]
-        told = "coherence not told" if np.isnan(coherence) else f"coherence {coherence:.3f}"
+        told = "no coherence available" if np.isnan(coherence) else f"coherence {coherence:.3f}"
         return (
             f"{_dof(frf.responses[i])} ← {_dof(frf.references[j])}   {frf.freq_hz[line]:.2f} Hz: "
             f"{abs(value):.3g} {UNITS[frf.form]}, {np.degrees(np.angle(value)):+.0f}°, {told}"
@@ -162,7 +162,7 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
             [Series(x=frf.freq_hz, y=frf.coherence[i, j], style=self.inks.strong)],
             x=self.x_scale(),
             y=Scale(low=0.0, high=1.0, step=0.5),
-            title="coherence" if known else "coherence: not told for these FRFs",
+            title="coherence" if known else "no coherence available for these FRFs",
             x_axis=False,
             left=TICKS,
         )

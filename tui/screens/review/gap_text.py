@@ -135,7 +135,7 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
     if not before:
         return None
     later = {row.get("posture"): row for row in after}
-    table = _table("posture", "before", "after", "noise alone", "")
+    table = _table("posture", "before", "after", "expected", "")
     for row in before:
         then = later.get(row.get("posture"))
         shown = [
@@ -150,7 +150,7 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
         "Gap: difference over the FRFs, %",
         table,
         (
-            "noise alone: what scatter and the errors that every test has would leave.\n"
+            "expected: what scatter and the errors that every test has would leave.\n"
             "After as low as this: all is explained. Far above it: something is still missing."
         ),
     )

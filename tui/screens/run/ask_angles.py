@@ -27,8 +27,8 @@ class AnglesScreen(ModalScreen[tuple[float, ...] | None]):
         """The words and the field."""
         with Vertical(id="angles"):
             yield Static(
-                f"The {self._n_joints} joint angles that you read, in degrees, joint 1 first. With "
-                "Enter you say that the arm stands so and is held; Escape: back."
+                f"The {self._n_joints} joint angles that you read, in degrees, joint 1 first. "
+                "Enter confirms that the arm is in this posture and held; Escape: back."
             )
             yield Input(placeholder="for instance -25.1 90 0 0 89.9 0")
 

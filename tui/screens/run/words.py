@@ -22,7 +22,9 @@ __all__ = [
 # Reason: the large word, and what to do about it.
 _REASONS: dict[str, tuple[str, str]] = {
     "double": ("DOUBLE HIT", "The hammer touched twice. Let it swing back at once."),
-    "bounce": ("BOUNCED", "The hammer stayed on the arm. Hit shorter, from the wrist."),
+    "bounce": ("HAMMER STAYED ON", "It pushed again before it left the arm. Hit from the wrist."),
+    "stuck": ("SENSOR STUCK", "A channel gives one value only. Check its cable and supply."),
+    "swing": ("BAD FORCE SIGNAL", "The force went both ways. Check the hammer's cable and supply."),
     "soft": ("TOO SOFT", "Hit harder."),
     "overload": ("TOO HARD", "A sensor ran out of range. Hit more gently."),
     "noise": ("LOST IN NOISE", "Hit harder, or check the hammer's cable."),
@@ -49,7 +51,7 @@ _ERRORS: dict[str, tuple[str, str]] = {
         "The journal cannot be written or read",
         "Make room on the disk, or give another file with --session.",
     ),
-    "FrameError": ("The board cannot be understood", "Check its cable and its firmware."),
+    "FrameError": ("The board sends data that cannot be read", "Check its cable and its firmware."),
     "PlanError": ("The plan does not fit this board", "Change the plan file."),
     "ArmError": ("The arm file cannot be used", "Change the arm file."),
     "LabEnded": ("The simulated laboratory has ended by itself", "Devices are not at fault."),
@@ -93,10 +95,12 @@ def error_advice(kind: str, message: str = "") -> tuple[str, str]:
 def ratio_words(found: RatioCalibration) -> str:
     """Return a ratio calibration in words; what one hit cannot tell is said."""
     if found.n_hits < FEWEST_MASS_HITS:
-        return f"{found.ratio:.4f} from {found.n_hits} hit(s): hit {FEWEST_MASS_HITS} times"
+        return (
+            f"{found.ratio:.4f} from {found.n_hits} hit(s): at least {FEWEST_MASS_HITS} are needed"
+        )
     return (
-        f"{found.ratio:.4f} ± {found.ratio_std:.4f} from {found.n_hits} hits (wanted 1), uneven by "
-        f"{100 * found.unevenness:.1f} %"
+        f"{found.ratio:.4f} ± {found.ratio_std:.4f} from {found.n_hits} hits (should be 1), varies "
+        f"over frequency by {100 * found.unevenness:.1f} %"
     )
 
 

@@ -97,7 +97,7 @@ def test_a_flipped_sensor_is_seen_at_the_driving_point_after_one_hit(sign, fault
 
 def test_faults_of_the_driving_point_are_told_in_a_row_of_80_columns():
     finding = check_driving_point(point_frf(state_of(hit_at(1, sign=-1.0)), HERE))
-    assert "the sign of sensor or hammer is flipped" in driving_line(finding).plain
+    assert "the polarity of sensor or hammer is reversed" in driving_line(finding).plain
     other = replace(finding, fault=Fault.NOT_A_DRIVING_POINT)
     assert "direction of the hit is not as stated" in driving_line(other).plain
     assert max(driving_line(f).cell_len for f in (finding, other)) <= 78
@@ -212,7 +212,7 @@ def mirrored(*, sign=1.0, gain=1.0):
     ("change", "words"),
     [
         ({}, "reciprocity of points 2 and 1 holds"),
-        ({"sign": -1.0}, "the sign of sensor or hammer is flipped"),
+        ({"sign": -1.0}, "the polarity of sensor or hammer is reversed"),
         ({"gain": 1.3}, "a sensitivity differs from the other day's"),
     ],
 )

@@ -45,7 +45,7 @@ def tip_line(band: UsableBand) -> Text:
 def driving_line(found: Finding) -> Text:
     """Say what the FRF says of the point where hammer and sensor are together."""
     if found.fault is Fault.SIGN_FLIPPED:
-        words = "it gives energy: the sign of sensor or hammer is flipped"
+        words = "it gives energy: the polarity of sensor or hammer is reversed"
         return Text(f"driving point: {words}", style=BAD)
     if found.fault is not None:
         words = "point, sensor axis or direction of the hit is not as stated"
@@ -66,7 +66,9 @@ def reciprocity_line(found: Finding) -> Text:
     """Say whether a path is the same in both directions."""
     pair = f"points {' and '.join(found.points)}"
     if found.fault is Fault.SIGN_FLIPPED:
-        return Text(f"reciprocity of {pair}: the sign of sensor or hammer is flipped", style=BAD)
+        return Text(
+            f"reciprocity of {pair}: the polarity of sensor or hammer is reversed", style=BAD
+        )
     if found.fault is Fault.GAIN:
         return Text(f"reciprocity of {pair}: a sensitivity differs from the other day's", style=BAD)
     if found.fault is not None:

@@ -61,7 +61,7 @@ def safety_text(state: RunState) -> Text:
     safe, words = safety_line(state)
     mark, style = ("✓", GOOD) if safe else ("✗", BAD)
     if state.phase is not Phase.SESSION and not safe and state.board is None:
-        return Text().append("no word of the arm yet", style=DIM)
+        return Text().append("no data from the robot controller yet", style=DIM)
     if safe and state.safe:
         words += ", approach confirmed"
     return Text().append(f"{mark} {words}", style=style)
