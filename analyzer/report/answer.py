@@ -79,7 +79,7 @@ def _of_identification(result: Identification) -> tuple[Finding, ...]:
     if not result.axes:
         found.append(
             Finding(
-                text="Springs at the joints alone explain the measured motion; no link gives way "
+                text="Springs at the joints alone explain the measured motion; no link is compliant "
                 "about an axis of its own.",
                 sure=f"{_structural(result)} of {len(result.modes)} modes move in ways that joints "
                 "do not explain.",
@@ -108,7 +108,7 @@ def _axis(axis: AxisResult) -> Finding:
     k, spread = plus_minus(axis.k_n_m_per_rad, std)
     low, high = rounded(axis.k_n_m_per_rad - half), rounded(axis.k_n_m_per_rad + half)
     return Finding(
-        text=f"The {axis.link} gives way about an axis of its own: stiffness {k} ± {spread} "
+        text=f"The {axis.link} is compliant about an axis of its own: stiffness {k} ± {spread} "
         f"N m/rad (95 %: {low} to {high}), "
         f"strained most at {axis.f_hz:.2f} Hz in {axis.posture}.",
         sure="; ".join(axis.doubts) or "Nothing in the measurement speaks against it.",

@@ -36,7 +36,7 @@ def effect_sentence(effect: EffectFound) -> str:
 
 
 def _what_where(title: str, place: str) -> str:
-    """Name the place: "Link gives way" in the shoulder is "The shoulder gives way"."""
+    """Name the place: "Link is compliant" in the shoulder is "The shoulder is compliant"."""
     does = title.removeprefix("Link ")
     if not place or does == title:
         return f"{title} ({place})" if place else title

@@ -54,7 +54,11 @@ def test_an_axis_is_told_by_stiffness_damping_direction_point_and_place():
 @pytest.mark.parametrize(
     ("title", "place", "words"),
     [
-        ("Link is compliant about an axis of its own", "shoulder", "The shoulder gives way about"),
+        (
+            "Link is compliant about an axis of its own",
+            "shoulder",
+            "The shoulder is compliant about",
+        ),
         ("Link bends along its length", "link_2", "link_2 bends along its length: stiff"),
         (
             "Motor's rotor inertia at a joint",

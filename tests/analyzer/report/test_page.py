@@ -137,7 +137,7 @@ def test_the_first_page_answers_before_any_table(html, identified):
     found = first.partition('<div class="findings">')[2].partition("</div>")[0]
     (axis,) = identified.axes
     k, std = plus_minus(axis.k_n_m_per_rad, float(np.hypot(axis.k_std, axis.k_std_model)))
-    assert f"The {axis.link} gives way about an axis of its own: stiffness {k} ± {std}" in found
+    assert f"The {axis.link} is compliant about an axis of its own: stiffness {k} ± {std}" in found
     assert first.index('<div class="findings">') < first.index("<table")
     for part in (
         "What to do next",
