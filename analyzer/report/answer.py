@@ -79,8 +79,8 @@ def _of_identification(result: Identification) -> tuple[Finding, ...]:
     if not result.axes:
         found.append(
             Finding(
-                text="Springs at the joints alone explain the measured motion; no link is compliant "
-                "about an axis of its own.",
+                text="Springs at the joints alone explain the measured motion; no link is "
+                "compliant about an axis of its own.",
                 sure=f"{_structural(result)} of {len(result.modes)} modes move in ways that joints "
                 "do not explain.",
             )

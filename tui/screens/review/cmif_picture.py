@@ -25,8 +25,8 @@ class CmifPicture(SpectrumPicture):
 
     HELP = """# CMIF
 Singular values of the FRF matrix over frequency: a peak of the first is a mode, a peak of the
-second at the same frequency is another mode close to it. `g` shows the sums over the arm's groups of
-points, each marked with its letter.
+second at the same frequency is another mode close to it. `g` shows the sums over the arm's groups
+of points, each marked with its letter.
 """
     BINDINGS: ClassVar[list[BindingType]] = [Binding("g", "groups", "groups")]
 
