@@ -67,11 +67,12 @@ class ModesTable(DataTable[str]):
     """One row a mode; the cursor chooses the mode for all screens."""
 
     HELP = """# Modes
-Frequency and damping with one standard deviation; MPC is 1 and MPD 0 for a real mode, whose
-points all move in phase or in antiphase. `joints %` is the share of the motion that turning joints
-explains: below 90 % the mode is called structural. `seen` is the share of model orders with this pole, `weight` how much
-worse the fit is without the mode, over what noise alone would give. Below stand modes that move
-from point to point, and peaks that no mode explains. `enter` shows the shape.
+Frequency and damping with one standard deviation; MPC is 1 and MPD 0 for a real mode, whose points
+all move in phase or in antiphase. `joints %` is the share of the motion that turning joints
+explains: below 90 % the mode is called structural. `seen` is the share of model orders with this
+pole, `weight` how much worse the fit is without the mode, over what noise alone would give. Below
+stand modes that move from point to point, and peaks that no mode explains. `enter` shows the
+shape.
 """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "app.tab('shape')", "shape"),
