@@ -49,7 +49,8 @@ Minutes = Annotated[
 ByHand = Annotated[
     float | None,
     typer.Option(
-        metavar="DEG", help="Without a bus: you read the joint angles, to this many degrees."
+        metavar="DEG",
+        help="Without a bus: you type or confirm the joint angles, true to so many degrees.",
     ),
 ]
 MeasuredBy = Annotated[str, typer.Option(metavar="NAME", help="Who measures; the report says so.")]

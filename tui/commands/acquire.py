@@ -64,8 +64,8 @@ def acquire_command(
     accept_teds: Annotated[
         bool,
         typer.Option(
-            help="Measure although sensors contradict the board, or had another sensitivity "
-            "before; this is recorded."
+            help="Measure even if the sensors' TEDS differ from the board's settings or from "
+            "an earlier sensitivity; this is recorded."
         ),
     ] = False,
     as_json: Json = False,

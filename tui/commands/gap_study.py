@@ -46,7 +46,8 @@ def gap_study_command(
     tests: Annotated[
         int,
         typer.Option(
-            min=0, help="Most further tests of a case, or of every fifth one with nothing hidden."
+            min=0,
+            help="Maximum of further tests of a case, or of every fifth one with nothing hidden.",
         ),
     ] = 0,
     whole: Annotated[

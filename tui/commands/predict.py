@@ -125,7 +125,7 @@ def predict_command(
     level: Annotated[
         float,
         typer.Option(
-            help="With --arm: peak force over the test's median, where stiffness depends on it."
+            help="With --arm: peak force over the test's median, where stiffness depends on force."
         ),
     ] = 1.0,
     below: Annotated[

@@ -59,7 +59,7 @@ def stiffness_map_command(
     spin: Annotated[
         str | None,
         typer.Option(
-            help="Six joints: the same where the tool may turn about x,y,z of the last link."
+            help="Six joints: the best turn about this tool axis x,y,z (last link's frame)."
         ),
     ] = None,
     csv: Annotated[Path | None, typer.Option(help="CSV file to write, one posture a line.")] = None,

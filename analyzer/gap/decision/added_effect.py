@@ -64,7 +64,9 @@ def with_step(
     every = [_renamed(old, swapped | turned) for old in (named if is_in_a_step else [*named, step])]
     better = _begun_again(stages, better, begin)
     fitted, gone = _still_earning(sharp, better, step.judged.calibration)
-    notes += [f"{i.title} was taken out again: it no longer earns its place" for i in gone]
+    notes += [
+        f"{i.title} was taken out again: beside the others it is no longer clear" for i in gone
+    ]
     return fitted, [step for step in every if step.fit.last not in gone]
 
 

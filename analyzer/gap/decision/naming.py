@@ -61,7 +61,7 @@ def judge_round(
         return replace(judged, named=None, standing=(judged.named, found.present))
     if judged.named is None or (n_named < _MOST_EFFECTS and rounds <= _MOST_ROUNDS):
         return judged
-    notes.append(f"{judged.named.last.title} earns a name too; no more are looked for")
+    notes.append(f"{judged.named.last.title} is clear too, but the search stops here")
     return replace(judged, named=None, standing=())
 
 

@@ -150,4 +150,6 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
     fit, named = with_step(STAGES, earlier, step_to(fit_of(one, two)), {}, notes)
     assert fit.hypothesis.instances == ((one, two) if is_kept else (two,))
     assert [step.fit.last for step in named] == ([one, two] if is_kept else [two])
-    assert notes == ([] if is_kept else ["one was taken out again: it no longer earns its place"])
+    assert notes == (
+        [] if is_kept else ["one was taken out again: beside the others it is no longer clear"]
+    )

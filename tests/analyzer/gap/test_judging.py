@@ -110,7 +110,7 @@ def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_r
     for n_named, rounds in ((3, 4), (2, 6)):
         last = judge_round(stage, found, LIMITS, between, limits, n_named, rounds, notes)
         assert (last.named, last.standing) == (None, ())
-        assert notes.pop() == f"{bearing.WORDS.title} (j0) earns a name too; no more are looked for"
+        assert notes.pop() == f"{bearing.WORDS.title} (j0) is clear too, but the search stops here"
 
 
 def test_a_loss_below_the_ordinary_one_is_no_hysteretic_damping():

@@ -32,7 +32,7 @@ Magnitude over frequency of every FRF, the chosen one bold, the fitted modes' cu
 below, phase and coherence. The arrows left and right move the cursor, up and down choose the FRF.
 """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "choose(-1)", "FRF before", show=False),
+        Binding("up", "choose(-1)", "previous FRF", show=False),
         Binding("down", "choose(1)", "FRF", key_display="↑↓"),
         Binding("a", "overlay", "all"),
         Binding("p", "phase", "phase"),

@@ -50,7 +50,7 @@ link. Structural modes have their Mozzi axis drawn, and after Identify the axis 
 """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("n", "mode(1)", "mode"),
-        Binding("b", "mode(-1)", "mode before", show=False),
+        Binding("b", "mode(-1)", "previous mode", show=False),
         Binding("left", "turn(-1, 0)", "turn", key_display="←↑"),
         Binding("right", "turn(1, 0)", "turn", show=False),
         Binding("up", "turn(0, 1)", "turn", show=False),

@@ -31,7 +31,7 @@ class SpectrumPicture(Picture):
         Binding("minus", "zoom(-1)", "zoom out", show=False),
         Binding("0", "whole", "whole band", show=False),
         Binding("n", "mode(1)", "mode"),
-        Binding("b", "mode(-1)", "mode before", show=False),
+        Binding("b", "mode(-1)", "previous mode", show=False),
     ]
 
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002
