@@ -49,7 +49,7 @@ def test_an_axis_is_fitted_anew_and_the_rest_is_held_and_both_are_said():
     ready = held_arm(with_effects(ARM, axis("elbow"), any_of(ARM, "rotor")))
     assert len(ready.axes) == 1
     held, anew = ready.notes
-    assert held.startswith("as the arm file has them, not fitted: Rotor")
+    assert held.startswith("as the arm file has them, not fitted: Motor")
     assert anew.startswith("fitted anew from where the arm file has them: ")
     assert anew.endswith("(elbow)")
 

@@ -152,7 +152,7 @@ def test_a_name_must_foretell_held_out_postures_and_a_wider_prior_must_not_spoil
         assert step.foretold_with.training is better
         assert doubt == ""
     else:
-        assert "does not foretell" in doubt
+        assert "does not predict" in doubt
 
 
 @pytest.mark.parametrize(
