@@ -178,7 +178,10 @@ def fit_hypothesis(
         ).values
         there = best
         for part in _PARTS_OF_A_STEP:
-            there = at({n: best.values[n] + part * (end[n] - best.values[n]) for n in end})
+            try:
+                there = at({n: best.values[n] + part * (end[n] - best.values[n]) for n in end})
+            except np.linalg.LinAlgError:
+                continue
             if there.cost < best.cost:
                 break
         gained = best.cost - there.cost
@@ -270,9 +273,12 @@ def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) ->
     u = space.start(start)
     if hypothesis.has_laws:
         is_last = hypothesis.instances[-1].law is not None
-        hypothesis = linearised(
-            hypothesis, stage.models, stage.lines, space.values(u), last=is_last, slopes=False
-        )
+        try:
+            hypothesis = linearised(
+                hypothesis, stage.models, stage.lines, space.values(u), last=is_last, slopes=False
+            )
+        except np.linalg.LinAlgError:
+            return float("inf")
     return _cost(stage, hypothesis, space, u, range(len(stage.lines)))
 
 

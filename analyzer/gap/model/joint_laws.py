@@ -29,6 +29,7 @@ __all__ = [
     "Linearised",
     "Play",
     "Sliders",
+    "added_logs",
     "harmonic_spring",
     "over_a_swing",
     "stacked",
@@ -236,8 +237,15 @@ def harmonic_spring(
     """
     element = law.element(values, law.load_n_m(geometry))
     stiffness, loss = over_a_swing(element, law.swing_rad * float(np.exp(level)), law.rate_rad_s)
+    return added_logs(law, values, stiffness, loss / law.rate_rad_s)
+
+
+def added_logs(
+    law: JointLaw, values: Mapping[str, float], stiffness: float, damping: float
+) -> tuple[float, float]:
+    """What N m/rad and N m s/rad more add to the joint's ln k and ln c."""
     k, c = (float(np.exp(values[f"ln {what} {law.joint}"])) for what in "kc")
     return (
         float(np.log(max(1.0 + stiffness / k, _LEAST))),
-        float(np.log(max(1.0 + loss / (law.rate_rad_s * c), _LEAST))),
+        float(np.log(max(1.0 + damping / c, _LEAST))),
     )

@@ -20,7 +20,13 @@ from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.joint_laws import JointLaw, Linearised, LinearLaw, stacked
+from armodal.analyzer.gap.model.joint_laws import (
+    JointLaw,
+    Linearised,
+    LinearLaw,
+    added_logs,
+    stacked,
+)
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.swings import (
@@ -43,7 +49,6 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
 _STEP = 0.02  # of a parameter's prior deviation
-_LEAST = 0.02  # of a joint's spring or damper, that a law leaves
 _SPRING = EffectWords(name="in place", title="Spring in a law's place", changes="", signature="")
 
 
@@ -87,6 +92,11 @@ def linearised(
         Else a law is known at that point alone.
     near
         Postures of a model that differs in the law's joint alone, if they are at hand.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If swings under a law do not stay finite there.
     """
     ends = hypothesis.instances[-1]
     wanted = [
@@ -223,6 +233,8 @@ def _followed(
         groups += [names.index(own.name)] * len(turns) * len(points)
     all_free = np.concatenate(free)
     torque = march(impulses, np.array(groups), all_free, stacked(elements, counts))
+    if not np.isfinite(torque).all():
+        raise np.linalg.LinAlgError("swings under this law do not stay finite")
     back = np.empty_like(torque)
     for g, impulse in enumerate(impulses):
         rows = np.flatnonzero(np.array(groups) == g)
@@ -288,13 +300,10 @@ def _in_place(
     law: JointLaw, values: Mapping[str, float], followed: Sequence[tuple[Array, Array]]
 ) -> list[tuple[float, float]]:
     """What a spring and a damper in a law's place add to ln k and ln c, on each of the lines."""
-    k, c = (float(np.exp(values[f"ln {what} {law.joint}"])) for what in "kc")
-    found = []
-    for turn, torque in followed:
-        by_k, by_c = _spring_and_damper(turn[0], torque[0])
-        log_k, log_c = (np.log(max(1.0 + by / own, _LEAST)) for by, own in ((by_k, k), (by_c, c)))
-        found.append((float(log_k), float(log_c)))
-    return found
+    return [
+        added_logs(law, values, *_spring_and_damper(turn[0], torque[0]))
+        for turn, torque in followed
+    ]
 
 
 def kept_spring(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.library import hooks
@@ -44,15 +46,19 @@ def fitted_laws(
             tell(f"a law of its own: {instance.title}")
             richer = replace(present, instances=(*present.instances, instance))
             start = _best_start(stage, richer, base)
-            found.append(fit_hypothesis(stage, richer, start=start, max_iterations=steps))
+            if start is not None:
+                found.append(fit_hypothesis(stage, richer, start=start, max_iterations=steps))
     return found
 
 
-def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str, float]:
-    """Of least cost, each with the joint's spring such that, with its law, it stays what it was."""
+def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str, float] | None:
+    """Of least cost, each with the joint's spring such that, with its law, it stays what it was.
+
+    None where no swing under the law stays finite.
+    """
     last = hypothesis.instances[-1]
     if last.law is None or last.initial_values is None:
-        return base.values
+        return None
     space = hypothesis.space()
     near = joint_postures(
         base.hypothesis, stage.models, stage.lines, base.values, (last.law.joint,)
@@ -60,13 +66,16 @@ def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str,
     costs: list[float] = []
     starts: list[Mapping[str, float]] = []
     for begin in last.initial_values(base.values):
-        kept = kept_spring(last.law, near, stage.lines, space.values(space.start(begin)))
-        u = space.start(kept)
-        values = space.values(u)
-        about = linearised(
-            hypothesis, stage.models, stage.lines, values, last=True, slopes=False, near=near
-        )
-        misfit = stage.misfit(about, values, range(len(stage.lines)))
+        try:
+            kept = kept_spring(last.law, near, stage.lines, space.values(space.start(begin)))
+            u = space.start(kept)
+            values = space.values(u)
+            about = linearised(
+                hypothesis, stage.models, stage.lines, values, last=True, slopes=False, near=near
+            )
+            misfit = stage.misfit(about, values, range(len(stage.lines)))
+        except np.linalg.LinAlgError:
+            continue
         costs.append(sum(misfit) + 0.5 * float(u @ u))
         starts.append(values)
-    return starts[costs.index(min(costs))]
+    return starts[costs.index(min(costs))] if costs else None

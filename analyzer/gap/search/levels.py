@@ -72,7 +72,8 @@ def told_apart(
         Stage(superset, weighed_anew(stage, free), discrepancy, models=stage.models)
         for stage in (broad, middle, level_apart(3))
     )
-    swings = swings_of(present, middle.models, middle.lines, fit.values)
+    known = all(own.width_s > 0.0 for own in middle.lines)  # of the hits
+    swings = swings_of(present, middle.models, middle.lines, fit.values) if known else ()
     return Apart(stages=anew, gain=gain, swings=swings)
 
 

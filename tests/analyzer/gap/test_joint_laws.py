@@ -11,7 +11,7 @@ from support.small_case import small_case
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
-from armodal.analyzer.gap.inference.fit import Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Stage, better_start, cost_at, fit_hypothesis
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.joint_laws import Bent, Play, Sliders, over_a_swing
@@ -263,3 +263,18 @@ def test_a_law_in_an_arm_file_comes_back_as_that_law(kind, arm):
     assert back.law.names == instance.law.names
     assert back.law.swing_rad == instance.law.swing_rad
     assert start == own
+
+
+def test_a_law_whose_swings_do_not_stay_finite_costs_beyond_all_others(arm):
+    stage, plain, _, swings = arm
+    hypothesis = with_law(plain, softening, "joint_2", swings)
+    (instance,) = hypothesis.instances
+
+    def falls_apart(values, load):
+        return Bent(part=np.array([np.inf]), bend=np.array([1e-6]))
+
+    law = replace(instance.law, element=falls_apart)
+    broken = replace(hypothesis, instances=(replace(instance, law=law),))
+    with np.errstate(all="ignore"):
+        assert cost_at(stage, broken, {}) == np.inf
+        assert np.isfinite(cost_at(stage, hypothesis, {}))
