@@ -23,6 +23,7 @@ from types import ModuleType
 from typing import Any
 
 from armodal.analyzer.gap import effects
+from armodal.analyzer.gap.effects.own_law import law_of_file
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.lines_in_links import described_line
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -44,6 +45,8 @@ def hooks(name: str) -> tuple[Any, ...]:
 def described(ordinary: Ordinary, name: str, description: Mapping[str, object]) -> Instance | None:
     """Return the instance of an effect that stands where an arm file's description tells."""
     for module in _modules():
+        if name in _names(module) and hasattr(module, "laws"):
+            return law_of_file(module.laws, ordinary, description)
         if name in _names(module) and hasattr(module, "of_file"):
             found: Instance | None = module.of_file(ordinary, description)
             return found

@@ -13,13 +13,13 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
-from armodal.analyzer.gap.effects.own_law import law_instance, law_of_file
+from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Play
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "laws", "of_file"]
+__all__ = ["WORDS", "instances", "laws"]
 
 _LEAST = 0.02  # of the joint's spring
 
@@ -97,8 +97,3 @@ def laws(
 
     loaded = joint in {ordinary.arm.joints[i].name for i in ordinary.loaded}
     return tuple(at_rest(carries=carries) for carries in (False, True) if loaded or not carries)
-
-
-def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
-    """Return the law that an arm file describes."""
-    return law_of_file(laws, ordinary, description)

@@ -14,13 +14,13 @@ from armodal.analyzer.gap.effects.level import (
     Slope,
     level_instances,
 )
-from armodal.analyzer.gap.effects.own_law import law_instance, law_of_file
+from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "laws", "of_file"]
+__all__ = ["WORDS", "instances", "laws"]
 
 _LEAST = 0.02  # of the joint's spring
 _SLIDERS = 8
@@ -86,8 +86,3 @@ def laws(
         starts=[{part: q, reach: u} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)],
     )
     return (only,)
-
-
-def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
-    """Return the law that an arm file describes."""
-    return law_of_file(laws, ordinary, description)

@@ -68,7 +68,6 @@ def law_instance(
         level_dependent=True,
         law=JointLaw(
             joint=joint,
-            names=tuple(parameter.name for parameter in parameters),
             element=element,
             swing_rad=swing_rad,
             rate_rad_s=rate_rad_s,

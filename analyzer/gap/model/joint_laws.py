@@ -73,7 +73,6 @@ class JointLaw:
     """A joint's own law: what its parameters make of it, and the swing they are counted by."""
 
     joint: str
-    names: tuple[str, ...]  # of its parameters
     element: ElementOf
     swing_rad: float  # of a hit of the middle level, where it moves the joint most
     rate_rad_s: float  # of those swings: the joint's rate over its turn
@@ -195,7 +194,7 @@ E = TypeVar("E", bound=Element)
 
 def stacked(elements: Sequence[E], counts: Sequence[int]) -> E:
     """One element with the rows of all, each repeated."""
-    first = elements[0]
+    first: Any = elements[0]
     columns: dict[str, Any] = {
         field.name: np.concatenate(
             [
@@ -203,9 +202,10 @@ def stacked(elements: Sequence[E], counts: Sequence[int]) -> E:
                 for own, count in zip(elements, counts, strict=True)
             ]
         )
-        for field in fields(first)  # type: ignore[arg-type]
+        for field in fields(first)
     }
-    return type(first)(**columns)
+    found: E = type(first)(**columns)
+    return found
 
 
 def over_a_swing(element: Element, swing_rad: float, rate_rad_s: float) -> tuple[float, float]:
