@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -11,7 +13,9 @@ from textual.notifications import Notify
 
 from armodal.tui.screens.key_line import KeyLine
 
-__all__ = ["Notices", "screen_rows", "screen_text", "without_keys"]
+__all__ = ["Notices", "laid_out", "screen_rows", "screen_text", "without_keys"]
+
+LAID_OUT_S = 30.0
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -22,6 +26,14 @@ class Notices(list[str]):
     def __call__(self, message: Message) -> None:
         if isinstance(message, Notify):
             self.append(message.notification.message)
+
+
+async def laid_out(pilot: Any, condition: Callable[[], bool]) -> None:
+    """Let an app go on until it shows what is wanted: a busy machine needs more than one pause."""
+    end = time.monotonic() + LAID_OUT_S
+    while not condition():
+        assert time.monotonic() < end, screen_text(pilot.app)
+        await pilot.pause()
 
 
 def screen_rows(app: Any) -> list[str]:

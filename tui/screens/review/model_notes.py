@@ -30,12 +30,10 @@ class ModelNotes(Static):
         self.state = state
 
     def on_mount(self) -> None:
-        """Say what is known."""
+        """Say what is known, and what has no room as soon as the table knows."""
+        for table in self.screen.query(ModesTable):
+            self.watch(table, "left_out", self.redraw, init=False)
         self.redraw()
-
-    def on_resize(self) -> None:
-        """Say what has no room, once the table knows."""
-        self.call_after_refresh(self.redraw)
 
     def redraw(self) -> None:
         """Say it anew."""

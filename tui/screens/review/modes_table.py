@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
+from textual.reactive import var
 from textual.widgets import DataTable
 
 from armodal.tui.deviation import deviation
@@ -79,15 +80,12 @@ shape.
         Binding("s", "app.save", "save picks"),
     ]
 
+    left_out: var[tuple[str, ...]] = var(())
+    """Columns for which there is no room; who tells of them watches it."""
+
     def __init__(self, state: ReviewState, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, cursor_type="row", zebra_stripes=True)
         self.state = state
-        self._kept = tuple(range(len(_COLUMNS)))
-
-    @property
-    def left_out(self) -> tuple[str, ...]:
-        """Columns for which there is no room."""
-        return tuple(name for i, name in enumerate(_COLUMNS) if i not in self._kept)
 
     def on_mount(self) -> None:
         """Fill the table."""
@@ -102,12 +100,13 @@ shape.
         if not self.is_mounted:
             return
         chosen, rows = self.state.mode, mode_rows(self.state)
-        self._kept = kept_columns(rows, self.size.width, self.cell_padding)
+        kept = kept_columns(rows, self.size.width, self.cell_padding)
+        self.left_out = tuple(name for i, name in enumerate(_COLUMNS) if i not in kept)
         self.clear(columns=True)
-        for number in self._kept:
+        for number in kept:
             self.add_column(_COLUMNS[number], key=f"{number}")
         for row in rows:
-            self.add_row(*(row[number] for number in self._kept))
+            self.add_row(*(row[number] for number in kept))
         if self.row_count:
             self.move_cursor(row=min(chosen, self.row_count - 1))
 

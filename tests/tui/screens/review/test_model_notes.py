@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from support.plain_structure import moving_fit
+from support.screen import laid_out
 
 from armodal.analyzer.modal import drift_told
 from armodal.tui.screens.review.model_notes import ModelNotes, model_notes
@@ -20,16 +21,13 @@ def test_modes_that_move_and_peaks_without_modes_stand_under_the_table(drive):
         model = app.state.view.model
         with_model(app, replace(model, notes=()))
         app.redraw()
-        await pilot.pause()
-        assert not app.query_one(ModelNotes).display
+        notes = app.query_one(ModelNotes)
+        await laid_out(pilot, lambda: not notes.display)  # all columns have room
         known = len(app.state.view.joint_share)
         drifting = replace(moved, modes=moved.modes[:known], notes=("a peak at 12 Hz",))
         with_model(app, drifting)
         app.redraw()
-        await pilot.pause()
-        notes = app.query_one(ModelNotes)
-        assert notes.display
-        assert notes.region.height > 0
+        await laid_out(pilot, lambda: notes.display and notes.region.height > 0)
         said = model_notes(app.state)
         assert said[-1] == "a peak at 12 Hz"
         assert said[0] == f"moves: {drift_told(drifting)[0].words}"
