@@ -18,8 +18,16 @@ LOOK_EVERY_S = 0.05
 PATIENCE = 4.0  # times what a quiet machine needs at most; a loaded one stalls for seconds
 
 
+# Reads what nobody writes, so it wakes when the process that started it has gone, however it went.
+UNTIL_LEFT = 'cat > /dev/null; tmux -S "$0/s" kill-server 2> /dev/null; rm -rf "$0"'
+
+
 class Terminal:
-    """A program in a tmux session of its own server; leaving the context ends both."""
+    """A program in a tmux session of its own server; leaving the context ends both.
+
+    So does the end of this process, by whatever signal: a server left behind would keep its
+    programs running.
+    """
 
     def __init__(
         self,
@@ -29,8 +37,11 @@ class Terminal:
         rows: int = 36,
         env: Mapping[str, str] | None = None,
     ) -> None:
-        self._home = tempfile.TemporaryDirectory(prefix="tmux-")
-        self._socket = str(Path(self._home.name) / "s")
+        home = tempfile.mkdtemp(prefix="tmux-")
+        self._socket = str(Path(home) / "s")
+        self._end = subprocess.Popen(
+            ["sh", "-c", UNTIL_LEFT, home], stdin=subprocess.PIPE, start_new_session=True
+        )
         words = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), **(env or {})}
         setting = " ".join(f"{name}={shlex.quote(value)}" for name, value in words.items())
         # The shell stays, so that what the program has said last can still be read.
@@ -87,8 +98,7 @@ class Terminal:
 
     def close(self) -> None:
         """End the program and its terminal."""
-        subprocess.run(["tmux", "-S", self._socket, "kill-server"], check=False)
-        self._home.cleanup()
+        self._end.communicate()
 
     def _tmux(self, *words: str) -> str:
         done = subprocess.run(

@@ -19,10 +19,12 @@ class Cycle:
 
 
 @pytest.fixture(autouse=True)
-def _nothing_left_out() -> Iterator[None]:
-    """As in a program: the tests leave out what they have loaded."""
-    gc.unfreeze()
+def _thresholds_of_a_program() -> Iterator[None]:
+    """The tests have others, and leave out what they have loaded, which the collector ends."""
+    before = gc.get_threshold()
+    gc.set_threshold(700, 10, 10)
     yield
+    gc.set_threshold(*before)
     gc.freeze()
 
 
