@@ -140,10 +140,10 @@ class Collisions:
 
     def _hits(self, rod: Any, T_base_rod: Array, own: int, poses: Sequence[Array]) -> bool:
         for number, solids in enumerate(self._solids):
-            if number != own:
-                T = np.linalg.inv(poses[number]) @ T_base_rod
-                if any(touches(solid, rod, T) for solid in solids):
-                    return True
+            if number != own and any(
+                touches(solid, rod, T_base_rod, poses[number]) for solid in solids
+            ):
+                return True
         for box in self._keep_outs:
             size, middle = _box(box)
             T = T_base_rod.copy()

@@ -6,8 +6,8 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, model_validator
 import scipy
+from pydantic import Field, model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
