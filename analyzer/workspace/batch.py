@@ -158,7 +158,8 @@ class ArmBatch:
         (3, n_postures) float64
             Metres.
         """
-        place: Array = self.positions(joints_rad, link, [point_m])[0]
+        point = np.asarray(point_m, dtype=np.float64)[None]
+        place: Array = self.positions(joints_rad, link, point)[0]
         return place
 
     def positions(self, joints_rad: npt.ArrayLike, link: int, points_m: npt.ArrayLike) -> Array:

@@ -173,7 +173,14 @@ def test_a_law_of_no_size_changes_nothing(kind, arm):
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
 
 
-@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize(
+    "kind",
+    [
+        backlash,
+        microslip,
+        *(pytest.param(k, marks=pytest.mark.long) for k in (friction, softening)),
+    ],
+)
 def test_near_its_point_a_law_is_as_linear_as_it_is_taken_to_be(kind, arm):
     stage, plain, _, swings = arm
     hypothesis = with_law(plain, kind, "joint_2", swings)
