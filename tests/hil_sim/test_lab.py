@@ -13,7 +13,8 @@ from support import synthetic_laboratory
 from support.host_side import DEADLINE_S
 from support.synthetic_laboratory import PEAK_COUNTS, ramp
 
-from armodal.hil_sim.lab import launch, start_laboratory
+from armodal.hil_sim.__main__ import main
+from armodal.hil_sim.lab import launch
 from armodal.hil_sim.ledger import read_ledger
 from armodal.protocols.board.messages import (
     decode_answer,
@@ -167,6 +168,13 @@ def test_a_process_that_is_no_laboratory_is_told():
         launch([sys.executable, "-c", "raise SystemExit(3)"])
 
 
-def test_a_plant_that_does_not_exist_is_refused(tmp_path):
-    with pytest.raises(PlantError, match="found none; check the path"):
-        start_laboratory(tmp_path / "none.toml", directory=tmp_path / "lab")
+def test_a_plant_that_does_not_exist_is_refused(tmp_path, capsys):
+    given = ["--plant", str(tmp_path / "none.toml"), "--directory", str(tmp_path / "lab")]
+    assert main(given) == 2
+    assert "found none; check the path" in capsys.readouterr().err
+
+
+def test_what_a_laboratory_refuses_to_start_with_is_told_in_its_words():
+    refusing = "import sys; sys.stderr.write('hil_sim: no plant'); sys.exit(2)"
+    with pytest.raises(PlantError, match="^no plant$"):
+        launch([sys.executable, "-c", refusing])
