@@ -176,5 +176,5 @@ def test_a_plant_that_does_not_exist_is_refused(tmp_path, capsys):
 
 def test_what_a_laboratory_refuses_to_start_with_is_told_in_its_words():
     refusing = "import sys; sys.stderr.write('hil_sim: no plant'); sys.exit(2)"
-    with pytest.raises(PlantError, match="^no plant$"):
+    with pytest.raises(PlantError, match=r"^no plant$"):
         launch([sys.executable, "-c", refusing])

@@ -9,24 +9,22 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
+
+from support.at_the_end import at_the_end
 
 ROOT = Path(__file__).parents[2]
 LOOK_EVERY_S = 0.05
 PATIENCE = 4.0  # times what a quiet machine needs at most; a loaded one stalls for seconds
 
 
-# Reads what nobody writes, so it wakes when the process that started it has gone, however it went.
-UNTIL_LEFT = 'cat > /dev/null; tmux -S "$0/s" kill-server 2> /dev/null; rm -rf "$0"'
-
-
 class Terminal:
     """A program in a tmux session of its own server; leaving the context ends both.
 
-    So does the end of this process, by whatever signal: a server left behind would keep its
-    programs running.
+    So does the end of this process.
     """
 
     def __init__(
@@ -39,9 +37,10 @@ class Terminal:
     ) -> None:
         home = tempfile.mkdtemp(prefix="tmux-")
         self._socket = str(Path(home) / "s")
-        self._end = subprocess.Popen(
-            ["sh", "-c", UNTIL_LEFT, home], stdin=subprocess.PIPE, start_new_session=True
-        )
+        self._end = ExitStack()
+        kill, remove = ["tmux", "-S", self._socket, "kill-server"], ["rm", "-rf", home]
+        end = f"{shlex.join(kill)} 2> /dev/null; {shlex.join(remove)}"
+        self._end.enter_context(at_the_end(end))
         words = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), **(env or {})}
         setting = " ".join(f"{name}={shlex.quote(value)}" for name, value in words.items())
         # The shell stays, so that what the program has said last can still be read.
@@ -98,7 +97,7 @@ class Terminal:
 
     def close(self) -> None:
         """End the program and its terminal."""
-        self._end.communicate()
+        self._end.close()
 
     def _tmux(self, *words: str) -> str:
         done = subprocess.run(

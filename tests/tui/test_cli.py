@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.at_the_end import at_the_end
 from support.command import armodal
 from typer.testing import CliRunner
 
@@ -147,7 +148,7 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
         stdin=subprocess.DEVNULL,
         text=True,
     )
-    try:
+    with at_the_end(f"kill {lab.pid}"):
         ports = json.loads(lab.stdout.readline())
         said = process(
             "acquire",
@@ -164,10 +165,8 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
             tmp_path / "s.journal",
             "--json",
         )
-    finally:
-        lab.terminate()
-        lab.wait(20)
-        lab.stdout.close()
+    lab.wait(20)
+    lab.stdout.close()
     assert said.returncode == 0, said.stderr
     summary = json.loads(said.stdout)
     assert summary["complete"]
