@@ -7,11 +7,13 @@ Per FRF, on the lines s_k,
 with real c and d = 0, 1, 2 for receptance, mobility, accelerance. Modes below the band give the
 first two (their expansion in 1/s), modes above it the last two (their expansion in s). The three
 terms also make the three forms equivalent: s R/(s - p) = R + p R/(s - p), and again for s^2.
+Where that is not enough, at the edge of a band that cuts a resonance or under broad rises, further
+poles belong to the background: their residues are residual terms too.
 
-All sums over lines that a least-squares step needs are collected once in Gram matrices, one per
-FRF, of the regressors of R, of c, and of the poles' derivatives R/(s - p)^2. What follows works
-on those alone: solving for R and c, the gain of a mode, the Gauss-Newton step on the poles with R
-and c eliminated (variable projection), and the covariance.
+All sums over lines that a least-squares step needs are collected once in Gram matrices (`gram`),
+one per FRF, of the regressors of R, of c, and of the poles' derivatives R/(s - p)^2. What follows
+works on those alone: solving for R and c, the gain of a mode, the Gauss-Newton step on the poles
+with R and c eliminated (variable projection), and the covariance.
 """
 
 from __future__ import annotations
@@ -22,25 +24,23 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.gram import WeightedLines, gram, weighted_lines
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
-    "N_RESIDUAL",
+    "NO_POLES",
     "RIDGE",
     "ModalData",
     "Regression",
-    "gram_system",
     "misfit",
     "modal_data",
-    "put_pairs",
     "regress",
     "residual_terms",
+    "with_background",
 ]
 
-N_RESIDUAL = 3
+NO_POLES: npt.NDArray[np.complex128] = np.empty(0, dtype=np.complex128)
 RIDGE = 1e-13  # relative to the scaled diagonal
-_FEW_FRFS = 16  # whose Gram matrices are quicker made one by one
-_MOST_PRODUCTS = 2**16  # of two regressors held at a time: what a processor keeps near
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,8 +52,15 @@ class ModalData:
     values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`; 0 of what is not measured
-    weighted: npt.NDArray[np.float64]  # (n_frf, 2 n_freq), weight times values, Re then Im
+    lines: WeightedLines  # the same, as sums over lines need it, without `row_weight`
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
+    background: npt.NDArray[np.complex128]  # (n_background,) poles that are no modes
+    terms: npt.NDArray[np.complex128]  # (n_terms, n_freq) residual terms, those of these poles too
+
+    @property
+    def n_terms(self) -> int:
+        """Real residual terms of an FRF."""
+        return int(self.terms.shape[0])
 
     @property
     def variance(self) -> npt.NDArray[np.float64]:
@@ -72,13 +79,13 @@ class ModalData:
 class Regression:
     """Least-squares solution for given poles.
 
-    Linear parameters of an FRF are Re R_1, Im R_1, Re R_2, ..., then c_0, c_1, c_2; pole
-    parameters are Re p_1, Im p_1, Re p_2, ...
+    Linear parameters of an FRF are Re R_1, Im R_1, Re R_2, ..., then c_0, c_1, c_2 and those of
+    the background; pole parameters are Re p_1, Im p_1, Re p_2, ...
     """
 
     poles: npt.NDArray[np.complex128]  # (n_modes,)
     residues: npt.NDArray[np.complex128]  # (n_frf, n_modes)
-    residuals: npt.NDArray[np.float64]  # (n_frf, 3)
+    residuals: npt.NDArray[np.float64]  # (n_frf, n_terms)
     cost: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares left
     gain: npt.NDArray[np.float64]  # (n_frf, n_modes) rise of cost without the mode
     information: npt.NDArray[np.float64]  # (n_frf, 2 n_modes, 2 n_modes), poles, projected
@@ -96,6 +103,7 @@ def modal_data(
     s: npt.NDArray[np.complex128],
     values: npt.NDArray[np.complex128],
     variance: npt.NDArray[np.float64],
+    background: npt.NDArray[np.complex128] = NO_POLES,
 ) -> ModalData:
     """FRFs of any leading shape, flattened to rows, weighted by one over their variance.
 
@@ -111,6 +119,7 @@ def modal_data(
     row = np.where(measured, row, 0.0)
     if np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0):
         weight = np.ascontiguousarray(weight[:1])
+    terms = residual_terms(form, s, background).T
     energy = row * np.sum(weight * np.abs(flat) ** 2, axis=1)
     return ModalData(
         form=form,
@@ -118,89 +127,40 @@ def modal_data(
         values=flat,
         weight=weight,
         row_weight=row,
-        weighted=np.concatenate([weight * flat.real, weight * flat.imag], axis=1),
+        lines=weighted_lines(s, weight, weight * flat, terms),
         energy=energy,
+        background=background,
+        terms=terms,
     )
 
 
-def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
-    """Residual regressors s^(d-2), s^(d-1), s^d on the lines: (n_freq, 3), unscaled."""
+def with_background(data: ModalData, background: npt.NDArray[np.complex128]) -> ModalData:
+    """The same FRFs and weights with other background poles."""
+    return modal_data(data.form, data.s, data.values, data.variance, background)
+
+
+def residual_terms(
+    form: FrfForm,
+    s: npt.NDArray[np.complex128],
+    background: npt.NDArray[np.complex128] = NO_POLES,
+) -> npt.NDArray[np.complex128]:
+    """Residual regressors on the lines: (n_freq, 3 + 2 n_background), unscaled.
+
+    s^(d-2), s^(d-1), s^d, then of each background pole those of Re and Im of its residue.
+    """
     d = derivative_order(form)
     lowest = 1.0 / (s * s) if d == 0 else 1.0 / s if d == 1 else np.ones_like(s)
-    return np.stack([lowest, lowest * s, lowest * s * s], axis=1)
-
-
-def put_pairs(
-    out: npt.NDArray[np.float64],
-    first: npt.NDArray[np.complex128],
-    second: npt.NDArray[np.complex128],
-) -> None:
-    """Regressors of Re and Im of a coefficient and its conjugate into rows (..., 2 n, 2, lines)."""
-    np.add(first.real, second.real, out=out[..., 0::2, 0, :])
-    np.add(first.imag, second.imag, out=out[..., 0::2, 1, :])
-    np.subtract(second.imag, first.imag, out=out[..., 1::2, 0, :])
-    np.subtract(first.real, second.real, out=out[..., 1::2, 1, :])
-
-
-def _gram(
-    rows: npt.NDArray[np.float64], data: ModalData
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Gram matrices (n_frf or 1, q, q) and right sides (n_frf, q), without `row_weight`."""
-    q, n_freq = rows.shape[0], data.s.size
-    flat = rows.reshape(q, 2 * n_freq)
-    if data.weight.shape[0] <= _FEW_FRFS:
-        G = np.empty((data.weight.shape[0], q, q))
-        for o, root in enumerate(np.sqrt(data.weight)):
-            own = (rows * root).reshape(q, 2 * n_freq)
-            G[o] = own @ own.T  # of a matrix and its own transpose, half the work
-    else:
-        upper = np.triu_indices(q)
-        packed = np.zeros((data.weight.shape[0], upper[0].size))
-        lines = max(_MOST_PRODUCTS // upper[0].size, 8)
-        for first in range(0, n_freq, lines):
-            part = rows[:, :, first : first + lines]
-            products = part[upper[0], 0] * part[upper[1], 0]
-            products += part[upper[0], 1] * part[upper[1], 1]
-            packed += data.weight[:, first : first + lines] @ products.T
-        G = np.empty((packed.shape[0], q, q))
-        G[:, upper[0], upper[1]] = packed
-        G[:, upper[1], upper[0]] = packed
-    return G, data.weighted @ flat.T
-
-
-def gram_system(
-    data: ModalData, poles: npt.NDArray[np.complex128], *, pole_terms: bool = True
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Sums over the lines of all products of two regressors, and of regressor and FRF.
-
-    Regressors are those of the residues (2 n_modes), of the residual terms (3), and, with
-    `pole_terms`, of the poles' derivatives 1/(s - p)^2 (2 n_modes); each divided by its RMS.
-
-    Returns
-    -------
-    G, b, size
-        (n_frf or 1, q, q) and (n_frf, q) without `row_weight`, and (q,) the RMS divided by.
-    """
-    n = 2 * poles.size
-    q = (2 * n if pole_terms else n) + N_RESIDUAL
-    direct, mirrored = 1.0 / (data.s - poles[:, None]), 1.0 / (data.s - poles.conj()[:, None])
-    rows = np.empty((q, 2, data.s.size))
-    put_pairs(rows[:n], direct, mirrored)
-    residual = residual_terms(data.form, data.s).T
-    rows[n : n + N_RESIDUAL, 0], rows[n : n + N_RESIDUAL, 1] = residual.real, residual.imag
-    if pole_terms:
-        put_pairs(rows[n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
-    size = np.sqrt(np.einsum("qak,qak->q", rows, rows) / data.s.size)
-    rows /= size[:, None, None]
-    G, b = _gram(rows, data)
-    return G, b, size
+    direct, mirrored = (1.0 / (s[:, None] - p) for p in (background, background.conj()))
+    pairs = np.stack([direct + mirrored, 1j * (direct - mirrored)], axis=-1)
+    powers = np.stack([lowest, lowest * s, lowest * s * s], axis=1)
+    return np.concatenate([powers, pairs.reshape(s.size, -1)], axis=1)
 
 
 def misfit(data: ModalData, fit: Regression) -> npt.NDArray[np.complex128]:
     """FRFs minus the model: (n_frf, n_freq)."""
     both = np.concatenate([fit.residues, fit.residues.conj()], axis=1)
     poles = np.concatenate([fit.poles, fit.poles.conj()])
-    left = data.values - fit.residuals @ residual_terms(data.form, data.s).T
+    left = data.values - fit.residuals @ data.terms
     if fit.poles.size:
         left -= both @ (1.0 / (data.s - poles[:, None]))
     result: npt.NDArray[np.complex128] = left
@@ -226,8 +186,8 @@ def regress(
     Regression
     """
     n_modes, n_frf = poles.size, data.values.shape[0]
-    G, b, size = gram_system(data, poles, pole_terms=pole_terms)
-    p = 2 * n_modes + N_RESIDUAL
+    G, b = gram(data.lines, poles, pole_terms=pole_terms)
+    p = 2 * n_modes + data.n_terms
 
     diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)
     scale = 1.0 / np.sqrt(diagonal)
@@ -241,17 +201,16 @@ def regress(
     index = np.arange(2 * n_modes).reshape(n_modes, 2)
     blocks = inverse[:, index[:, :, None], index[:, None, :]]  # (n_frf or 1, n_modes, 2, 2)
     gain = row[:, None] * _over_blocks(blocks, modal)
-    physical_x = x / size[:p]
-    residues = physical_x[:, 0 : 2 * n_modes : 2] + 1j * physical_x[:, 1 : 2 * n_modes : 2]
+    residues = x[:, 0 : 2 * n_modes : 2] + 1j * x[:, 1 : 2 * n_modes : 2]
 
     information = np.zeros((n_frf, 0, 0))
     score = np.zeros((n_frf, 0))
     if pole_terms and n_modes:
-        information, score = _pole_step(G, b, inverse, x, residues, size, p, row)
+        information, score = _pole_step(G, b, inverse, x, residues, p, row)
     return Regression(
         poles=poles,
         residues=residues,
-        residuals=physical_x[:, 2 * n_modes :],
+        residuals=x[:, 2 * n_modes :],
         cost=cost,
         gain=gain,
         information=information,
@@ -276,7 +235,6 @@ def _pole_step(
     inverse: npt.NDArray[np.float64],
     x: npt.NDArray[np.float64],
     residues: npt.NDArray[np.complex128],
-    size: npt.NDArray[np.float64],
     p: int,
     row: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
@@ -289,14 +247,13 @@ def _pole_step(
     G21 = G[:, p:, :p]
     schur = G[:, p:, p:] - G21 @ inverse @ G21.transpose(0, 2, 1)
     rest = b[:, p:] - np.einsum("oij,oj->oi", np.broadcast_to(G21, (n_frf, *G21.shape[1:])), x)
-    scaled = schur * size[p:, None] * size[None, p:]
-    rest = (rest * size[p:]).reshape(n_frf, n_modes, 2)
+    rest = rest.reshape(n_frf, n_modes, 2)
     C = np.empty((n_frf, n_modes, 2, 2))
     C[..., 0, 0] = C[..., 1, 1] = residues.real
     C[..., 1, 0] = residues.imag
     C[..., 0, 1] = -residues.imag
     score = np.einsum("o,omij,omi->omj", row, C, rest).reshape(n_frf, 2 * n_modes)
-    blocks = scaled.reshape(-1, n_modes, 2, n_modes, 2)
+    blocks = schur.reshape(-1, n_modes, 2, n_modes, 2)
     blocks = np.broadcast_to(blocks, (n_frf, n_modes, 2, n_modes, 2))
     left = np.einsum("omij,omikl->omjkl", C, blocks)
     information = np.einsum("omjkl,oklh->omjkh", left, C)
