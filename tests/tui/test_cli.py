@@ -112,7 +112,7 @@ def test_a_file_that_is_not_a_session_is_one_message_and_exit_code_2(command, tm
 
 
 def test_a_wrong_port_is_one_message_and_exit_code_2(tmp_path):
-    said = process(
+    said = armodal(
         "acquire",
         "rv4frl-three-postures",
         "--board",
