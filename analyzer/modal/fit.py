@@ -128,7 +128,11 @@ def fit_modes_at(
     problem, transposed = _problem(frf, lines)
     try:
         # A pole picked is some order's, not yet where the FRFs have it.
-        poles = refine_poles(problem.data(), poles).poles
+        data = problem.data()
+        poles, background = with_background_found(
+            data, refine_poles(data, poles).poles, problem.band_hz, line_share=problem.line_share
+        )
+        problem = replace(problem, background=background)
         problem, data = _reweighted(problem, poles, told=lines.told, put_together=False)
         return _fitted(
             frf,
