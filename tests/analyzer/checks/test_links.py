@@ -14,9 +14,13 @@ from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
 
 
+# Exchanged points are tried in pairs: four fewer halve the work.
+POINTS = tuple(point for point in ALL_POINTS if point not in {"2", "10", "11", "17"})
+
+
 @cache
 def good():
-    session = simulate_session(3, plan=first_postures(3, ALL_POINTS))
+    session = simulate_session(3, plan=first_postures(3, POINTS))
     return session, Superset(session.header.arm)
 
 
