@@ -13,7 +13,6 @@ from armodal.analyzer.modal import fit_modes, hit_frfs, hit_spectra
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrfForm
 
-
 # Exchanged points are tried in pairs: four fewer halve the work.
 POINTS = tuple(point for point in ALL_POINTS if point not in {"2", "10", "11", "17"})
 
