@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.at_the_end import at_the_end
 
 from armodal.daq.clock import SystemClock
 from armodal.daq.front_end import open_front_end, open_source
