@@ -9,8 +9,6 @@ A module may offer, each found by its name,
     laws(ordinary, joint, swing_rad, rate_rad_s)  a joint's own laws, beside springs by level
     at_line(ordinary, link, direction, point) the instance along a line of a link; of a file, too
     together(ordinary, one, other)            the one instance that two are
-    told_by_hits_between(judged, sharp, between, apart)   rivals that levels tell apart
-    asks_for_levels(standing)                 whether hits at other levels would tell
 """
 
 from __future__ import annotations

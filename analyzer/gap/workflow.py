@@ -27,7 +27,7 @@ from armodal.analyzer.gap.decision.judge import (
 from armodal.analyzer.gap.decision.naming import judge_round, step_to
 from armodal.analyzer.gap.decision.without_levels import first_with_levels
 from armodal.analyzer.gap.gates import gates_of
-from armodal.analyzer.gap.inference.annealing import at_three_levels, of_test, stages_of, with_tests
+from armodal.analyzer.gap.inference.annealing import of_test, stages_of, with_tests
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
@@ -107,8 +107,7 @@ def find_gap(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
     stages = _with_places(stages, present, start)
-    between = partial(at_three_levels, superset, (session, *more))
-    search = partial(_search, session, stages, (present, start), levels, between, limits)
+    search = partial(_search, session, stages, (present, start), levels, limits)
     ended, said = search(tell=tell)
     if ended.named and ended.judged.calibration.is_model_wrong:
         # A wrong first name explains much and leaves more: what else would be the first?
@@ -158,7 +157,6 @@ def _search(
     stages: tuple[Stage, ...],
     believed: tuple[Hypothesis, dict[str, float]],
     levels: Callable[..., tuple[tuple[Stage, ...], Hypothesis]],
-    between: Callable[[Stage], Stage | None],
     limits: Thresholds,
     *,
     tell: Tell,
@@ -170,8 +168,8 @@ def _search(
     ----------
     believed
         The arm as its user believes it, and where the effects of its file begin.
-    levels, between
-        Tell soft and hard hits apart (`_by_level`); give lines of three levels.
+    levels
+        Tells soft and hard hits apart (`_by_level`).
     without
         Keys of instances that are not tried.
 
@@ -196,9 +194,7 @@ def _search(
         before = before or found.present
         tell("replicas of the session")
         calibration = calibrations.of(stages[-1], found.present, found.rivals)
-        judged = judge_round(
-            stages[-1], found, calibration, between, limits, len(named), rounds, notes
-        )
+        judged = judge_round(stages[-1], found, calibration, limits, len(named), rounds, notes)
         if judged.named is None:
             break
         better = judged.named

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.modal.gram import gram
 from armodal.analyzer.modal.refine import admissible
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, gram_system
+from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData
 
 __all__ = ["RankOneFit", "refine_rank_one"]
 
@@ -78,7 +79,7 @@ class _System:
 
 def _system(data: ModalData, poles: _Complex, shape: tuple[int, int]) -> _System:
     """Eliminate the residual terms of every FRF, in units of the regressors themselves."""
-    G, b, size = gram_system(data, poles)
+    G, b = gram(data.lines, poles)
     n = 2 * poles.size
     keep = np.r_[0:n, n + N_RESIDUAL : 2 * n + N_RESIDUAL]
     inner = np.arange(n, n + N_RESIDUAL)
@@ -96,16 +97,13 @@ def _system(data: ModalData, poles: _Complex, shape: tuple[int, int]) -> _System
     )
     row = data.row_weight
     outer = (1, 1) if G.shape[0] == 1 else shape
-    units = size[keep]
     return _System(
-        G=(reduced * units[:, None] * units).reshape(*outer, 2 * n, 2 * n),
+        G=reduced.reshape(*outer, 2 * n, 2 * n),
         row=row.reshape(shape),
-        b=(row[:, None] * bK * units).reshape(*shape, 2 * n),
+        b=(row[:, None] * bK).reshape(*shape, 2 * n),
         energy=(data.energy - row * np.einsum("oi,oi->o", bc, c)).reshape(shape),
-        residual_of_b=(c / size[inner]).reshape(*shape, N_RESIDUAL),
-        residual_of_residue=(lifted[:, :, :n] * units[:n] / size[inner][:, None]).reshape(
-            *outer, N_RESIDUAL, n
-        ),
+        residual_of_b=c.reshape(*shape, N_RESIDUAL),
+        residual_of_residue=lifted[:, :, :n].reshape(*outer, N_RESIDUAL, n),
     )
 
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.modal.gram import WeightedLines, gram, weighted_lines
 from armodal.analyzer.modal.refine import MOST_STEPS, TOLERANCE, admissible_each
 from armodal.analyzer.modal.regression import (
     N_RESIDUAL,
     RIDGE,
     ModalData,
-    put_pairs,
     residual_terms,
 )
 
@@ -33,18 +33,14 @@ _MOST_NUMBERS = 2**20  # of regressors times weights held at a time
 class _Groups:
     """FRFs by group, filled up to as many as the largest group has with such of no weight."""
 
-    data: ModalData
-    weighted: _Real  # (n_groups, n_frf, 2 n_lines), Re then Im
-    weight: _Real  # (n_groups, n_frf, 2 n_lines)
+    lines: WeightedLines  # (n_groups) of them, weights of the rows in them
     energy: _Real  # (n_groups, n_frf)
     filled: npt.NDArray[np.bool_]  # (n_groups, n_frf)
 
     def of(self, which: _Int) -> _Groups:
         """Some of the groups, one more than once if asked for."""
         return _Groups(
-            data=self.data,
-            weighted=self.weighted[which],
-            weight=self.weight[which],
+            lines=self.lines.of(which),
             energy=self.energy[which],
             filled=self.filled[which],
         )
@@ -80,7 +76,7 @@ def refine_each(data: ModalData, group: _Int, starts: _Complex) -> tuple[_Comple
     """
     n_starts, n_groups, n = starts.shape
     groups = _by_group(data, group, n_groups)
-    numbers = groups.weight.shape[1] * (4 * n + N_RESIDUAL) * groups.weight.shape[2]
+    numbers = groups.lines.factors[0].size + 4 * n * data.s.size
     at_once = max(_MOST_NUMBERS // numbers, 1)
     flat = starts.reshape(-1, n)
     which = np.tile(np.arange(n_groups), n_starts)
@@ -104,9 +100,7 @@ def _by_group(data: ModalData, group: _Int, n_groups: int) -> _Groups:
     weight = np.where(filled, data.row_weight[at], 0.0)[..., None] * weight
     values = data.values[at]
     return _Groups(
-        data=data,
-        weighted=np.concatenate([weight * values.real, weight * values.imag], axis=-1),
-        weight=np.concatenate([weight, weight], axis=-1),
+        lines=weighted_lines(data.s, weight, weight * values, residual_terms(data.form, data.s).T),
         energy=np.sum(weight * np.abs(values) ** 2, axis=-1),
         filled=filled,
     )
@@ -150,11 +144,9 @@ def _moved(fits: _Fits, which: _Int, damping: _Real) -> tuple[_Complex, _Complex
 def _fits(groups: _Groups, poles: _Complex) -> _Fits:
     """Least squares of every group for given poles; formulas and scaling of `regression`."""
     n = poles.shape[1]
-    rows, size = _rows(groups.data, poles)
     p = 2 * n + N_RESIDUAL
-    G = (rows[:, None] * groups.weight[:, :, None, :]) @ rows[:, None].transpose(0, 1, 3, 2)
+    G, b = gram(groups.lines, poles)
     G[~groups.filled] = np.eye(G.shape[-1])
-    b = np.einsum("gqk,gfk->gfq", rows, groups.weighted, optimize=True)
     scale = 1.0 / np.sqrt(np.maximum(np.einsum("gfii->gfi", G[..., :p, :p]), np.finfo(float).tiny))
     G11 = G[..., :p, :p] * scale[..., :, None] * scale[..., None, :] + RIDGE * np.eye(p)
     inverse = np.linalg.inv(G11) * scale[..., :, None] * scale[..., None, :]
@@ -162,9 +154,8 @@ def _fits(groups: _Groups, poles: _Complex) -> _Fits:
     cost = np.maximum(groups.energy - np.sum(b[..., :p] * x, axis=-1), 0.0)
     G21 = G[..., p:, :p]
     schur = G[..., p:, p:] - G21 @ inverse @ G21.transpose(0, 1, 3, 2)
-    schur = schur * size[:, None, p:, None] * size[:, None, None, p:]
-    rest = (b[..., p:] - (G21 @ x[..., None])[..., 0]) * size[:, None, p:]
-    turn = _turn(x[..., : 2 * n] / size[:, None, : 2 * n])
+    rest = b[..., p:] - (G21 @ x[..., None])[..., 0]
+    turn = _turn(x[..., : 2 * n])
     turned = turn.transpose(0, 1, 3, 2)
     return _Fits(
         poles=poles.copy(),
@@ -172,23 +163,6 @@ def _fits(groups: _Groups, poles: _Complex) -> _Fits:
         information=(turned @ schur @ turn).sum(axis=1),
         score=(turned @ rest[..., None])[..., 0].sum(axis=1),
     )
-
-
-def _rows(data: ModalData, poles: _Complex) -> tuple[_Real, _Real]:
-    """Regressors (n_groups, 4 n + 3, 2 n_lines), each divided by its RMS, and these RMS."""
-    n_groups, n = poles.shape
-    lines = data.s.size
-    direct = 1.0 / (data.s - poles[..., None])
-    mirrored = 1.0 / (data.s - poles.conj()[..., None])
-    rows = np.empty((n_groups, 4 * n + N_RESIDUAL, 2, lines))
-    put_pairs(rows[:, : 2 * n], direct, mirrored)
-    residual = residual_terms(data.form, data.s).T
-    rows[:, 2 * n : 2 * n + N_RESIDUAL] = np.stack([residual.real, residual.imag], axis=1)
-    put_pairs(rows[:, 2 * n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
-    flat = rows.reshape(n_groups, 4 * n + N_RESIDUAL, 2 * lines)
-    size = np.sqrt(np.mean(flat**2, axis=-1) * 2.0)
-    flat /= size[..., None]
-    return flat, size
 
 
 def _turn(pairs: _Real) -> _Real:

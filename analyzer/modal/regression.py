@@ -8,10 +8,10 @@ with real c and d = 0, 1, 2 for receptance, mobility, accelerance. Modes below t
 first two (their expansion in 1/s), modes above it the last two (their expansion in s). The three
 terms also make the three forms equivalent: s R/(s - p) = R + p R/(s - p), and again for s^2.
 
-All sums over lines that a least-squares step needs are collected once in Gram matrices, one per
-FRF, of the regressors of R, of c, and of the poles' derivatives R/(s - p)^2. What follows works
-on those alone: solving for R and c, the gain of a mode, the Gauss-Newton step on the poles with R
-and c eliminated (variable projection), and the covariance.
+All sums over lines that a least-squares step needs are collected once in Gram matrices (`gram`),
+one per FRF, of the regressors of R, of c, and of the poles' derivatives R/(s - p)^2. What follows
+works on those alone: solving for R and c, the gain of a mode, the Gauss-Newton step on the poles
+with R and c eliminated (variable projection), and the covariance.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.forms import derivative_order
+from armodal.analyzer.modal.gram import N_RESIDUAL, WeightedLines, gram, weighted_lines
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
@@ -29,18 +30,13 @@ __all__ = [
     "RIDGE",
     "ModalData",
     "Regression",
-    "gram_system",
     "misfit",
     "modal_data",
-    "put_pairs",
     "regress",
     "residual_terms",
 ]
 
-N_RESIDUAL = 3
 RIDGE = 1e-13  # relative to the scaled diagonal
-_FEW_FRFS = 16  # whose Gram matrices are quicker made one by one
-_MOST_PRODUCTS = 2**16  # of two regressors held at a time: what a processor keeps near
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +48,7 @@ class ModalData:
     values: npt.NDArray[np.complex128]  # (n_frf, n_freq)
     weight: npt.NDArray[np.float64]  # (n_frf, n_freq): 1/variance; (1, n_freq) where shared
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`; 0 of what is not measured
-    weighted: npt.NDArray[np.float64]  # (n_frf, 2 n_freq), weight times values, Re then Im
+    lines: WeightedLines  # the same, as sums over lines need it, without `row_weight`
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
 
     @property
@@ -118,7 +114,7 @@ def modal_data(
         values=flat,
         weight=weight,
         row_weight=row,
-        weighted=np.concatenate([weight * flat.real, weight * flat.imag], axis=1),
+        lines=weighted_lines(s, weight, weight * flat, residual_terms(form, s).T),
         energy=energy,
     )
 
@@ -128,72 +124,6 @@ def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[
     d = derivative_order(form)
     lowest = 1.0 / (s * s) if d == 0 else 1.0 / s if d == 1 else np.ones_like(s)
     return np.stack([lowest, lowest * s, lowest * s * s], axis=1)
-
-
-def put_pairs(
-    out: npt.NDArray[np.float64],
-    first: npt.NDArray[np.complex128],
-    second: npt.NDArray[np.complex128],
-) -> None:
-    """Regressors of Re and Im of a coefficient and its conjugate into rows (..., 2 n, 2, lines)."""
-    np.add(first.real, second.real, out=out[..., 0::2, 0, :])
-    np.add(first.imag, second.imag, out=out[..., 0::2, 1, :])
-    np.subtract(second.imag, first.imag, out=out[..., 1::2, 0, :])
-    np.subtract(first.real, second.real, out=out[..., 1::2, 1, :])
-
-
-def _gram(
-    rows: npt.NDArray[np.float64], data: ModalData
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Gram matrices (n_frf or 1, q, q) and right sides (n_frf, q), without `row_weight`."""
-    q, n_freq = rows.shape[0], data.s.size
-    flat = rows.reshape(q, 2 * n_freq)
-    if data.weight.shape[0] <= _FEW_FRFS:
-        G = np.empty((data.weight.shape[0], q, q))
-        for o, root in enumerate(np.sqrt(data.weight)):
-            own = (rows * root).reshape(q, 2 * n_freq)
-            G[o] = own @ own.T  # of a matrix and its own transpose, half the work
-    else:
-        upper = np.triu_indices(q)
-        packed = np.zeros((data.weight.shape[0], upper[0].size))
-        lines = max(_MOST_PRODUCTS // upper[0].size, 8)
-        for first in range(0, n_freq, lines):
-            part = rows[:, :, first : first + lines]
-            products = part[upper[0], 0] * part[upper[1], 0]
-            products += part[upper[0], 1] * part[upper[1], 1]
-            packed += data.weight[:, first : first + lines] @ products.T
-        G = np.empty((packed.shape[0], q, q))
-        G[:, upper[0], upper[1]] = packed
-        G[:, upper[1], upper[0]] = packed
-    return G, data.weighted @ flat.T
-
-
-def gram_system(
-    data: ModalData, poles: npt.NDArray[np.complex128], *, pole_terms: bool = True
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Sums over the lines of all products of two regressors, and of regressor and FRF.
-
-    Regressors are those of the residues (2 n_modes), of the residual terms (3), and, with
-    `pole_terms`, of the poles' derivatives 1/(s - p)^2 (2 n_modes); each divided by its RMS.
-
-    Returns
-    -------
-    G, b, size
-        (n_frf or 1, q, q) and (n_frf, q) without `row_weight`, and (q,) the RMS divided by.
-    """
-    n = 2 * poles.size
-    q = (2 * n if pole_terms else n) + N_RESIDUAL
-    direct, mirrored = 1.0 / (data.s - poles[:, None]), 1.0 / (data.s - poles.conj()[:, None])
-    rows = np.empty((q, 2, data.s.size))
-    put_pairs(rows[:n], direct, mirrored)
-    residual = residual_terms(data.form, data.s).T
-    rows[n : n + N_RESIDUAL, 0], rows[n : n + N_RESIDUAL, 1] = residual.real, residual.imag
-    if pole_terms:
-        put_pairs(rows[n + N_RESIDUAL :], direct * direct, mirrored * mirrored)
-    size = np.sqrt(np.einsum("qak,qak->q", rows, rows) / data.s.size)
-    rows /= size[:, None, None]
-    G, b = _gram(rows, data)
-    return G, b, size
 
 
 def misfit(data: ModalData, fit: Regression) -> npt.NDArray[np.complex128]:
@@ -226,7 +156,7 @@ def regress(
     Regression
     """
     n_modes, n_frf = poles.size, data.values.shape[0]
-    G, b, size = gram_system(data, poles, pole_terms=pole_terms)
+    G, b = gram(data.lines, poles, pole_terms=pole_terms)
     p = 2 * n_modes + N_RESIDUAL
 
     diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)
@@ -241,17 +171,16 @@ def regress(
     index = np.arange(2 * n_modes).reshape(n_modes, 2)
     blocks = inverse[:, index[:, :, None], index[:, None, :]]  # (n_frf or 1, n_modes, 2, 2)
     gain = row[:, None] * _over_blocks(blocks, modal)
-    physical_x = x / size[:p]
-    residues = physical_x[:, 0 : 2 * n_modes : 2] + 1j * physical_x[:, 1 : 2 * n_modes : 2]
+    residues = x[:, 0 : 2 * n_modes : 2] + 1j * x[:, 1 : 2 * n_modes : 2]
 
     information = np.zeros((n_frf, 0, 0))
     score = np.zeros((n_frf, 0))
     if pole_terms and n_modes:
-        information, score = _pole_step(G, b, inverse, x, residues, size, p, row)
+        information, score = _pole_step(G, b, inverse, x, residues, p, row)
     return Regression(
         poles=poles,
         residues=residues,
-        residuals=physical_x[:, 2 * n_modes :],
+        residuals=x[:, 2 * n_modes :],
         cost=cost,
         gain=gain,
         information=information,
@@ -276,7 +205,6 @@ def _pole_step(
     inverse: npt.NDArray[np.float64],
     x: npt.NDArray[np.float64],
     residues: npt.NDArray[np.complex128],
-    size: npt.NDArray[np.float64],
     p: int,
     row: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
@@ -289,14 +217,13 @@ def _pole_step(
     G21 = G[:, p:, :p]
     schur = G[:, p:, p:] - G21 @ inverse @ G21.transpose(0, 2, 1)
     rest = b[:, p:] - np.einsum("oij,oj->oi", np.broadcast_to(G21, (n_frf, *G21.shape[1:])), x)
-    scaled = schur * size[p:, None] * size[None, p:]
-    rest = (rest * size[p:]).reshape(n_frf, n_modes, 2)
+    rest = rest.reshape(n_frf, n_modes, 2)
     C = np.empty((n_frf, n_modes, 2, 2))
     C[..., 0, 0] = C[..., 1, 1] = residues.real
     C[..., 1, 0] = residues.imag
     C[..., 0, 1] = -residues.imag
     score = np.einsum("o,omij,omi->omj", row, C, rest).reshape(n_frf, 2 * n_modes)
-    blocks = scaled.reshape(-1, n_modes, 2, n_modes, 2)
+    blocks = schur.reshape(-1, n_modes, 2, n_modes, 2)
     blocks = np.broadcast_to(blocks, (n_frf, n_modes, 2, n_modes, 2))
     left = np.einsum("omij,omikl->omjkl", C, blocks)
     information = np.einsum("omjkl,oklh->omjkh", left, C)

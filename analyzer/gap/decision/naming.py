@@ -14,7 +14,6 @@ from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.held_out import held_out
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
-from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.search.rivals import Rivals
 
 __all__ = ["judge_round", "step_to"]
@@ -31,7 +30,6 @@ def judge_round(
     stage: Stage,
     found: Rivals,
     calibration: Calibration,
-    between: Callable[[Stage], Stage | None],
     limits: Thresholds,
     n_named: int,
     rounds: int,
@@ -45,17 +43,12 @@ def judge_round(
     ----------
     calibration
         Limits for these rivals.
-    between
-        Gives lines of three levels (`stages.at_three_levels`).
     n_named, rounds
         Effects named before, and which round this is.
     notes
         Gets a line for what was told or left out.
     """
     judged = judge(stage, found.present, found.rivals, calibration, limits)
-    for told_by_hits_between in hooks("told_by_hits_between"):
-        judged, words = told_by_hits_between(judged, stage, between, calibration.apart / judged.phi)
-        notes += words
     if judged.named is not None and is_alike(judged.named):
         notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
         return replace(judged, named=None, standing=(judged.named, found.present))

@@ -28,7 +28,6 @@ __all__ = [
     "LEAST_BY_C",
     "LEAST_BY_K",
     "Slope",
-    "any_bow",
     "any_change",
     "level_instances",
 ]
@@ -123,39 +122,3 @@ def any_change(ordinary: Ordinary) -> tuple[Instance, ...]:
         size="k",
         material=0.0,
     )
-
-
-def any_bow(joint: str, span: float) -> tuple[Instance, tuple[str, str, str]]:
-    """Any change of one joint with the level, and a bow of both laws: no effect, a look.
-
-    With L, the span, the level of the hardest hits (of the softest: -L) and q = 1 - (l / L)^2,
-
-        ln k(l) = ln k - a l + p q ,    ln c(l) = ln c + b l + r q .
-
-    Returns
-    -------
-    The instance, and the names of a, b and r.
-    """
-    by_k, by_c, bow_k, bow_c = names = tuple(
-        f"{what} {joint}" for what in ("falls k", "grows c", "bows k", "bows c")
-    )
-
-    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        level = assembly.lines.level
-        bow = 1.0 - (level / span) ** 2
-        units = {by_k: (-level, 0.0), by_c: (0.0, level), bow_k: (bow, 0.0), bow_c: (0.0, bow)}
-        change = [sum(values[name] * unit[i] for name, unit in units.items()) for i in (0, 1)]
-        assembly.multiply_spring(joint, values, *change)
-        for name, unit in units.items():
-            assembly.log_slopes[name] = (joint, *unit)
-
-    return Instance(
-        effect=EffectWords(name="bow", title="Bows with the level", changes="", signature=""),
-        place=joint,
-        parameters=tuple(
-            Parameter(name=name, unit="", mean=0.0, std=0.5, low=-2.0, high=2.0) for name in names
-        ),
-        builder=build,
-        size=by_k,
-        level_dependent=True,
-    ), (by_k, by_c, bow_c)

@@ -42,7 +42,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each elastic joint (W. D. Iwan, J. Appl. Mech. 33 (1966) 893).
 
     Damping grows with the level until all slips, is highest there, and falls beyond: where the
-    highest lies between soft and hard hits both have about the same (`slips_or_softens`).
+    highest lies between soft and hard hits both have about the same (its own law
+    tells).
     """
     return level_instances(
         ordinary,

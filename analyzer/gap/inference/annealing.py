@@ -12,11 +12,9 @@ from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.inference.fit import Stage, models_of
-from armodal.analyzer.gap.model.hit_levels import at_levels, has_hits_between, middle_level
 from armodal.analyzer.gap.model.lines import (
     Annealing,
     PostureLines,
-    lines_at_levels,
     own_lines,
     shifted_lines,
 )
@@ -29,7 +27,6 @@ from armodal.protocols.session.records import Session
 __all__ = [
     "EVERY_STAGE",
     "FEWEST_POSTURES",
-    "at_three_levels",
     "of_test",
     "stages_of",
     "with_test",
@@ -165,35 +162,6 @@ def with_tests(
     for number, other in enumerate(more, start=2):
         stages = with_test(stages, superset, other, number, level_about=level_about, only=only)
     return stages
-
-
-def at_three_levels(superset: Superset, sessions: Sequence[Session], sharp: Stage) -> Stage | None:
-    """The sharp lines of soft hits, those between and hard ones, of a session that has all three.
-
-    Their levels are counted from its own middle. None where no session has hits between.
-
-    Parameters
-    ----------
-    sessions
-        The first and its further tests: the first that has hits between counts, since softer and
-        harder hits of others are levels of their own.
-    sharp
-        Lines of all their postures.
-    """
-    chosen = next((n for n, s in enumerate(sessions, start=1) if has_hits_between(s)), 0)
-    if not chosen:
-        return None
-    session = sessions[chosen - 1]
-    sigma_hz, _, step_hz = _STAGES[-1]
-    stage = Annealing(sigma_rad_s=2.0 * np.pi * sigma_hz, step_hz=step_hz, band_hz=_band_of(sharp))
-    groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
-    own = lines_at_levels(superset, session, stage, groups, middle_level(session))
-    solved = {lines.name: model for lines, model in zip(sharp.lines, sharp.models, strict=True)}
-    lines = [
-        replace(one, name=one.name if chosen == 1 else of_test(one.name, chosen))
-        for one in _in_state(own, session)
-    ]
-    return Stage(superset, lines, Discrepancy(), models=[solved[one.name] for one in lines])
 
 
 def of_test(posture: str, number: int) -> str:

@@ -29,7 +29,6 @@ from armodal.protocols.session.records import Hit, Session
 __all__ = [
     "Annealing",
     "PostureLines",
-    "lines_at_levels",
     "own_lines",
     "scatter",
     "shifted_lines",
@@ -142,10 +141,10 @@ def own_lines(
     if level_about is None:
         all_hits = _lines_of(superset, session, hits, stage, level=0.0)
         return _widened(superset, all_hits, hits) if has_levels(session) else all_hits
-    return lines_at_levels(superset, session, stage, soft_and_hard(hits), level_about)
+    return _lines_at_levels(superset, session, stage, soft_and_hard(hits), level_about)
 
 
-def lines_at_levels(
+def _lines_at_levels(
     superset: Superset,
     session: Session,
     stage: Annealing,

@@ -9,7 +9,6 @@ import numpy as np
 
 from armodal.analyzer.gap.decision.without_levels import hits_at_levels, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.next_test.possible_tests import Test
 from armodal.analyzer.gap.next_test.proposal import hidden_rival, proposed
 from armodal.analyzer.gap.records import NextTest
@@ -63,9 +62,7 @@ def advise(
     -------
     No test where none of the laboratory's would tell enough, or no plan can be written of it.
     """
-    if any(is_alike(fit) for fit in standing) or any(
-        asks(standing) for asks in hooks("asks_for_levels")
-    ):
+    if any(is_alike(fit) for fit in standing) or _asks_for_hits_between(standing):
         return at_levels(stage, final, standing, plan)
     rng = np.random.default_rng(_SEED)
     weak = _weak(final, rivals)
@@ -98,6 +95,14 @@ def advise(
         return _unwritten(problem)
     test_of_plan = NextTest(words=words, why=why, gain=gain, plan_toml=text)
     return Advice(test=test_of_plan, compared=tuple(compared))
+
+
+def _asks_for_hits_between(standing: Sequence[Fit]) -> bool:
+    """Whether laws of one joint's change with the level stand, and two levels were hit."""
+    last = [fit.last for fit in standing if fit.hypothesis.instances]
+    of_one_joint = len({one.place for one in last}) == 1
+    one_or_two = of_one_joint and all(one.level_dependent for one in last)
+    return one_or_two and len(last) > 1 and not standing[0].hypothesis.ordinary.hits_between
 
 
 def plan_text(test: Test, plan: Plan, arm: Arm, *, comment: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.effects import gravity_compensator
+from armodal.analyzer.gap.effects import gravity_compensator, microslip, softening
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.next_test import advice
@@ -46,7 +46,10 @@ def fit_of(ordinary, *instances):
     """What advice reads of a fit."""
     title = instances[-1].title if instances else "nothing missing"
     return SimpleNamespace(
-        hypothesis=Hypothesis(ordinary=ordinary, instances=instances), title=title, evidence=0.0
+        hypothesis=Hypothesis(ordinary=ordinary, instances=instances),
+        title=title,
+        evidence=0.0,
+        last=instances[-1] if instances else None,
     )
 
 
@@ -87,6 +90,21 @@ def test_an_arm_by_another_name_has_its_next_test(arm, plan, monkeypatch):
     for standing in (alike, [fit_of(ordinary), fit_of(ordinary)]):
         found = advised(plan, standing)
         assert plan_from_text(found.test.plan_toml, other).arm == "as believed"
+
+
+def test_two_laws_of_one_joint_ask_for_hits_between_soft_and_hard(plan, ordinary, monkeypatch):
+    """By two levels a seat that slips may lose as little as a spring that softens."""
+    own = Test(joints_rad=plan.postures[0].joints_rad, hit_direction=np.eye(3)[2])
+    proposing(monkeypatch, own)
+    two, three = (replace(ordinary, level_span=1.0, hits_between=b) for b in (False, True))
+
+    def test_for(of, *places):
+        laws = [softening.instances(of)[places[0]], microslip.instances(of)[places[1]]]
+        return advised(plan, [fit_of(of, law) for law in laws]).test
+
+    assert "hits of about 10, 30, 75 N" in test_for(two, 0, 0).words
+    for other in (test_for(three, 0, 0), test_for(two, 0, 1)):
+        assert other.words.startswith(own.words)
 
 
 def test_a_test_alone_as_a_plan_is_refused_where_the_arm_cannot_do_it(arm, plan):

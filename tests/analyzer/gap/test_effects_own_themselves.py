@@ -23,7 +23,6 @@ OWN = {
     if any(
         hasattr(module, hook) for hook in ("instances", "linear_candidates", "channel_candidates")
     )
-    or name == "slips_or_softens"
 }
 NAMES = {
     words.name
@@ -37,7 +36,7 @@ SOURCES = sorted(p for p in FOLDER.rglob("*.py") if p.parent.name != "effects")
 
 
 def test_effects_are_seen():
-    assert {"coupling", "link_axis", "slips_or_softens"} <= OWN
+    assert {"coupling", "link_axis", "microslip"} <= OWN
     assert {"coupling", "link_axis", "flipped_axis"} <= NAMES
     assert len(SOURCES) > 30
 

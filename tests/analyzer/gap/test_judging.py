@@ -102,13 +102,10 @@ def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_r
     stage = SimpleNamespace(weighings=[SimpleNamespace(n=40000)])
     found = Rivals(present=present, rivals=(better,))
 
-    def between(_sharp):
-        pytest.fail("neither softens nor slips")
-
-    assert judge_round(stage, found, LIMITS, between, limits, 2, 3, notes).named is better
+    assert judge_round(stage, found, LIMITS, limits, 2, 3, notes).named is better
     assert notes == []
     for n_named, rounds in ((3, 4), (2, 6)):
-        last = judge_round(stage, found, LIMITS, between, limits, n_named, rounds, notes)
+        last = judge_round(stage, found, LIMITS, limits, n_named, rounds, notes)
         assert (last.named, last.standing) == (None, ())
         assert notes.pop() == f"{bearing.WORDS.title} (j0) is clear too, but the search stops here"
 
