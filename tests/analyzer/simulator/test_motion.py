@@ -117,7 +117,7 @@ def test_noise_of_angles_is_told_as_what_their_second_derivative_reads(arm):
     turning = np.fft.irfft(
         inside * (2.0 * np.pi * f) ** 2 * np.fft.rfft(angles[:, 0] - Q[0]), len(angles)
     )
-    moved = (point_place(arm, POINT, Q + [1e-6, *[0.0] * 5]) - point_place(arm, POINT, Q)) / 1e-6
+    moved = (point_place(arm, POINT, Q + 1e-6 * np.eye(6)[0]) - point_place(arm, POINT, Q)) / 1e-6
     # The floor is a median of some 20 segments' bins, each a chi-square of two degrees.
     assert told == pytest.approx(np.std(turning) * np.linalg.norm(moved), rel=0.1)
 
