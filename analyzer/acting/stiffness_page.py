@@ -84,7 +84,11 @@ def angle_figure(arm: Arm, found: FreeAngle) -> Any:
         together = np.rad2deg(found.together_angle_rad)
         figure.add_scatter(x=at, y=together, name="together", mode="lines+markers", line=line)
         figure.add_scatter(
-            x=at, y=best, name="each alone", mode="markers", marker={"color": "white", "size": 5}
+            x=at,
+            y=best,
+            name="each alone",
+            mode="markers",
+            marker={"color": "white", "size": 6, "line": {"color": "black", "width": 1}},
         )
         figure.add_scatter(x=at, y=0.0 * at, name="given", line={"color": "red", "dash": "dot"})
         figure.update_layout(legend={"orientation": "h", "x": 0.7, "y": 1.12})
