@@ -105,6 +105,12 @@ def about_modes(
         both = np.concatenate([fit.residues[:, others], fit.residues[:, others].conj()], axis=1)
         p = np.concatenate([fit.poles[others], fit.poles[others].conj()])
         values = values - both @ (1.0 / (s - p[:, None]))
+    if data.background.size:
+        values = (
+            values
+            - fit.residuals[:, -2 * data.background.size :]
+            @ (data.terms[-2 * data.background.size :, lines])
+        )
     variance = data.variance_on(lines)
     every = int(np.min(half) / step) // ENOUGH_LINES if independent else 1
     if every > 1:

@@ -46,18 +46,20 @@ def mountings(dofs: tuple[Dof, ...]) -> tuple[npt.NDArray[np.int64], tuple[str, 
     return np.array(number, dtype=np.int64), tuple(names)
 
 
-def _synthesis(frf: FrequencyResponse, s: _Complex, fit: RankOneFit) -> _Complex:
+def _synthesis(
+    frf: FrequencyResponse, s: _Complex, fit: RankOneFit, background: _Complex
+) -> _Complex:
     """The fitted model on its own lines: (n_resp, n_ref, n_freq)."""
     residues = fit.shape[:, None, :] * fit.participation
     both = np.concatenate([residues, residues.conj()], axis=-1)
     poles = np.concatenate([fit.poles, fit.poles.conj()])
     total: _Complex = both @ (1.0 / (s - poles[:, None]))
-    total += fit.residuals @ residual_terms(frf.form, s).T
+    total += fit.residuals @ residual_terms(frf.form, s, background).T
     return total
 
 
 def _residuals(frf: FrequencyResponse, fit: RankOneFit) -> npt.NDArray[np.float64]:
-    """Residual terms (n_long, n_short, 3); of an FRF not measured those of its modes alone.
+    """Residual terms (n_long, n_short, n_terms); of an FRF not measured those of its modes alone.
 
     s^d R / (s - p) = p^d R / (s - p) + R sum over k < d of s^k p^(d-1-k), which the residual terms
     of an FRF that was measured hold already.
@@ -228,7 +230,7 @@ def assemble_model(
     """
     values, variance, freq = problem.values, problem.variance, problem.freq_hz
     n_freq, line_share = freq.size, problem.line_share
-    synthesis = _synthesis(frf, laplace_lines(freq, frf.decay_rad_s), fit)
+    synthesis = _synthesis(frf, laplace_lines(freq, frf.decay_rad_s), fit, problem.background)
     misfit: _Complex = (values - synthesis) * fit.measured[..., None]
     clusters, names = mountings(frf.references if transposed else frf.responses)
     long_by_short = np.broadcast_to(clusters[:, None], values.shape[:2])
@@ -269,6 +271,7 @@ def assemble_model(
         form=frf.form,
         band_hz=lines.band_hz,
         modes=modes,
+        background_rad_s=frozen_array(problem.background, np.complex128),
         residual_terms=sided(_residuals(frf, fit)),
         covariance=frozen_array(precision.covariance, np.float64),
         robust_covariance=precision.robust,

@@ -32,7 +32,6 @@ from armodal.analyzer.modal.about_modes import AboutModes, about_modes, linked_r
 from armodal.analyzer.modal.own_poles import LINKED, own_fits, own_fits_again
 from armodal.analyzer.modal.random_effects import Quantity, random_effects
 from armodal.analyzer.modal.regression import (
-    N_RESIDUAL,
     ModalData,
     Regression,
     modal_data,
@@ -114,7 +113,7 @@ def _modes_of(local: AboutModes, fits: list[Regression], line_share: float) -> l
         if np.any((poles.imag < low) | (poles.imag > high)):
             continue
         n_frf = fit.n_measured
-        free = n_frf * (2 * local.data.s.size - 2 * n - N_RESIDUAL) - 2 * n
+        free = n_frf * (2 * local.data.s.size - 2 * n - local.data.n_terms) - 2 * n
         noise = float(fit.cost.sum()) / max(free, 1)
         theta = white_covariance(fit.information.sum(axis=0), noise, line_share)
         J = frequency_damping_jacobian(fit.poles)
@@ -144,7 +143,7 @@ def _chances(fit: Regression, group: _Int, n_freq: int, line_share: float) -> _R
     n_frf, cost = member @ fit.measured, member @ fit.cost
     kappa = (
         np.maximum(cost, np.finfo(float).tiny)
-        / np.maximum(n_frf * (2 * n_freq - 2 * n - N_RESIDUAL) - 2 * n, 1)
+        / np.maximum(n_frf * (2 * n_freq - 2 * n - fit.residuals.shape[1]) - 2 * n, 1)
         / line_share
     )
     chance = np.ones(n)
@@ -237,8 +236,8 @@ def settle_drift(
 
 
 def _with(data: ModalData, values: _Complex) -> ModalData:
-    """The same lines and weights with other values."""
-    return modal_data(data.form, data.s, values, data.variance)
+    """The same lines, weights and background with other values."""
+    return modal_data(data.form, data.s, values, data.variance, data.background)
 
 
 def _looked_at(

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.assemble import assemble_model, mountings
+from armodal.analyzer.modal.background import with_background_found
 from armodal.analyzer.modal.drift import ModeDrift, settle_drift
 from armodal.analyzer.modal.lines import FittedLines, fitted_lines, misfit_variance
 from armodal.analyzer.modal.modes import ModalModel
@@ -78,6 +79,10 @@ def fit_modes(
         tell("poles over model orders")
         table = stabilisation(problem, max_order)
         poles, share = search_poles(problem, table, max_order, tell=tell)
+        poles, background = with_background_found(
+            problem.data(), poles, problem.band_hz, line_share=problem.line_share
+        )
+        problem = replace(problem, background=background)
         tell(f"whether {poles.size} modes move, and where they are")
         problem, data = _reweighted(problem, poles, told=lines.told)
         return _fitted(frf, lines, problem, data, table, poles, share, transposed=transposed)
@@ -123,7 +128,11 @@ def fit_modes_at(
     problem, transposed = _problem(frf, lines)
     try:
         # A pole picked is some order's, not yet where the FRFs have it.
-        poles = refine_poles(problem.data(), poles).poles
+        data = problem.data()
+        poles, background = with_background_found(
+            data, refine_poles(data, poles).poles, problem.band_hz, line_share=problem.line_share
+        )
+        problem = replace(problem, background=background)
         problem, data = _reweighted(problem, poles, told=lines.told, put_together=False)
         return _fitted(
             frf,

@@ -23,12 +23,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["N_RESIDUAL", "WeightedLines", "gram", "weighted_lines"]
+__all__ = ["WeightedLines", "gram", "weighted_lines"]
 
 _Real = npt.NDArray[np.float64]
 _Complex = npt.NDArray[np.complex128]
 
-N_RESIDUAL = 3
 _NARROW = 0.05  # lines from the lines to the pole; its third power is lost of sixteen digits
 
 
@@ -38,9 +37,9 @@ class WeightedLines:
 
     s: _Complex  # (n_lines,) of one decay
     weight: _Real  # (..., n_weights, n_lines)
-    factors: _Complex  # (..., n_weights + n_frf + 3 n_weights, n_lines): w; w H*; w c* by weight
-    residual_gram: _Real  # (..., n_weights, 3, 3) of the residual terms c
-    residual_frf: _Real  # (..., n_frf, 3)
+    factors: _Complex  # (..., n_factors, n_lines): w; w H*; w c* of every weight and term
+    residual_gram: _Real  # (..., n_weights, n_terms, n_terms) of the residual terms c
+    residual_frf: _Real  # (..., n_frf, n_terms)
 
     def of(self, which: npt.NDArray[np.int64]) -> WeightedLines:
         """Some of the problems, one more than once if asked for."""
@@ -67,9 +66,9 @@ def weighted_lines(
     weighted
         (..., n_frf, n_lines) FRFs times their weight.
     residual
-        (3, n_lines) residual terms.
+        (n_terms, n_lines) residual terms, of real coefficients.
     """
-    held = weight[..., :, None, :] * residual.conj()  # (..., n_weights, 3, n_lines)
+    held = weight[..., :, None, :] * residual.conj()  # (..., n_weights, n_terms, n_lines)
     flat = held.reshape(*weight.shape[:-2], -1, s.size)
     return WeightedLines(
         s=s,
@@ -83,7 +82,7 @@ def weighted_lines(
 def gram(lines: WeightedLines, poles: _Complex, *, pole_terms: bool = True) -> tuple[_Real, _Real]:
     """Sums over the lines of all products of two regressors, and of regressor and FRF.
 
-    Regressors are those of the residues (2 n_modes), of the residual terms (3) and, with
+    Regressors are those of the residues (2 n_modes), of the residual terms (n_terms) and, with
     `pole_terms`, of the poles' derivatives 1/(s - p)^2 (2 n_modes).
 
     Parameters
@@ -100,7 +99,7 @@ def gram(lines: WeightedLines, poles: _Complex, *, pole_terms: bool = True) -> t
     """
     n, kinds = poles.shape[-1], 2 if pole_terms else 1
     n_weights = lines.weight.shape[-2]
-    n_frf = lines.residual_frf.shape[-2]
+    n_frf, n_terms = lines.residual_frf.shape[-2:]
     z = np.concatenate([poles, poles.conj()], axis=-1)
     d = 1.0 / (lines.s - z[..., None])  # (..., 2 n, n_lines)
     if pole_terms:
@@ -112,13 +111,13 @@ def gram(lines: WeightedLines, poles: _Complex, *, pole_terms: bool = True) -> t
     if narrow.size:
         K = _multiplied_out(K, lines.weight, d, narrow, n, kinds)
     lead = K.shape[:-2]
-    q = 2 * n * kinds + N_RESIDUAL
-    own = np.concatenate([np.arange(2 * n), np.arange(2 * n + N_RESIDUAL, q)])
-    inner = np.arange(2 * n, 2 * n + N_RESIDUAL)
+    q = 2 * n * kinds + n_terms
+    own = np.concatenate([np.arange(2 * n), np.arange(2 * n + n_terms, q)])
+    inner = np.arange(2 * n, 2 * n + n_terms)
     G = np.empty((*lead, q, q))
     G[..., own[:, None], own] = _both_pairs(K, n, kinds)
     G[..., inner[:, None], inner] = lines.residual_gram
-    across = _pairs(X.reshape(*lead, N_RESIDUAL, 2 * n * kinds), n, kinds)
+    across = _pairs(X.reshape(*lead, n_terms, 2 * n * kinds), n, kinds)
     G[..., inner[:, None], own] = across
     G[..., own[:, None], inner] = np.swapaxes(across, -1, -2)
     b = np.empty((*Y.shape[:-1], q))

@@ -58,14 +58,16 @@ class ModalModel:
 
     `residual_terms` are the real coefficients c of c_0 s^(d-2) + c_1 s^(d-1) + c_2 s^d, with
     d = 0, 1, 2 for receptance, mobility, accelerance: modes below the band, their damping and
-    the damping of those above, modes above the band.
+    the damping of those above, modes above the band. Behind them stand those of Re and Im of the
+    residue of each background pole, which is no mode.
     """
 
     posture: str
     form: FrfForm
     band_hz: tuple[float, float]
     modes: tuple[Mode, ...]
-    residual_terms: npt.NDArray[np.float64]  # (n_resp, n_ref, 3)
+    background_rad_s: npt.NDArray[np.complex128]  # (n_background,)
+    residual_terms: npt.NDArray[np.float64]  # (n_resp, n_ref, 3 + 2 n_background)
     covariance: npt.NDArray[np.float64]  # (2 n, 2 n) of (f_1, zeta_1, f_2, ...), Hz and 1
     robust_covariance: bool  # from the scatter between points; False: from line variances
     synthesis_error: float  # RMS misfit over RMS of all FRFs in the band
@@ -108,7 +110,7 @@ def synthesise(
         Real part of the lines; 0 for the FRF itself.
     """
     s = laplace_lines(freq_hz, decay_rad_s)
-    total = model.residual_terms @ residual_terms(model.form, s).T
+    total = model.residual_terms @ residual_terms(model.form, s, model.background_rad_s).T
     if model.modes:
         # Fitted as (p^d R)/(s - p); the polynomial rest of s^d R/(s - p) is in the residual terms.
         poles = np.array([mode.pole_rad_s for mode in model.modes])

@@ -16,7 +16,7 @@ from armodal.analyzer.modal.about_modes import AboutModes
 from armodal.analyzer.modal.correlation import mpc
 from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.refine_each import refine_each
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, misfit, regress
+from armodal.analyzer.modal.regression import ModalData, Regression, misfit, regress
 
 __all__ = ["LINKED", "own_fits", "own_fits_again"]
 
@@ -182,8 +182,9 @@ def _aic(local: AboutModes, fits: list[Regression], common: Regression, line_sha
     """
     n_frf, lines = common.n_measured, local.data.s.size
     n_groups, n, more = len(fits), fits[0].poles.size, common.poles.size
-    size_own = 2 * n * n_groups + n_frf * (2 * n + N_RESIDUAL)
-    size_common = 2 * more + n_frf * (2 * more + N_RESIDUAL)
+    n_terms = local.data.n_terms
+    size_own = 2 * n * n_groups + n_frf * (2 * n + n_terms)
+    size_common = 2 * more + n_frf * (2 * more + n_terms)
     cost_own = sum(float(fit.cost.sum()) for fit in fits)
     cost_common = float(common.cost.sum())
     real = 2 * n_frf * lines

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.modal.gram import gram
 from armodal.analyzer.modal.refine import admissible
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData
+from armodal.analyzer.modal.regression import ModalData
 
 __all__ = ["RankOneFit", "refine_rank_one"]
 
@@ -45,7 +45,7 @@ class RankOneFit:
     shape: _Complex  # (n_resp, n_modes)
     participation: _Complex  # (n_ref, n_modes)
     held: npt.NDArray[np.intp]  # (n_modes,) reference whose participation is held
-    residuals: _Real  # (n_resp, n_ref, 3), 0 of what was not measured
+    residuals: _Real  # (n_resp, n_ref, n_terms), 0 of what was not measured
     cost: _Real  # (n_resp, n_ref) weighted sum of squares left
     measured: npt.NDArray[np.bool_]  # (n_resp, n_ref)
     information: _Real  # (n_resp, n_theta, n_theta)
@@ -57,7 +57,9 @@ class RankOneFit:
     def n_free(self) -> int:
         """Real parameters fitted."""
         n_resp, n_modes = self.shape.shape
-        return int(N_RESIDUAL * self.n_measured + self.score.shape[1] + 2 * n_resp * n_modes)
+        return int(
+            self.residuals.shape[-1] * self.n_measured + self.score.shape[1] + 2 * n_resp * n_modes
+        )
 
     @property
     def n_measured(self) -> int:
@@ -73,22 +75,22 @@ class _System:
     row: _Real  # (n_resp, n_ref), multiplies G
     b: _Real  # (n_resp, n_ref, 4 n), row weight in it
     energy: _Real  # (n_resp, n_ref) left when all residues are zero
-    residual_of_b: _Real  # (n_resp, n_ref, 3)
-    residual_of_residue: _Real  # (n_resp or 1, n_ref or 1, 3, 2 n)
+    residual_of_b: _Real  # (n_resp, n_ref, n_terms)
+    residual_of_residue: _Real  # (n_resp or 1, n_ref or 1, n_terms, 2 n)
 
 
 def _system(data: ModalData, poles: _Complex, shape: tuple[int, int]) -> _System:
     """Eliminate the residual terms of every FRF, in units of the regressors themselves."""
     G, b = gram(data.lines, poles)
-    n = 2 * poles.size
-    keep = np.r_[0:n, n + N_RESIDUAL : 2 * n + N_RESIDUAL]
-    inner = np.arange(n, n + N_RESIDUAL)
+    n, n_terms = 2 * poles.size, data.n_terms
+    keep = np.r_[0:n, n + n_terms : 2 * n + n_terms]
+    inner = np.arange(n, n + n_terms)
     Gcc = G[:, inner[:, None], inner]
     scale = 1.0 / np.sqrt(np.maximum(np.einsum("oii->oi", Gcc), np.finfo(float).tiny))
-    Gcc = Gcc * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(N_RESIDUAL)
+    Gcc = Gcc * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(n_terms)
     inverse = np.linalg.inv(Gcc) * scale[:, :, None] * scale[:, None, :]
     GcK = G[:, inner[:, None], keep]
-    lifted = inverse @ GcK  # (n_frf or 1, 3, 4 n)
+    lifted = inverse @ GcK  # (n_frf or 1, n_terms, 4 n)
     reduced = G[:, keep[:, None], keep] - GcK.transpose(0, 2, 1) @ lifted
     bc = b[:, inner]
     c = np.einsum("oij,oj->oi", np.broadcast_to(inverse, (bc.shape[0], *inverse.shape[1:])), bc)
@@ -102,8 +104,8 @@ def _system(data: ModalData, poles: _Complex, shape: tuple[int, int]) -> _System
         row=row.reshape(shape),
         b=(row[:, None] * bK).reshape(*shape, 2 * n),
         energy=(data.energy - row * np.einsum("oi,oi->o", bc, c)).reshape(shape),
-        residual_of_b=c.reshape(*shape, N_RESIDUAL),
-        residual_of_residue=lifted[:, :, :n].reshape(*outer, N_RESIDUAL, n),
+        residual_of_b=c.reshape(*shape, n_terms),
+        residual_of_residue=lifted[:, :, :n].reshape(*outer, n_terms, n),
     )
 
 

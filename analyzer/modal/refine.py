@@ -85,8 +85,7 @@ def refine_poles(
         if reached <= total * (1.0 + 1e-12):
             before, current, total = total, trial, reached
             damping = max(damping / 10.0, 1e-9)
-            gained = (before - total) / max(total, np.finfo(float).tiny)
-            done = share < TOLERANCE or gained * data.values.size < _LEAST_GAIN
+            done = share < TOLERANCE or (before - total) * data.values.size <= _LEAST_GAIN * total
             if done or (enough is not None and enough(before, total)):
                 break
         else:

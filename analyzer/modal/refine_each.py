@@ -14,10 +14,8 @@ import numpy.typing as npt
 from armodal.analyzer.modal.gram import WeightedLines, gram, weighted_lines
 from armodal.analyzer.modal.refine import MOST_STEPS, TOLERANCE, admissible_each
 from armodal.analyzer.modal.regression import (
-    N_RESIDUAL,
     RIDGE,
     ModalData,
-    residual_terms,
 )
 
 __all__ = ["refine_each"]
@@ -100,7 +98,7 @@ def _by_group(data: ModalData, group: _Int, n_groups: int) -> _Groups:
     weight = np.where(filled, data.row_weight[at], 0.0)[..., None] * weight
     values = data.values[at]
     return _Groups(
-        lines=weighted_lines(data.s, weight, weight * values, residual_terms(data.form, data.s).T),
+        lines=weighted_lines(data.s, weight, weight * values, data.terms),
         energy=np.sum(weight * np.abs(values) ** 2, axis=-1),
         filled=filled,
     )
@@ -144,7 +142,7 @@ def _moved(fits: _Fits, which: _Int, damping: _Real) -> tuple[_Complex, _Complex
 def _fits(groups: _Groups, poles: _Complex) -> _Fits:
     """Least squares of every group for given poles; formulas and scaling of `regression`."""
     n = poles.shape[1]
-    p = 2 * n + N_RESIDUAL
+    p = 2 * n + groups.lines.residual_gram.shape[-1]
     G, b = gram(groups.lines, poles)
     G[~groups.filled] = np.eye(G.shape[-1])
     scale = 1.0 / np.sqrt(np.maximum(np.einsum("gfii->gfi", G[..., :p, :p]), np.finfo(float).tiny))

@@ -7,6 +7,8 @@ Per FRF, on the lines s_k,
 with real c and d = 0, 1, 2 for receptance, mobility, accelerance. Modes below the band give the
 first two (their expansion in 1/s), modes above it the last two (their expansion in s). The three
 terms also make the three forms equivalent: s R/(s - p) = R + p R/(s - p), and again for s^2.
+Where that is not enough, at the edge of a band that cuts a resonance or under broad rises, further
+poles belong to the background: their residues are residual terms too.
 
 All sums over lines that a least-squares step needs are collected once in Gram matrices (`gram`),
 one per FRF, of the regressors of R, of c, and of the poles' derivatives R/(s - p)^2. What follows
@@ -22,11 +24,11 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.forms import derivative_order
-from armodal.analyzer.modal.gram import N_RESIDUAL, WeightedLines, gram, weighted_lines
+from armodal.analyzer.modal.gram import WeightedLines, gram, weighted_lines
 from armodal.protocols.frf_records import FrfForm
 
 __all__ = [
-    "N_RESIDUAL",
+    "NO_POLES",
     "RIDGE",
     "ModalData",
     "Regression",
@@ -34,8 +36,10 @@ __all__ = [
     "modal_data",
     "regress",
     "residual_terms",
+    "with_background",
 ]
 
+NO_POLES: npt.NDArray[np.complex128] = np.empty(0, dtype=np.complex128)
 RIDGE = 1e-13  # relative to the scaled diagonal
 
 
@@ -50,6 +54,13 @@ class ModalData:
     row_weight: npt.NDArray[np.float64]  # (n_frf,): multiplies `weight`; 0 of what is not measured
     lines: WeightedLines  # the same, as sums over lines need it, without `row_weight`
     energy: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares of each FRF
+    background: npt.NDArray[np.complex128]  # (n_background,) poles that are no modes
+    terms: npt.NDArray[np.complex128]  # (n_terms, n_freq) residual terms, those of these poles too
+
+    @property
+    def n_terms(self) -> int:
+        """Real residual terms of an FRF."""
+        return int(self.terms.shape[0])
 
     @property
     def variance(self) -> npt.NDArray[np.float64]:
@@ -68,13 +79,13 @@ class ModalData:
 class Regression:
     """Least-squares solution for given poles.
 
-    Linear parameters of an FRF are Re R_1, Im R_1, Re R_2, ..., then c_0, c_1, c_2; pole
-    parameters are Re p_1, Im p_1, Re p_2, ...
+    Linear parameters of an FRF are Re R_1, Im R_1, Re R_2, ..., then c_0, c_1, c_2 and those of
+    the background; pole parameters are Re p_1, Im p_1, Re p_2, ...
     """
 
     poles: npt.NDArray[np.complex128]  # (n_modes,)
     residues: npt.NDArray[np.complex128]  # (n_frf, n_modes)
-    residuals: npt.NDArray[np.float64]  # (n_frf, 3)
+    residuals: npt.NDArray[np.float64]  # (n_frf, n_terms)
     cost: npt.NDArray[np.float64]  # (n_frf,) weighted sum of squares left
     gain: npt.NDArray[np.float64]  # (n_frf, n_modes) rise of cost without the mode
     information: npt.NDArray[np.float64]  # (n_frf, 2 n_modes, 2 n_modes), poles, projected
@@ -92,6 +103,7 @@ def modal_data(
     s: npt.NDArray[np.complex128],
     values: npt.NDArray[np.complex128],
     variance: npt.NDArray[np.float64],
+    background: npt.NDArray[np.complex128] = NO_POLES,
 ) -> ModalData:
     """FRFs of any leading shape, flattened to rows, weighted by one over their variance.
 
@@ -107,6 +119,7 @@ def modal_data(
     row = np.where(measured, row, 0.0)
     if np.allclose(weight, weight[:1], rtol=1e-9, atol=0.0):
         weight = np.ascontiguousarray(weight[:1])
+    terms = residual_terms(form, s, background).T
     energy = row * np.sum(weight * np.abs(flat) ** 2, axis=1)
     return ModalData(
         form=form,
@@ -114,23 +127,40 @@ def modal_data(
         values=flat,
         weight=weight,
         row_weight=row,
-        lines=weighted_lines(s, weight, weight * flat, residual_terms(form, s).T),
+        lines=weighted_lines(s, weight, weight * flat, terms),
         energy=energy,
+        background=background,
+        terms=terms,
     )
 
 
-def residual_terms(form: FrfForm, s: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
-    """Residual regressors s^(d-2), s^(d-1), s^d on the lines: (n_freq, 3), unscaled."""
+def with_background(data: ModalData, background: npt.NDArray[np.complex128]) -> ModalData:
+    """The same FRFs and weights with other background poles."""
+    return modal_data(data.form, data.s, data.values, data.variance, background)
+
+
+def residual_terms(
+    form: FrfForm,
+    s: npt.NDArray[np.complex128],
+    background: npt.NDArray[np.complex128] = NO_POLES,
+) -> npt.NDArray[np.complex128]:
+    """Residual regressors on the lines: (n_freq, 3 + 2 n_background), unscaled.
+
+    s^(d-2), s^(d-1), s^d, then of each background pole those of Re and Im of its residue.
+    """
     d = derivative_order(form)
     lowest = 1.0 / (s * s) if d == 0 else 1.0 / s if d == 1 else np.ones_like(s)
-    return np.stack([lowest, lowest * s, lowest * s * s], axis=1)
+    direct, mirrored = (1.0 / (s[:, None] - p) for p in (background, background.conj()))
+    pairs = np.stack([direct + mirrored, 1j * (direct - mirrored)], axis=-1)
+    powers = np.stack([lowest, lowest * s, lowest * s * s], axis=1)
+    return np.concatenate([powers, pairs.reshape(s.size, -1)], axis=1)
 
 
 def misfit(data: ModalData, fit: Regression) -> npt.NDArray[np.complex128]:
     """FRFs minus the model: (n_frf, n_freq)."""
     both = np.concatenate([fit.residues, fit.residues.conj()], axis=1)
     poles = np.concatenate([fit.poles, fit.poles.conj()])
-    left = data.values - fit.residuals @ residual_terms(data.form, data.s).T
+    left = data.values - fit.residuals @ data.terms
     if fit.poles.size:
         left -= both @ (1.0 / (data.s - poles[:, None]))
     result: npt.NDArray[np.complex128] = left
@@ -157,7 +187,7 @@ def regress(
     """
     n_modes, n_frf = poles.size, data.values.shape[0]
     G, b = gram(data.lines, poles, pole_terms=pole_terms)
-    p = 2 * n_modes + N_RESIDUAL
+    p = 2 * n_modes + data.n_terms
 
     diagonal = np.maximum(np.einsum("oii->oi", G[:, :p, :p]), np.finfo(float).tiny)
     scale = 1.0 / np.sqrt(diagonal)

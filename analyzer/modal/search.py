@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from armodal.analyzer.modal.complete_parts import Part, complete_parts
 from armodal.analyzer.modal.drift import settle_drift
 from armodal.analyzer.modal.peaks import peak_poles, standing_peaks, unexplained
 from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
-from armodal.analyzer.modal.regression import ModalData, modal_data
+from armodal.analyzer.modal.regression import NO_POLES, ModalData, modal_data
 from armodal.analyzer.modal.second_look import left_over_poles, split_poles
 from armodal.analyzer.modal.selection import (
     Selection,
@@ -46,6 +46,7 @@ class Problem:
     variance: _Real  # alike; infinite where an FRF was not measured
     line_share: float  # independent lines per line
     group: npt.NDArray[np.int64]  # (n_long,) what was measured at once
+    background: _Complex = field(default_factory=lambda: NO_POLES)  # poles that are no modes
 
     @property
     def band_hz(self) -> tuple[float, float]:
@@ -65,7 +66,7 @@ class Problem:
     def data(self) -> ModalData:
         """Regression data, one row an FRF."""
         s = laplace_lines(self.freq_hz, self.decay_rad_s)
-        return modal_data(self.form, s, self.values, self.variance)
+        return modal_data(self.form, s, self.values, self.variance, self.background)
 
     def part(self, span: Span) -> Problem:
         """Lines of a span."""

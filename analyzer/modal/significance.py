@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.modal.peaks import SURROUNDINGS
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, misfit
+from armodal.analyzer.modal.regression import ModalData, Regression, misfit
 
 __all__ = ["LEAST_SIGNIFICANCE", "lack_of_fit", "noise_about", "significance", "worth"]
 
@@ -21,7 +21,7 @@ LEAST_SIGNIFICANCE = 5.0  # of a gain over what noise gives: beyond doubt
 def lack_of_fit(fit: Regression, n_freq: int) -> float:
     """Weighted misfit per real degree of freedom; a half for noise of the stated variance."""
     n_frf, n_modes = fit.n_measured, fit.poles.size
-    free = max(n_frf * (2 * n_freq - 2 * n_modes - N_RESIDUAL) - 2 * n_modes, 1)
+    free = max(n_frf * (2 * n_freq - 2 * n_modes - fit.residuals.shape[1]) - 2 * n_modes, 1)
     return float(np.sum(fit.cost) / free)
 
 
@@ -33,13 +33,14 @@ def noise_about(data: ModalData, fit: Regression) -> npt.NDArray[np.float64]:
     """
     power = np.sum(data.row_weight[:, None] * data.weight * np.abs(misfit(data, fit)) ** 2, axis=0)
     mean = float(np.mean(power))
+    # Of FRFs without noise rounding is left, or by chance nothing.
+    least = np.finfo(float).eps ** 2 * float(data.energy.sum()) / (2 * data.values.size)
     if mean <= 0.0:
-        return np.full(fit.poles.size, np.finfo(float).tiny)
+        return np.full(fit.poles.size, least)
     omega = data.s.imag
     wide = SURROUNDINGS / 2.0 * float(np.median(np.diff(omega))) - fit.poles.real
     share = 1.0 / ((omega - fit.poles.imag[:, None]) ** 2 + wide[:, None] ** 2)
     local = (share @ power) / share.sum(axis=1) / mean
-    least = np.finfo(float).tiny
     result: npt.NDArray[np.float64] = np.maximum(local * lack_of_fit(fit, omega.size), least)
     return result
 

@@ -15,7 +15,7 @@ import scipy
 
 from armodal.analyzer.modal.about_modes import AboutModes, about_modes, near_runs
 from armodal.analyzer.modal.refine import refine_poles
-from armodal.analyzer.modal.regression import N_RESIDUAL, ModalData, Regression, modal_data
+from armodal.analyzer.modal.regression import ModalData, Regression, modal_data
 from armodal.analyzer.modal.uncertainty import frequency_damping_jacobian, white_covariance
 
 __all__ = ["pole_spread"]
@@ -68,7 +68,7 @@ def _moved(data: ModalData, fit: Regression, own: npt.NDArray[np.intp], line_sha
         for p in (fit.poles[own], again.poles)
     )
     n_frf, n_freq, n = again.n_measured, data.s.size, own.size
-    free = n_frf * (2 * n_freq - 2 * n - N_RESIDUAL) - 2 * n
+    free = n_frf * (2 * n_freq - 2 * n - data.n_terms) - 2 * n
     theta = white_covariance(
         again.information.sum(axis=0), float(again.cost.sum()) / max(free, 1), line_share
     )
