@@ -9,7 +9,7 @@ from functools import cache, partial
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
-from armodal.analyzer.gap.decision.added_effect import Step, with_step
+from armodal.analyzer.gap.decision.added_effect import Step, beside_rivals, with_step
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibrations
 from armodal.analyzer.gap.decision.data_requirements import (
     check_data_requirements,
@@ -227,6 +227,7 @@ def _search(
             # What one mounting has of its own is of the motion that the better model foretells.
             stages = tuple(stage.with_places(present, start) for stage in stages)
             fitted = fit_hypothesis(stages[-1], present.without_points(), start=start)
+            fitted, named = beside_rivals(stages[-1], fitted, [*found.rivals, *found.let_go], named)
             present = fitted.hypothesis
     ended = _Ended(
         stages=stages,

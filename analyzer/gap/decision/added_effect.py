@@ -14,7 +14,7 @@ from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.rivals import PATIENCE
 
-__all__ = ["Step", "with_step"]
+__all__ = ["Step", "beside_rivals", "with_step"]
 
 _FEW_STEPS = 4
 # Of priors: an ordinary error beyond it took on what an effect is to explain.
@@ -85,6 +85,39 @@ def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) 
     for stage, steps in zip(stages[1:], _FROM_THE_START[1:], strict=True):
         again = fit_hypothesis(stage, fit.hypothesis, start=again.values, max_iterations=steps)
     return again if again.evidence < fit.evidence else fit
+
+
+def beside_rivals(
+    stage: Stage, fit: Fit, rivals: Sequence[Fit], named: list[Step]
+) -> tuple[Fit, list[Step]]:
+    """Return the model with the better name for its last effect, and the steps with it.
+
+    While an effect is missing, mountings err as a wrong model has it, and another effect may make
+    up for that. Once one is there rivals are fitted again where mountings err as it foretells.
+
+    Parameters
+    ----------
+    stage
+        Sharp lines with such mountings.
+    fit
+        On them.
+    rivals
+        For the last effect, as they were fitted without.
+    """
+    *before, last = fit.hypothesis.instances
+    for other in rivals:
+        new = other.last
+        if new.key == last.key or any(new.key == i.key or new.excludes(i) for i in before):
+            continue
+        instead = replace(fit.hypothesis, instances=(*before, new))
+        quick = fit_hypothesis(stage, instead, start=other.values, max_iterations=_FEW_STEPS)
+        if quick.evidence - quick.promised > fit.evidence:
+            continue
+        ended = fit_hypothesis(stage, instead, resumed=quick)
+        if ended.evidence < fit.evidence:
+            named = [_renamed(step, {last.key: new}) for step in named]
+            fit, last = ended, new
+    return fit, named
 
 
 def _rather_than(

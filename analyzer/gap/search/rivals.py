@@ -51,6 +51,7 @@ class Rivals:
 
     present: Fit
     rivals: tuple[Fit, ...]
+    let_go: tuple[Fit, ...] = ()  # not fitted to the end: too far behind for these lines
     others: tuple[Candidate, ...] | None = None  # all effects by a linear look about the present
 
     def with_standing(self, standing: Sequence[Fit]) -> tuple[Fit, ...]:
@@ -127,12 +128,19 @@ def find_rivals(
         finals = [*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
         finals = [*finals, *fitted_laws(sharp, base[-1], leading, _STEPS[-1], tell)]
-        finals = _hopeful([f for f in finals if f.last.key not in without])
+        finals = _one_each([f for f in finals if f.last.key not in without])
+    going_on = _hopeful(finals)
+    behind = [f for f in finals if all(f is not other for other in going_on)]
     ended: list[Fit] = []
-    for fit in finals:
+    for fit in going_on:
         tell(f"fitted on the finest lines: {fit.hypothesis.name}")
         ended.append(_while_hopeful(sharp, fit, ended))
-    return Rivals(present=base[-1], rivals=tuple(_one_each(ended)), others=tuple(others))
+    return Rivals(
+        present=base[-1],
+        rivals=tuple(_one_each(ended)),
+        let_go=tuple(behind[: _KEPT[-1]]),
+        others=tuple(others),
+    )
 
 
 def _annealed(

@@ -9,7 +9,7 @@ from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap.decision import added_effect
-from armodal.analyzer.gap.decision.added_effect import Step, with_step
+from armodal.analyzer.gap.decision.added_effect import Step, beside_rivals, with_step
 from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
 from armodal.analyzer.gap.model.effect import Instance
@@ -153,3 +153,26 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
     assert notes == (
         [] if is_kept else ["one was taken out again: beside the others it is no longer clear"]
     )
+
+
+def test_a_rival_takes_the_name_where_mountings_err_as_the_better_model_foretells(monkeypatch):
+    """One that was let go while the effect was missing is right once its mountings are allowed."""
+    words = SimpleNamespace(name="made", title="")
+    axis, joint, third = (Instance(effect=words, place=p) for p in ("axis", "joint", "third"))
+    cost = {"axis": 100.0, "joint": 80.0, "third": 90.0}
+
+    def fitted(stage, hypothesis, *, resumed=None, **_):
+        return resumed or fit_to(hypothesis, cost[hypothesis.instances[-1].place])
+
+    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
+    rivals = [fit_of(axis), fit_of(joint), fit_of(third)]
+    better, (step,) = beside_rivals(object(), fit_of(axis), rivals, [step_to(fit_of(axis))])
+    assert better.last is joint
+    assert step.fit.last is joint
+    assert step.judged.named is not None
+    cost["axis"] = 70.0
+    kept, (step,) = beside_rivals(
+        object(), fit_to(fit_of(axis).hypothesis, 70.0), rivals, [step_to(fit_of(axis))]
+    )
+    assert kept.last is axis
+    assert step.fit.last is axis

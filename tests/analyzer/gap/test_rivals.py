@@ -8,9 +8,10 @@ from support.made_gap_fits import made_fit
 from armodal.analyzer.gap.effects import hit_direction
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search import rivals
 from armodal.analyzer.gap.search.rivals import find_rivals
+from armodal.analyzer.gap.search.scan import Candidate
 
 STAGES = ("widest", "broad", "middle", "sharp")
 NAMED = Hypothesis(
@@ -43,3 +44,31 @@ def test_what_a_stuck_fit_leaves_is_sought_from_the_start_before_in_other_effect
 
     found = find_rivals(STAGES, NAMED, more, start={}, fitted=STUCK)
     assert found.present is present
+
+
+def test_a_compliance_is_begun_at_sizes_from_a_tenth_of_its_prior_to_several(monkeypatch):
+    """A mode of its own comes down from above the lines: beside it the fit leads back to none."""
+    soft = Parameter(name="soft", unit="rad/(N m)", mean=0.0, std=2e-6, low=0.0)
+    pull = Parameter(name="pull", unit="", mean=0.0, std=1.0)
+    spring, other = (
+        Instance(effect=hit_direction.WORDS, place=p.name, parameters=(p,), size=p.name)
+        for p in (soft, pull)
+    )
+    tried = {}
+
+    def better(_stage, hypothesis, starts):
+        tried[hypothesis.instances[-1].place] = starts
+        return starts[0]
+
+    looked = [Candidate(instance=one, gain=100.0) for one in (spring, other)]
+    monkeypatch.setattr(rivals, "better_start", better)
+    monkeypatch.setattr(
+        rivals, "fit_hypothesis", lambda _, h, **__: made_fit(h, cost=0.0, space=Space([]), u=[])
+    )
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    find_rivals(STAGES, NAMED, lambda *_: False, start={})
+    sizes = [values["soft"] for values in tried["soft"] if "soft" in values]
+    assert min(sizes) <= 0.1 * soft.std
+    assert max(sizes) >= soft.std
+    assert all("pull" not in values for values in tried["pull"])  # signed: its slope tells
