@@ -11,6 +11,7 @@ import typer
 from armodal import SOFTWARE
 from armodal.analyzer.given_frfs import with_variances
 from armodal.daq.judge_imported import judged
+from armodal.protocols.foreign.files_in import files_in
 from armodal.protocols.foreign.import_session import import_session
 from armodal.protocols.foreign.manifest import load_manifest
 from armodal.protocols.session.hdf5 import Provenance, write_session
@@ -32,7 +33,8 @@ app = typer.Typer(add_completion=False)
 @app.command("import")
 def import_command(
     files: Annotated[
-        list[Path], typer.Argument(help="Import manifest (TOML), or measured files alone.")
+        list[Path],
+        typer.Argument(help="Import manifest (TOML), or measured files or a folder of them alone."),
     ],
     output: Annotated[Path, typer.Option("--out", help="Session file to write.")],
     as_json: Json = False,
@@ -45,6 +47,7 @@ def import_command(
     Example: armodal import manifest.toml --out session.h5
     """
     said: dict[str, Any] = {}
+    files = files_in(files)
     manifest = files[0]
     if not is_manifest(files):
         check_output(output, *files)

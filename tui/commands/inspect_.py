@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,6 +10,7 @@ import typer
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.file_pairs import with_forces
+from armodal.protocols.foreign.files_in import files_in
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.looked_at import LookedAt, look_at
 from armodal.tui.command_parts.guessed_manifest import guess_json
@@ -24,7 +26,9 @@ _MOST_ROWS = 40
 
 @app.command("inspect")
 def inspect_command(
-    files: Annotated[list[Path], typer.Argument(help="Files of any measuring program.")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Files of any measuring program, or a folder of them.")
+    ],
     as_json: Json = False,
 ) -> None:
     """Show what files of other programs hold, and what their import manifest needs.
@@ -33,7 +37,7 @@ def inspect_command(
     """
     looked: list[LookedAt] = []
     errors: dict[str, str] = {}
-    for path, force in with_forces(files):
+    for path, force in with_forces(files_in(files)):
         say(f"reading {path}" if force is None else f"reading {path} with {force}")
         try:
             looked.append(look_at(path, force=force))
@@ -155,5 +159,5 @@ def _say_next(looked: list[LookedAt], guess: Guess | None) -> None:
         why = "with the manifest above kept as MANIFEST.toml, what it needs filled in"
         say_next("import MANIFEST.toml --out session.h5", why)
     else:
-        names = " ".join(str(one.path) for one in looked)
+        names = " ".join(shlex.quote(str(one.path)) for one in looked)
         say_next(f"import {names} --out session.h5")
