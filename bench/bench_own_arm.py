@@ -1,7 +1,7 @@
 """Other people's arms through `armodal arm new` and `armodal plan`: loaded, or refused for what?
 
     python bench/bench_own_arm.py DIR [--inertials | --measure] [--only REGEX]
-                                      [--tests N] [--minutes M]
+                                      [--tests N] [--minutes M] [--seeds S]
 
 DIR is searched for robot descriptions (URDF, xacro that makes a robot, MJCF) with their packages,
 as their makers publish them; nothing is downloaded. Of each: seconds of processor time, joints,
@@ -13,7 +13,8 @@ stiffness is proportional. `--measure` goes on from the plan: an arm whose sprin
 stiff as its file says is measured in the simulated laboratory by that plan, and identified; and
 where the description's inertials are believed, identified once more by somebody who has none and
 guesses them, the mass of the moving links known. Told is how far each k is off, and how many k of
-all arms lie within their stated 95 % intervals, the inertias' tolerance in them.
+all arms lie within their stated 95 % intervals, the inertias' tolerance in them. `--seeds S` does
+so S times, each with springs and noise of its own.
 """
 
 import argparse
@@ -53,6 +54,7 @@ from armodal.protocols.sensors_file import CATALOGUE
 Array = npt.NDArray[np.float64]
 
 OFF = 1.3  # truth over belief
+SPREAD = 0.2  # of its logarithm, from the second seed on
 N_STATED = 100  # postures that a stated deviation is the mean of
 WITHIN = 1.96  # standard deviations, on either side, that hold 95 % of a normal distribution
 KINDS = (".urdf", ".xacro", ".xml")
@@ -122,21 +124,29 @@ def guessed_arm(draft):
     )
 
 
-def measured(draft, plan_text: str, pulls: dict[str, list[float]]) -> str:
+def measured(draft, plan_text: str, pulls: dict[str, list[float]], seed: int) -> str:
     """How far each k is off the hidden truth, after a session by the plan."""
     arm = draft.arm
-    k = [OFF * j.stiffness.value if j.stiffness else None for j in arm.joints]
-    c = [OFF * j.damping.value if j.damping else None for j in arm.joints]
+    spread = SPREAD if seed > 1 else 0.0
+    drawn = np.random.default_rng(seed).normal(0.0, spread, len(arm.joints))
+    times = OFF * np.exp(drawn)
+    joints = list(zip(times, arm.joints, strict=True))
+    k = [t * j.stiffness.value if j.stiffness else None for t, j in joints]
+    c = [t * j.damping.value if j.damping else None for t, j in joints]
     truth = [value for value in k if value is not None]
     began = time.process_time()
     plan = plan_from_text(plan_text, arm)
     plant = plant_of_arm(arm, k, c, sensor_kg=plan.sensor.mass_kg)
-    session = simulate_session(1, plan=plan, arm=arm, plant=plant)
+    session = simulate_session(seed, plan=plan, arm=arm, plant=plant)
     rows = []
     for how, believed in (("true", arm), ("guessed", guessed_arm(draft))):
         if believed is None:
             continue
-        result = identify(replace(session, header=replace(session.header, arm=believed)))
+        try:
+            result = identify(replace(session, header=replace(session.header, arm=believed)))
+        except ArmodalError as problem:
+            rows.append(f"{how} inertias: not identified, {problem}")
+            continue
         off = [j.k_n_m_per_rad - t for j, t in zip(result.joints, truth, strict=True)]
         std = [np.hypot(j.k_std, j.k_std_model) for j in result.joints]
         pulls[how] += [e / s for e, s in zip(off, std, strict=True)]
@@ -186,7 +196,10 @@ def try_arm(
         f"{row}, plan {plan_s:.1f} s: {len(plan.postures)} postures, {collisions} collide, "
         f"{lost} ways not found, {chosen.hammer.head_kg:g} kg hammer {chosen.told_peak_n} N, "
         f"{made.minutes:.0f} min"
-        + (f"; {measured(draft, made.text, pulls)}" if given.measure else "")
+        + "".join(
+            f"; {measured(draft, made.text, pulls, seed)}"
+            for seed in range(1, given.measure * given.seeds + 1)
+        )
     )
 
 
@@ -263,6 +276,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="regular expression of paths")
     parser.add_argument("--tests", type=int, default=6)
     parser.add_argument("--minutes", type=float, help="as `armodal plan --minutes`")
+    parser.add_argument("--seeds", type=int, default=1)
     given = parser.parse_args()
     folders = tuple(
         sorted({path.parent.parent for path in given.folder.rglob("package.xml")} | {given.folder})

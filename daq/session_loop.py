@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,51 +26,37 @@ from armodal.daq.commands import (
 from armodal.daq.events import (
     HitJudged,
     HitWithdrawn,
-    JointsSeen,
-    LossNoted,
     Noted,
     PointMoved,
     Prompted,
 )
-from armodal.daq.geometry import hit_direction
 from armodal.daq.hammer_polarity import HammerPolarity
-from armodal.daq.health import HEALTH_EVERY_WALL_S, health_of
 from armodal.daq.joint_source import JointSource
 from armodal.daq.journal_mirror import MirroredJournal
 from armodal.daq.journal_writer import JournalWriter
-from armodal.daq.judge import force_column, judge_record
-from armodal.daq.judge_posture import with_posture
+from armodal.daq.judge import force_column
+from armodal.daq.judged_hit import judged_hit
 from armodal.daq.losses import LossTally
 from armodal.daq.moved_points import MovedPoints
-from armodal.daq.preview import PREVIEW_EVERY_WALL_S
 from armodal.daq.session_machine import PromptKind, SessionState
 from armodal.daq.session_marks import mark_of, what_was_done, withdrawal
+from armodal.daq.session_reports import DueTimes, SessionReports
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.stopping import Stopping, begin_stopping
 from armodal.daq.surroundings import EventQueue
+from armodal.daq.triggered_blocks import HitBlock, StrayBlock, TriggeredBlocks
 from armodal.daq.untriggered import UntriggeredPushes
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.force_pulse import TURNED
-from armodal.protocols.session.journal import MarkKind, encode_hit, encode_loss
+from armodal.protocols.session.journal import MarkKind, encode_hit
 from armodal.protocols.session.journal_payloads import CALIBRATION
 from armodal.protocols.session.progress import roving_point
-from armodal.protocols.session.records import Hit, JointReading
+from armodal.protocols.session.records import JointReading
 
 __all__ = ["SessionLoop"]
 
 POSTURE_EVERY_WALL_S = 0.05
-JOINTS_EVERY_WALL_S = 0.2
-LOSSES_EVERY_WALL_S = 1.0
 NOTE_LENGTH = 4096  # of a sentence in the journal
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Armed:
-    """Which planned point hits belonged to, and in which time."""
-
-    index: int
-    since_s: float
-    until_s: float = math.inf
 
 
 class SessionLoop:
@@ -110,14 +94,22 @@ class SessionLoop:
         self._next_hit = next_hit
         self._arm = ArmAround(settings, clock, joints.joints, turn_s)
         self._moved = MovedPoints(arm or settings.arm, settings.plan)
-        self._armed: _Armed | None = None
-        self._waiting: deque[CapturedBlock] = deque()
         self._asked: machine.Prompt | None = None
         self._silent = False
         self._jumped_s = -math.inf
-        self._due = {"posture": 0.0, "preview": 0.0, "joints": 0.0, "losses": 0.0, "health": 0.0}
-        self._untriggered = UntriggeredPushes(board.channels, settings.plan.trigger)
+        self._due = DueTimes(clock)
         self._rate_hz = float(settings.plan.sampling.rate_hz)
+        self._blocks = TriggeredBlocks(board, joints, self._arm, losses, self._rate_hz)
+        self._reports = SessionReports(
+            clock=clock,
+            board=board,
+            joints=joints,
+            losses=losses,
+            journal=journal,
+            outbox=outbox,
+            untriggered=UntriggeredPushes(board.channels, settings.plan.trigger),
+            note=self.note,
+        )
         # Number, posture and roving point of every accepted hit, the last one at the end.
         self._kept = list(accepted_before)
         self._polarity = HammerPolarity(polarities_before)
@@ -135,29 +127,26 @@ class SessionLoop:
         """Do what is due."""
         for command in commands:
             self._obey(command, now_s)
-        if self._is_due("posture", POSTURE_EVERY_WALL_S, now_s):
+        if self._due.is_due("posture", POSTURE_EVERY_WALL_S, now_s):
             self._source.hear()
             self._follow_posture(self._joints.reading(now_s), now_s)
         if self._board.clock_jumped_s > self._jumped_s:
             self._jumped_s = self._board.clock_jumped_s
             self.note("the board's clock jumped: hits taken meanwhile are not used", now_s)
         self._judge_blocks(now_s)
-        self._report(now_s)
-        if self._state.kind is PromptKind.DONE and self.ended is None and not self._waiting:
+        self._reports.tell(now_s)
+        if self._state.kind is PromptKind.DONE and self.ended is None and not self._blocks:
             self.ended = what_was_done(self._state)
         stopping = self._stopping
         if stopping is not None and self.ended is None:
             asked = self._state.kind is PromptKind.HIT
-            under_way = asked or bool(self._waiting) or self._board.blocks_under_way > 0
+            under_way = asked or bool(self._blocks) or self._board.blocks_under_way > 0
             if stopping.may_end(now_s, hit_under_way=under_way):
                 self.ended = stopping.reason
 
     def flush_losses(self) -> None:
         """Put what was lost so far into the journal."""
-        self._board.count_losses(self._clock.now_s())
-        for loss in self._losses.take():
-            self._journal.append(encode_loss(loss))
-            self._outbox.put(LossNoted(loss=loss))
+        self._reports.flush_losses()
 
     def interrupt(self, reason: str) -> None:
         """Keep what is known when the session cannot go on: the losses so far, and the reason."""
@@ -229,12 +218,7 @@ class SessionLoop:
 
     def _change(self, state: SessionState, now_s: float) -> None:
         """Go to another state; hits count for it from now on, if it asks for one."""
-        armed = self._armed
-        if state.kind is PromptKind.HIT and state.current is not None:
-            if armed is None or armed.index != state.current or armed.until_s < math.inf:
-                self._armed = _Armed(index=state.current, since_s=now_s)
-        elif armed is not None and armed.until_s == math.inf:
-            self._armed = _Armed(index=armed.index, since_s=armed.since_s, until_s=now_s)
+        self._blocks.count_for(state, now_s)
         if state.posture is not None and state.posture is not self._state.posture:
             self._source.begin_posture()
         self._state = state
@@ -262,43 +246,12 @@ class SessionLoop:
             self._change(machine.posture_reached(self._state), now_s)
 
     def _judge_blocks(self, now_s: float) -> None:
-        while (block := self._board.captured(now_s)) is not None:
-            self._waiting.append(block)
-            self._losses.add(
-                "block", block.missing, "samples of a triggered block that never came", now_s
-            )
-        if self._waiting:
-            self._source.hear()
-        while self._waiting:
-            block = self._waiting[0]
-            known = self._board.clock_known(block)
-            if known is None:
-                return
-            if not known:
-                self._waiting.popleft()
-                self._set_aside(block, now_s, "was taken while the board's clock jumped")
-                continue
-            fit = self._board.clock_fit
-            # The filter shows the input as it was a group delay before.
-            delay = self._board.found.dictionary.filter_group_delay_samples
-            trigger_s = fit.host_s(block.info.trigger_ticks) - delay / self._rate_hz
-            armed = self._armed
-            if (
-                armed is None
-                or armed.index != self._state.current
-                or not armed.since_s <= trigger_s <= armed.until_s
-            ):
-                self._waiting.popleft()
-                self._set_aside(block, now_s, "was triggered when no hit was asked for")
-                continue
-            lead = block.info.trigger_sample - block.info.first_sample
-            start_s = trigger_s - lead / self._rate_hz
-            end_s = start_s + (block.info.length + delay) / self._rate_hz
-            after = self._arm.after(block, end_s, now_s)
-            if after is None:
-                return
-            self._waiting.popleft()
-            self._judge(block, trigger_s, self._arm.before(start_s), after, now_s)
+        self._blocks.collect(now_s)
+        while (taken := self._blocks.take(self._state.current, now_s)) is not None:
+            if isinstance(taken, StrayBlock):
+                self._set_aside(taken.block, now_s, taken.why)
+            else:
+                self._judge(taken, now_s)
 
     def _set_aside(self, block: CapturedBlock, now_s: float, why: str) -> None:
         self._board.release(block.info.block_id, now_s)
@@ -310,47 +263,24 @@ class SessionLoop:
             now_s,
         )
 
-    def _judge(
-        self,
-        block: CapturedBlock,
-        trigger_s: float,
-        before: JointReading,
-        after: JointReading,
-        now_s: float,
-    ) -> None:
-        state = self._state
-        prompt = state.prompt
+    def _judge(self, taken: HitBlock, now_s: float) -> None:
+        block, state = taken.block, self._state
         posture = state.posture
         if posture is None:
             self._set_aside(block, now_s, "was triggered when no hit was asked for")
             return
-        plan = self._settings.plan
-        verdict = with_posture(
-            judge_record(
-                block,
-                self._board.channels,
-                plan.sampling,
-                plan.trigger,
-                self._settings.limits,
-                exponential_end=plan.windows.exponential_end,
-                polarity=self._polarity.known,
-            ),
-            self._arm.judged(before, after, posture),
+        hit = judged_hit(
+            taken,
+            self._next_hit,
+            state.prompt,
+            posture,
+            arm=self._moved.arm,
+            around=self._arm,
+            channels=self._board.channels,
+            polarity=self._polarity.known,
+            settings=self._settings,
         )
-        hit = Hit(
-            number=self._next_hit,
-            posture=posture.name,
-            sensor_point=prompt.sensor_point,
-            hit_point=prompt.hit_point,
-            hit_direction=hit_direction(self._moved.arm, posture, prompt.hit_point),
-            first_sample=block.first_sample,
-            trigger_sample=block.info.trigger_sample,
-            trigger_host_s=trigger_s,
-            counts=block.counts,
-            before=before,
-            after=after,
-            verdict=verdict,
-        )
+        verdict = hit.verdict
         verdict_s = self._clock.wall_s(self._clock.now_s() - block.last_data_s)
         commit_s = self._journal.append(encode_hit(hit))
         self._board.release(block.info.block_id, now_s)
@@ -366,34 +296,10 @@ class SessionLoop:
             )
         )
         if verdict.accepted:
-            self._kept.append((hit.number, hit.posture, roving_point(plan, hit)))
+            self._kept.append((hit.number, hit.posture, roving_point(self._settings.plan, hit)))
             if self._polarity.keep(hit.number, verdict.polarity):
                 self.note(CALIBRATION + TURNED, now_s)
         self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
-
-    def _report(self, now_s: float) -> None:
-        if self._is_due("preview", PREVIEW_EVERY_WALL_S, now_s):
-            preview = self._board.stream.preview()
-            if preview is not None:
-                self._outbox.put(preview)
-                if told := self._untriggered.told_by(preview):
-                    self.note(told, now_s)
-        if self._is_due("joints", JOINTS_EVERY_WALL_S, now_s):
-            self._losses.watch("can", self._source.faults, "lines that are not slcan", now_s)
-            self._losses.watch("can", self._joints.lost, "frames the counter skipped", now_s)
-            self._losses.watch("can", self._joints.invalid, "frames not decodable", now_s)
-            self._board.count_losses(now_s)
-            self._outbox.put(JointsSeen(reading=self._joints.reading(now_s)))
-        if self._is_due("health", HEALTH_EVERY_WALL_S, now_s):
-            self._outbox.put(health_of(self._board, self._source))
-        if self._losses and self._is_due("losses", LOSSES_EVERY_WALL_S, now_s):
-            self.flush_losses()
-
-    def _is_due(self, what: str, every_wall_s: float, now_s: float) -> bool:
-        if now_s < self._due[what]:
-            return False
-        self._due[what] = now_s + every_wall_s / self._clock.wall_s(1.0)
-        return True
 
     def _mark(self, kind: MarkKind, now_s: float, note: str = "", point: str | None = None) -> None:
         self._journal.append(mark_of(self._state, kind, now_s, note, point))

@@ -14,6 +14,8 @@ import scipy.signal  # noqa: F401 - loaded before the clock runs, not with the f
 
 from armodal.hil_sim.hand import Blow, blow, hand_at
 from armodal.hil_sim.lab_process import ArmInCell
+from armodal.hil_sim.marked_point import with_point
+from armodal.hil_sim.operator import Marking
 from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.plant_file import HandTruth
 from armodal.hil_sim.small_motion import Mounting
@@ -33,10 +35,20 @@ class _Hands:
         self._mounts = streams("mounts")
         self._swings, self._starts = itertools.count(), itertools.count()
         self._mounting: Mounting | None = None
+        self._source: SensorSource | None = None
 
     def make_source(self, rate_hz: Fraction) -> SensorSource:
         streams = partial(self._streams, "source", next(self._starts))
-        return SensorSource(self._plant, rate_hz, streams, mount=self._mount)
+        self._source = SensorSource(self._plant, rate_hz, streams, mount=self._mount)
+        return self._source
+
+    def mark(self, point_id: str, marking: Marking) -> None:
+        """Mark a point anew; a sensor that sits on it is taken along."""
+        self._plant = with_point(self._plant, point_id, marking)
+        if self._mounting is not None and self._mounting.point_id == point_id:
+            self._mounting = None
+        if self._source is not None:
+            self._source.take_points(self._plant)
 
     def _mount(self, point_id: str) -> Mounting:
         # A sensor that stays where it is keeps its tilt, also when the board starts again.
@@ -83,6 +95,7 @@ def arm_in_cell(plant: Plant, *, seed: int, can: CanMapping | None = None) -> Ar
         make_source=hands.make_source,
         swing=hands.swing,
         swing_at_mass=hands.swing_at_mass,
+        mark=hands.mark,
         mounted=hands.mounted,
         can=can,
     )

@@ -27,7 +27,7 @@ from armodal.hil_sim.controller import Controller
 from armodal.hil_sim.faults import FaultSet
 from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.ledger import LedgerWriter
-from armodal.hil_sim.operator import Operator, Swing, Workplace
+from armodal.hil_sim.operator import Marking, Operator, Swing, Workplace
 from armodal.hil_sim.operator_socket import OperatorSocket, check_free
 from armodal.hil_sim.plant import Plant
 from armodal.hil_sim.pty_port import PtyPort
@@ -77,6 +77,7 @@ class ArmInCell(Generic[BlowT]):
     swing: Swing[BlowT]
     mounted: Callable[[], Mapping[str, object]]
     swing_at_mass: Callable[[float], tuple[BlowT, Mapping[str, object]]] | None = None
+    mark: Callable[[str, Marking], None] | None = None
     can: CanMapping | None = None
 
 
@@ -157,6 +158,7 @@ class LabProcess(Generic[BlowT]):
             ledger=self._ledger,
             mounted=arm.mounted,
             swing_at_mass=arm.swing_at_mass,
+            mark=arm.mark,
         )
         operator = Operator(workplace, clock=clock, streams=partial(streams, "operator"))
         self.operator = OperatorSocket(options.directory / SOCKET_NAME, operator.begin, clock=clock)

@@ -20,7 +20,7 @@ from armodal.hil_sim.ledger import LedgerWriter
 from armodal.hil_sim.streams import Streams
 from armodal.protocols.errors import PlantError
 
-__all__ = ["Action", "Operator", "Swing", "Workplace"]
+__all__ = ["Action", "Marking", "Operator", "Swing", "Workplace"]
 
 Answer = dict[str, Any]
 Action = Generator[float, None, Answer]
@@ -30,6 +30,15 @@ BlowT_co = TypeVar("BlowT_co", covariant=True)
 
 
 HARDNESS_N = (0.1, 1e4)  # a hand can hit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Marking:
+    """Where a test point is marked on its link: the link's frame, axes of length 1."""
+
+    position_m: tuple[float, ...]  # (3,)
+    normal: tuple[float, ...]  # (3,) outwards, the sensor's z
+    x_axis: tuple[float, ...]  # (3,) the sensor's x
 
 
 class Swing(Protocol[BlowT_co]):
@@ -49,6 +58,7 @@ class Swing(Protocol[BlowT_co]):
 
 # How long an operator takes, lab seconds.
 MOUNT_S = (3.0, 6.0)
+MARK_S = 2.0
 SWING_S = (0.4, 1.0)
 AFTER_HIT_S = 0.2
 
@@ -66,6 +76,7 @@ class Workplace(Generic[BlowT]):
     ledger: LedgerWriter
     mounted: Callable[[], Mapping[str, object]]  # how the sensor truly sits
     swing_at_mass: Callable[[float], tuple[BlowT, Mapping[str, object]]] | None = None
+    mark: Callable[[str, Marking], None] | None = None  # a test point anew
 
 
 class Operator(Generic[BlowT]):
@@ -104,11 +115,13 @@ class Operator(Generic[BlowT]):
                 return self._hit(self._point_of(request), direction, _peak_of(request))
             case "hit-mass":
                 return self._hit_mass(request.get("mass_kg"))
+            case "mark":
+                return self._mark(self._point_of(request), _marking_of(request))
             case "fault":
                 return self._fault(request.get("name"), request.get("active", True))
             case other:
                 raise PlantError(
-                    f'wanted "do": posture, mount, hit, hit-mass or fault, got {other!r}'
+                    f'wanted "do": posture, mount, hit, hit-mass, mark or fault, got {other!r}'
                 )
 
     def _go(self, name: str, joints_rad: Array) -> Action:
@@ -154,6 +167,21 @@ class Operator(Generic[BlowT]):
         yield self._clock.now_s() + AFTER_HIT_S
         return {"done": True, "do": "hit-mass"}
 
+    def _mark(self, point: str, marking: Marking) -> Action:
+        if self._at.mark is None:
+            raise PlantError("this laboratory's points stay where they are")
+        yield self._clock.now_s() + MARK_S
+        self._at.mark(point, marking)
+        self._at.ledger.note(
+            "mark",
+            self._clock.now_s(),
+            point=point,
+            position_m=marking.position_m,
+            normal=marking.normal,
+            x_axis=marking.x_axis,
+        )
+        return {"done": True, "do": "mark", "point": point}
+
     def _fault(self, name: object, active: object) -> Action:
         self._at.faults.switch(str(name), active=bool(active))
         self._at.ledger.note("fault", self._clock.now_s(), name=name, active=bool(active))
@@ -178,6 +206,16 @@ class Operator(Generic[BlowT]):
                     f"degrees, got {joints[i]:g}"
                 )
         return joints_rad
+
+
+def _marking_of(request: dict[str, Any]) -> Marking:
+    place, z, x = (_numbers(request.get(key), 3, key) for key in ("position_m", "normal", "x_axis"))
+    if float(np.linalg.norm(z)) == 0.0 or float(np.linalg.norm(np.cross(z, x))) == 0.0:
+        raise PlantError("normal, x_axis: wanted two directions that differ")
+    z = z / np.linalg.norm(z)
+    x = x - float(x @ z) * z
+    x = x / np.linalg.norm(x)
+    return Marking(position_m=tuple(place), normal=tuple(z), x_axis=tuple(x))
 
 
 def _peak_of(request: dict[str, Any]) -> float | None:

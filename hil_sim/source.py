@@ -81,7 +81,7 @@ class SensorSource:
         self._noise = ChannelNoise(plant.truth, self._front, streams)
         self._vibration = [streams("vibration", channel) for channel in CHANNELS]
         mounts = streams("mounts")
-        self._mount = mount or (lambda point: draw_mounting(plant, point, mounts))
+        self._mount = mount or (lambda point: draw_mounting(self._plant, point, mounts))
         self._joints = np.zeros(len(plant.joints))
         self._label: str | None = None
         self._mounting: Mounting | None = None
@@ -107,6 +107,12 @@ class SensorSource:
         self._label = point_id
         self._mounting = self._mount(self._plant.sensing.stands_at.get(point_id, point_id))
         self._motion = None
+
+    def take_points(self, plant: Plant) -> None:
+        """Go on with the same arm whose test points are marked anew."""
+        self._plant, self._motion = plant, None
+        if self._label is not None:
+            self.mount(self._label)
 
     def set_moving(self, moving: bool) -> None:
         """Tell whether the drives move the arm."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.acting.along_path import chosen_together
 from armodal.analyzer.acting.stiffness import ToolStiffness, tool_stiffness
 from armodal.analyzer.corrected.batch import BatchedArm
 from armodal.analyzer.workspace.batch import ArmBatch
@@ -28,6 +29,8 @@ _MOST_POSTURES = 2_000
 _NEWTON = 4  # from 10^-3 by squares to rounding
 _OFF = 1e-9  # m and rad that a pose may be off
 _SAME = 1e-6  # relative: no stiffer, such as where the tool turns about the last joint's own axis
+_SLOWEST_RAD = 2.0 * STEP_RAD  # that a joint may turn from pose to pose of any path
+_ROUNDING = 1e-9  # rad
 _SINGULAR = 1e-3  # of the largest singular value: there a second motion is free
 
 
@@ -41,6 +44,8 @@ class FreeAngle:
     given: ToolStiffness  # (p,) in the given postures
     best: ToolStiffness  # (p,) where it is stiffest
     best_angle_rad: Array  # (p,)
+    together: ToolStiffness  # (p,) chosen for the whole path: no joint faster than the path's own
+    together_angle_rad: Array  # (p,)
 
 
 def stiffest_angle(
@@ -73,7 +78,10 @@ def stiffest_angle(
     stiffest = np.nanargmax(along, axis=1)
     gained = np.nanmax(along, axis=1) > (1.0 + _SAME) * along[:, middle]
     stiffest = np.where(gained, stiffest, middle)
-    best = q[np.arange(len(q)), stiffest]
+    poses = np.arange(len(q))
+    best = q[poses, stiffest]
+    limit = np.abs(np.diff(given.joints_rad, axis=0)).max(axis=1, initial=_SLOWEST_RAD)
+    chain = chosen_together(q, along, angle, STEP_RAD, limit + _ROUNDING)
     used = there.any(axis=0)
     return FreeAngle(
         angle_rad=angle[used],
@@ -82,6 +90,8 @@ def stiffest_angle(
         given=given,
         best=tool_stiffness(ready, best, force_n, tool_m=tool_m),
         best_angle_rad=angle[stiffest],
+        together=tool_stiffness(ready, q[poses, chain], force_n, tool_m=tool_m),
+        together_angle_rad=angle[chain],
     )
 
 

@@ -81,7 +81,15 @@ def angle_figure(arm: Arm, found: FreeAngle) -> Any:
             x=at, y=angle, z=along.T, colorscale="Viridis", colorbar={"title": "N/µm"}
         )
         line = {"color": "black", "width": 3}
-        figure.add_scatter(x=at, y=best, name="stiffest", mode="lines+markers", line=line)
+        together = np.rad2deg(found.together_angle_rad)
+        figure.add_scatter(x=at, y=together, name="together", mode="lines+markers", line=line)
+        figure.add_scatter(
+            x=at,
+            y=best,
+            name="each alone",
+            mode="markers",
+            marker={"color": "white", "size": 6, "line": {"color": "black", "width": 1}},
+        )
         figure.add_scatter(x=at, y=0.0 * at, name="given", line={"color": "red", "dash": "dot"})
         figure.update_layout(legend={"orientation": "h", "x": 0.7, "y": 1.12})
         figure.update_xaxes(title="posture of the path")

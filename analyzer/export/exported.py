@@ -65,11 +65,4 @@ def ready_for_export(arm: Arm, *, level: float = 0.0) -> Ready:
             "a simulator's joint angle is where the joint stands, which is what the encoder reads "
             f"and {', '.join(moved)}"
         )
-    tree = tree_of(arm, chain)
-    if tree.moved_m > 0.0:
-        notes.append(
-            "pieces of a link that bends or twists lie nearer together than in the arm file's "
-            f"equations, by at most {1e3 * tree.moved_m:.2g} mm, so that each can be a body; the "
-            "link as a whole is the same"
-        )
-    return Ready(correction=correction, tree=tree, notes=tuple(notes))
+    return Ready(correction=correction, tree=tree_of(arm, chain), notes=tuple(notes))

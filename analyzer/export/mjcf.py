@@ -36,6 +36,8 @@ def mjcf_text(arm: Arm, tree: Tree) -> str:
         element = ET.SubElement(at[body.parent], "body", name=body.name)
         element.set("pos", numbers(body.T_parent_body[:3, 3]))
         element.set("quat", numbers(_quaternion(body.T_parent_body[:3, :3])))
+        if body.link < 0:  # the arm's equations leave its weight out, as it stands on its springs
+            element.set("gravcomp", "1")
         for freedom in body.freedoms:
             element.append(joint_element(freedom))
         if body.mass_kg > 0.0:

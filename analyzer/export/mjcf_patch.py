@@ -226,6 +226,7 @@ def _put_base(body: TreeBody, before: ET.Element, first: ET.Element, T: Array) -
         before.insert(at, holder)
         holder.append(first)
         before = holder
+    before.set("gravcomp", "1")  # the arm's equations leave its weight out
     _put(replace(body, **_moved(body, T)), before)
 
 

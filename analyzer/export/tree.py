@@ -8,15 +8,12 @@ arm. What effects let give way is a joint likewise. All of these rest at zero in
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import groupby
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.corrected.chain import Chain, Element
-from armodal.analyzer.export.pieces import Piece, physical_pieces
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 
@@ -25,6 +22,7 @@ __all__ = ["Between", "Freedom", "Rotor", "Tree", "TreeBody", "tree_of"]
 Array = npt.NDArray[np.float64]
 
 _NONE = 1e-12  # of the larger of two: rounding
+_LEAST = 1e-9  # of the largest moment: above what rounding leaves below zero
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +52,6 @@ class TreeBody:
     mass_kg: float
     center_m: Array  # (3,)
     inertia_kg_m2: Array  # (3, 3) about the centre
-    moved_m: float = 0.0  # of its centre, where a piece of a link had moments that no body has
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,11 +80,6 @@ class Tree:
     bodies: tuple[TreeBody, ...]
     rotors: tuple[Rotor, ...]
     between: tuple[Between, ...]
-
-    @property
-    def moved_m(self) -> float:
-        """Return the most that the centre of a piece of a link was moved by, to be a body's."""
-        return max((body.moved_m for body in self.bodies), default=0.0)
 
     @property
     def elastic(self) -> tuple[str, ...]:
@@ -195,26 +187,17 @@ def _bodies(
         body = _body(arm, element, tuple(freedoms), last, found)
         found.append(body)
         last, freedoms = body.name, []
-    return tuple(_with_physical_pieces(found))
+    return tuple(found)
 
 
-def _with_physical_pieces(bodies: Sequence[TreeBody]) -> Iterator[TreeBody]:
-    """Bodies in the same order, the inertias of each link's pieces such as bodies have."""
-    for _, own in groupby(bodies, key=lambda body: body.link):
-        pieces = list(own)
-        physical = physical_pieces(
-            [
-                Piece(mass_kg=b.mass_kg, center_m=b.center_m, inertia_kg_m2=b.inertia_kg_m2)
-                for b in pieces
-            ]
-        )
-        for body, piece in zip(pieces, physical, strict=True):
-            yield replace(
-                body,
-                center_m=piece.center_m,
-                inertia_kg_m2=piece.inertia_kg_m2,
-                moved_m=float(np.linalg.norm(piece.center_m - body.center_m)),
-            )
+def _of_a_body(inertia: Array) -> Array:
+    """The tensor, rounding taken out that leaves its second moment below zero anywhere."""
+    S = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    values, axes = np.linalg.eigh(0.5 * (S + S.T))
+    if values[0] >= 0.0:
+        return inertia
+    S = axes @ np.diag(np.maximum(values, _LEAST * np.abs(values).max())) @ axes.T
+    return np.asarray(np.trace(S) * np.eye(3) - S)
 
 
 def _driven(arm: Arm, element: Element) -> Freedom:
@@ -256,7 +239,7 @@ def _body(
         freedoms=freedoms,
         mass_kg=mass,
         center_m=center,
-        inertia_kg_m2=wanted,
+        inertia_kg_m2=_of_a_body(wanted),
     )
 
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.modal.choice import MOST_DAMPING, physical
 from armodal.analyzer.modal.refine import refine_poles
-from armodal.analyzer.modal.regression import ModalData, Regression, regress
+from armodal.analyzer.modal.regression import ModalData, Regression, modal_data, regress
 from armodal.analyzer.modal.significance import LEAST_SIGNIFICANCE, noise_about, significance
 
 __all__ = ["with_background_found"]
@@ -23,6 +23,7 @@ _Complex = npt.NDArray[np.complex128]
 _LEAST_PROGRESS = 0.95  # of the misfit without one more
 _ROUNDING = 1e-12  # of the FRFs' weighted squares, below which nothing is left over
 _MOST_TRIED = 3  # the most promising
+_COARSE = 400  # lines that tell which are promising
 _BROAD = 8  # poles tried within the band, each as wide as the next is far
 _BEYOND = (1.02, 1.1, 1.5)  # times the band's upper end, or parts of its lower one
 
@@ -47,22 +48,37 @@ def with_background_found(
         Independent lines per line under the window.
     """
     fit, n = regress(data, poles, pole_terms=False), poles.size
+    coarse = _coarse(data)
     while True:
-        more = _with_one_more(data, fit, n, band_hz, line_share)
+        more = _with_one_more(data, coarse, fit, n, band_hz, line_share)
         if more is None:
             return fit.poles[:n], fit.poles[n:]
         fit = more
 
 
+def _coarse(data: ModalData) -> ModalData:
+    """A line in so many: what is broad is seen on few."""
+    at = slice(None, None, max(data.s.size // _COARSE, 1))
+    return modal_data(data.form, data.s[at], data.values[:, at], data.variance_on(at))
+
+
 def _with_one_more(
-    data: ModalData, fit: Regression, n: int, band_hz: tuple[float, float], line_share: float
+    data: ModalData,
+    coarse: ModalData,
+    fit: Regression,
+    n: int,
+    band_hz: tuple[float, float],
+    line_share: float,
 ) -> Regression | None:
     """The fit with another background pole behind the `n` modes; None where none is worth it."""
     if float(fit.cost.sum()) <= _ROUNDING * float(data.energy.sum()):
         return None
     tried = [np.append(fit.poles, one) for one in _tried(band_hz)]
-    costs = [float(regress(data, one, pole_terms=False).cost.sum()) for one in tried]
+    costs = [float(regress(coarse, one, pole_terms=False).cost.sum()) for one in tried]
+    before = float(regress(coarse, fit.poles, pole_terms=False).cost.sum())
     for start in np.argsort(costs)[:_MOST_TRIED]:
+        if costs[start] > _LEAST_PROGRESS * before:
+            return None
         more = refine_poles(data, tried[start])
         mode = physical(more.poles, band_hz)
         if not mode[:n].all() or mode[n:].any():

@@ -103,7 +103,7 @@ def arm_text(
         if believed.guessed:
             rows.append(
                 f"inertial_std = {{ mass = {std.mass:.3g}, inertia = {std.inertia:.3g}, "
-                f"center_m = {std.center_m:.3g} }}"
+                f"center_m = {std.center_m:.3g}{', guessed = true' if std.guessed else ''} }}"
             )
     names = ["base", *(body.name for body in chain.bodies)]
     for point in points:
@@ -144,7 +144,7 @@ def _source(chain: CutChain, believed: BelievedLinks) -> str:
     if believed.guessed:
         parts.append(f"Inertials guessed from hulls: {', '.join(believed.guessed)}.")
     else:
-        parts.append("Inertials as described.")
+        parts.append("Inertials as the description gives them.")
     parts.append("Stiffness and damping: guesses. Points: found on the surfaces.")
     return " ".join(parts)[:_LONGEST_SOURCE]
 

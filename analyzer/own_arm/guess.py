@@ -167,7 +167,7 @@ def _std(
         mass = max(mass, MASS_LAST) if last else mass
     if guessed:
         inertia, center = INERTIA, max(center, CENTER_OF_SIZE * body.seen.size_m)
-    return InertialStd(mass=mass, inertia=inertia, center_m=center)
+    return InertialStd(mass=mass, inertia=inertia, center_m=center, guessed=guessed)
 
 
 def _moving_mass_std(

@@ -30,7 +30,7 @@ def readme_text(draft: Draft, said: Remarks) -> str:
     ]
     for joint, std in zip(arm.joints, believed.stds, strict=True):
         low, high = (f"{57.29577951308232 * angle:.1f}" for angle in joint.range_rad)
-        how = "guessed" if joint.link.name in believed.guessed else "described"
+        how = "guessed" if joint.link.name in believed.guessed else "as given"
         k = "rigid" if joint.stiffness is None else f"{joint.stiffness.value:.3g} (guess)"
         rows.append(
             f"| {joint.name} | {low} to {high} | {joint.link.name} | {joint.link.mass_kg:.3g} "

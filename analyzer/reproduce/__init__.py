@@ -1,1 +1,1 @@
-"""The published figures of the three papers beside ours."""
+"""Published figures of three papers and a later data set beside ours."""

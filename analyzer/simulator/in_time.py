@@ -2,12 +2,13 @@
 
 The driven joints stand still at the measured angles, held by inertia; the springs of the elastic
 ones are stretched so that the arm is at rest there. The measured force acts at the point that was
-hit.
+hit; the accelerometer's mass rides on the point that it is mounted at.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -32,6 +33,8 @@ _STABLE = 1.3  # of a fourth-order Runge-Kutta step times omega; beyond 2.8 it i
 _FEWEST_STEPS = 8  # a force is even over a step: half of one is a delay
 _MOST_STEPS = 128  # of the simulation, a sample
 _THREADS = 2
+_SENSOR_M = 0.005  # radius of gyration of an accelerometer; next to nothing beside its lever
+_NOTHING = 1e-9  # kg, where none is mounted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,13 +86,16 @@ def _of_posture(session: Session, own: SimulatedArm, hits: list[Hit]) -> list[Hi
     points = {point.id: point for point in own.arm.points}
     sensors = list(dict.fromkeys(hit.sensor_point for hit in hits))
     rate_hz = float(session.header.plan.sampling.rate_hz)
-    model, data, n_steps = standing_model(own, sensors, _angles(hits), rate_hz)
+    angles, sensor_kg = _angles(hits), session.header.plan.sensor.mass_kg
+    bare, _, n_steps = standing_model(own, sensors, angles, rate_hz)
+    mounted = {name: _with_mass(bare, own, angles, name, sensor_kg) for name in sensors}
     force, acceleration, columns = active_channels(session)
     control, starts = [], []
     state = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    start = np.zeros(mujoco.mj_stateSize(model, state))
-    mujoco.mj_getState(model, data, start, state)
     for hit in hits:
+        model, data = mounted[hit.sensor_point]
+        start = np.zeros(mujoco.mj_stateSize(model, state))
+        mujoco.mj_getState(model, data, start, state)
         newtons = force.scale * hit.counts[:, columns[0]].astype(np.float64)
         newtons = newtons - np.median(newtons)
         load = _load(mujoco, model, data, own, points[hit.hit_point], hit.hit_direction)
@@ -102,8 +108,8 @@ def _of_posture(session: Session, own: SimulatedArm, hits: list[Hit]) -> list[Hi
     longest = max(len(own_control) for own_control in control)
     padded = np.array([np.pad(c, ((0, longest - len(c)), (0, 0))) for c in control])
     _, readings = rollout.rollout(
-        [model] * len(hits),
-        [mujoco.MjData(model) for _ in range(_THREADS)],
+        [mounted[hit.sensor_point][0] for hit in hits],
+        [mujoco.MjData(bare) for _ in range(_THREADS)],
         np.array(starts),
         padded,
         control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED),
@@ -114,7 +120,7 @@ def _of_posture(session: Session, own: SimulatedArm, hits: list[Hit]) -> list[Hi
             "in MuJoCo's own viewer"
         )
     found = []
-    first = int(model.nsensordata) - 3 * len(sensors)  # the user's own come before
+    first = int(bare.nsensordata) - 3 * len(sensors)  # the user's own come before
     for hit, of in zip(hits, readings, strict=True):
         at = first + 3 * sensors.index(hit.sensor_point)
         seen = of[: len(hit.counts) * n_steps : n_steps, at : at + 3]
@@ -153,6 +159,26 @@ def standing_model(
     return model, data, n_steps
 
 
+def _with_mass(
+    bare: Any, own: SimulatedArm, angles: Array, sensor: str, mass_kg: float
+) -> tuple[Any, Any]:
+    """Model and data of the arm at rest with an accelerometer's mass at one of the points."""
+    mujoco: Any = own.mujoco
+    model = copy(bare)
+    carrier = model.body(_carrier(sensor)).id
+    model.body_mass[carrier] = mass_kg
+    model.body_inertia[carrier] = mass_kg * _SENSOR_M**2
+    data = mujoco.MjData(model)
+    mujoco.mj_setConst(model, data)
+    mujoco.mj_resetData(model, data)  # which the constants have moved
+    _rest(mujoco, model, data, own, angles)
+    return model, data
+
+
+def _carrier(point: str) -> str:
+    return f"armodal_at_{point}"
+
+
 def _angles(hits: list[Hit]) -> Array:
     read = [
         reading.joints_rad
@@ -180,7 +206,11 @@ def _add_sensor(mujoco: Any, spec: Any, own: SimulatedArm, point: Point) -> None
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, np.ascontiguousarray(R).reshape(9))
     holder = spec.worldbody if body == "world" else spec.body(body)
-    holder.add_site(name=f"armodal_point_{point.id}", pos=at, quat=quat)
+    carrier = holder.add_body(name=_carrier(point.id), pos=at, quat=quat)
+    carrier.explicitinertial, carrier.mass = True, _NOTHING
+    carrier.ipos, carrier.iquat = np.zeros(3), [1.0, 0.0, 0.0, 0.0]
+    carrier.inertia = np.full(3, _NOTHING * _SENSOR_M**2)
+    carrier.add_site(name=f"armodal_point_{point.id}")
     spec.add_sensor(
         name=f"armodal_sensor_{point.id}",
         type=mujoco.mjtSensor.mjSENS_ACCELEROMETER,

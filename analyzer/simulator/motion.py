@@ -9,7 +9,7 @@ the highest.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,18 +21,21 @@ import scipy.interpolate
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.export.exported import BELOW_HZ
 from armodal.analyzer.simulator.beside import simulated_arm
+from armodal.analyzer.simulator.encoder_noise import read_by_noise
 from armodal.analyzer.simulator.in_time import HELD, SimulatedArm, standing_model
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.foreign.motion_log import MotionLog
 
-__all__ = ["PointBeside", "beside_motion"]
+__all__ = ["FOLLOWS", "PointBeside", "beside_motion"]
 
 Array = npt.NDArray[np.float64]
 
+FOLLOWS = "the drives follow the commands"
 _BELOW, _ABOVE = 1 / 3, 1.5  # of the lowest and the highest mode
 _OF_RATE = 0.4  # the band ends below half the rate
 _ORDER = 4
+_NOISY = 0.5  # of what a sensor reads, that the angles' noise alone may make it read
 _SETTLED = 2.0  # periods of the band's low end that filters and start take, at both ends
 
 
@@ -43,6 +46,7 @@ class PointBeside:
     point: str
     error_before: float  # rms of the difference over the rms of the measured, three axes
     error_after: float
+    moved: float  # rms of the corrected arm's reading over the measured's
     band_hz: tuple[float, float]
     axis: int  # of the sensor, on which the plain arm is furthest off
     time_s: Array  # (n,)
@@ -64,7 +68,8 @@ def beside_motion(
     Raises
     ------
     ArmError, EstimateError
-        If the file is not of this arm, the log is too short or too slow, or the simulation fails.
+        If the file is not of this arm, the log is too short, too slow or too noisy, or the
+        simulation fails.
     """
     _check_arms(log, plain, corrected)
     band_hz = _band(log, corrected)
@@ -74,6 +79,7 @@ def beside_motion(
             f"wanted a log of at least {4 * n / log.rate_hz:.2g} s, of which the first and the "
             f"last {n / log.rate_hz:.2g} s settle, got {len(log.angles_rad) / log.rate_hz:.2g} s"
         )
+    log = _quiet(log, corrected, band_hz, tell)
     inner = slice(n, -n)
     found = {}
     for when, arm in (("plain", plain), ("corrected", corrected)):
@@ -96,6 +102,7 @@ def beside_motion(
                 point=point,
                 error_before=float(np.linalg.norm(before - own)) / size,
                 error_after=float(np.linalg.norm(after - own)) / size,
+                moved=float(np.linalg.norm(after)) / size,
                 band_hz=band_hz,
                 axis=axis,
                 time_s=np.arange(n, n + len(own)) / log.rate_hz,
@@ -132,6 +139,30 @@ def _band(log: MotionLog, arm: Arm) -> tuple[float, float]:
             f"arm's lowest mode, got {log.slowest_hz:.0f}"
         )
     return float(low), float(min(high, _OF_RATE * log.slowest_hz))
+
+
+def _quiet(
+    log: MotionLog, arm: Arm, band_hz: tuple[float, float], tell: Callable[[str], None]
+) -> MotionLog:
+    """The log, its drives following commands where the encoders' noise would drown the motion."""
+    for point, measured in log.acceleration_m_s2.items():
+        own = _filtered(measured, log.rate_hz, band_hz)
+        reads = float(np.sqrt((own**2).sum(axis=1).mean()))
+        noise = read_by_noise(arm, log.angles_rad, log.rate_hz, band_hz, point)
+        if noise <= _NOISY * reads:
+            continue
+        said = (
+            f"the angles' noise alone makes the accelerometer at point {point} read {noise:.2g} "
+            f"m/s² in the band, where it reads {reads:.2g}"
+        )
+        if log.encoder_rad is None or log.command_rad is None:
+            raise EstimateError(
+                f"wanted angles that move the arm more than they are noisy, got {said}; log a "
+                "faster move, finer angles, or the commands"
+            )
+        tell(f"{FOLLOWS}: {said}")
+        return _quiet(replace(log, encoder_rad=None), arm, band_hz, tell)
+    return log
 
 
 def _filtered(values: Array, rate_hz: float, band_hz: tuple[float, float]) -> Array:

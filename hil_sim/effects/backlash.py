@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.elements import Gap
@@ -13,7 +15,7 @@ __all__ = ["Backlash"]
 
 
 class Backlash(BaseEffect):
-    """The joint's spring does nothing over `2 half_rad`.
+    """The part `part` of the joint's spring does nothing over `2 half_rad`.
 
     The arm's weight lays the teeth on one side; only what swings back through the torque at rest
     crosses the play.
@@ -22,14 +24,15 @@ class Backlash(BaseEffect):
     kind: Literal["backlash"]
     joint: str
     half_rad: Positive
+    part: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
 
     def act(self, terms: LinearTerms) -> None:
         """Open the play about the load of the posture."""
         terms.elements.append(
             Gap(
                 row=terms.stretch_of(self.joint),
-                k=terms.springs[self.joint].k,
+                k=self.part * terms.springs[self.joint].k,
                 half=self.half_rad,
-                load=-terms.load[self.joint],
+                load=-self.part * terms.load[self.joint],
             )
         )

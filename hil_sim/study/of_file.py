@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from armodal.hil_sim.effects.bearing import across
 from armodal.hil_sim.streams import stream
+from armodal.hil_sim.study.laws_of_file import LAWS, Unlike, compensator
 from armodal.hil_sim.study.model_error import INTERFACE_LOSS_S, Tables
 from armodal.hil_sim.study.plant_of_arm import rotations
 from armodal.protocols.arm.records import AddedEffect, Arm
@@ -100,6 +101,8 @@ def with_file_effects(tables: Tables, arm: Arm, seed: int) -> Tables:
             twin(own, made)
         except KeyError as missing:
             faults.append(f"{effect.name} ({effect.place}), which lacks {missing.args[0]}")
+        except Unlike as what:
+            faults.append(f"{effect.name} ({effect.place}): it has no {what}")
     if faults:
         raise PlantError(
             f"arm '{arm.name}': wanted effects that the simulated laboratory has too, got "
@@ -353,6 +356,17 @@ def _load_damping(own: _Read, made: _Made) -> None:
     )
 
 
+def _law(law: Callable[..., Tables], own: _Read, made: _Made) -> None:
+    joint = next(j for j in own.arm.joints if j.name == own.effect.place)
+    made.effects.append(law(own.effect, own.sizes, joint))
+
+
+def _compensator(own: _Read, made: _Made) -> None:
+    joint = next(j for j in own.arm.joints if j.name == own.effect.place)
+    axis = own.link(joint.link.name) @ np.asarray(joint.axis)
+    made.effects.append(compensator(own.sizes, joint, axis))
+
+
 def _two_joints(own: _Read) -> tuple[Any, Any]:
     joints = own.arm.joints
     pairs = ((a, b) for a in joints for b in joints)
@@ -366,6 +380,8 @@ def _three(values: object) -> Array:
 
 
 _TWINS: dict[str, Callable[[_Read, _Made], None]] = {
+    **{name: partial(_law, law) for name, law in LAWS.items()},
+    "gravity_compensator": _compensator,
     "base": _base,
     "bearing": _bearing,
     "coupling": _coupling,

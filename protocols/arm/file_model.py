@@ -103,6 +103,7 @@ class InertialStdTable(FileModel):
     mass: Relative
     inertia: Relative
     center_m: Annotated[float, Field(gt=0.0, le=1.0)]
+    guessed: bool = False
 
 
 class JointTable(FileModel):
@@ -201,6 +202,7 @@ class TolerancesTable(FileModel):
     mass: Relative
     inertia: Relative
     center_m: Annotated[float, Field(gt=0.0, le=1.0)]
+    guessed: bool = False
     encoder_offset_deg: SmallAngleDeg
     sensor_tilt_deg: SmallAngleDeg
     sensor_gain: Relative

@@ -271,7 +271,9 @@ def _joint(
         damping=None if c is None else Estimate(value=c.value, std=c.std, source=c.source),
         inertial_std=None
         if std is None
-        else InertialStd(mass=std.mass, inertia=std.inertia, center_m=std.center_m),
+        else InertialStd(
+            mass=std.mass, inertia=std.inertia, center_m=std.center_m, guessed=std.guessed
+        ),
     )
 
 

@@ -56,6 +56,7 @@ class InertialStd:
     mass: float  # relative
     inertia: float  # relative, of the principal moments
     center_m: float  # along each axis
+    guessed: bool = False  # the inertial comes from the link's shape, from no description
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,12 +2,14 @@
 
     time_s, JOINT_command_deg, JOINT_encoder_deg, ..., acc_POINT_x_m_s2, _y_, _z_, ...
 
-Every joint has an encoder or a command column, or both; the unit is in the name.
+Every joint has an encoder or a command column, or both; the unit is in the name. Tables that
+Universal Robots' RTDE client records have names and units of their own (`motion_rtde`).
 """
 
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ import numpy.typing as npt
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.motion_log import FEWEST_ROWS, MotionLog, check_motion
+from armodal.protocols.foreign.motion_rtde import TOOL_ACCELEROMETER, is_rtde, rtde_columns
 from armodal.protocols.toml_reader import read_text
 
 __all__ = ["read_motion_csv"]
@@ -24,11 +27,17 @@ Array = npt.NDArray[np.float64]
 
 _EVEN = 0.1  # of a period that a time may be off: the angles are differentiated twice
 _LIMIT = 500_000_000  # bytes
+_SHOWN = 24  # columns that are told of a faulty table
 _NAMED = 5  # faults of one kind that are told by row
 
 
-def read_motion_csv(path: Path, arm: Arm) -> MotionLog:
+def read_motion_csv(path: Path, arm: Arm, roles: Mapping[str, str] | None = None) -> MotionLog:
     """Read a log of an arm's motion.
+
+    Parameters
+    ----------
+    roles
+        Of an RTDE table: the test point that `actual_tool_accelerometer` is at.
 
     Raises
     ------
@@ -37,10 +46,18 @@ def read_motion_csv(path: Path, arm: Arm) -> MotionLog:
         even, or a joint is where it cannot be; all faults of the columns, or of the rows, at once.
     """
     text = read_text(path, what="log of motion", limit_bytes=_LIMIT, error=ForeignFileError)
-    rows = [row for row in csv.reader(text.splitlines()) if row]
+    lines = text.splitlines()
+    spaced = bool(lines) and "," not in lines[0]
+    rows = [line.split() for line in lines] if spaced else list(csv.reader(lines))
+    rows = [row for row in rows if row]
     names = [name.strip() for name in rows[0]] if rows else []
-    _check_columns(path, names, arm)
-    values = _values(path, names, rows[1:])
+    scale = [1.0] * len(names)
+    rtde = is_rtde(names)
+    _check_roles(path, roles or {}, rtde=rtde)
+    if rtde:
+        names, scale = rtde_columns(names, arm, roles or {})
+    _check_columns(path, names, arm, rtde=rtde)
+    values = _values(path, names, rows[1:]) * scale
     column = dict(zip(names, values.T, strict=True))
     time = column["time_s"]
     step = float(np.median(np.diff(time)))
@@ -75,7 +92,17 @@ def _of_point(point: str) -> list[str]:
     return [f"acc_{point}_{axis}_m_s2" for axis in "xyz"]
 
 
-def _check_columns(path: Path, names: list[str], arm: Arm) -> None:
+def _check_roles(path: Path, roles: Mapping[str, str], *, rtde: bool) -> None:
+    others = [f"{role}={topic}" for role, topic in roles.items() if topic != TOOL_ACCELEROMETER]
+    if (roles and not rtde) or others:
+        raise ForeignFileError(
+            f"{path.name}: wanted --topic with an MCAP file or a rosbag, or as "
+            f"POINT={TOOL_ACCELEROMETER} with an RTDE table, got it with a CSV log"
+            f"{': ' + ', '.join(others) if others else ''}"
+        )
+
+
+def _check_columns(path: Path, names: list[str], arm: Arm, *, rtde: bool) -> None:
     faults = []
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -91,13 +118,18 @@ def _check_columns(path: Path, names: list[str], arm: Arm) -> None:
         faults.append(f"angles of all joints, without {', '.join(least)}")
     if not any(set(_of_point(point.id)) <= set(names) for point in arm.points):
         faults.append(
-            "an accelerometer at a test point of the arm, as acc_POINT_x_m_s2, acc_POINT_y_m_s2, "
-            "acc_POINT_z_m_s2"
+            f"the tool's accelerometer and the test point that it is at, --topic "
+            f"POINT={TOOL_ACCELEROMETER}"
+            if rtde
+            else "an accelerometer at a test point of the arm, as acc_POINT_x_m_s2, "
+            "acc_POINT_y_m_s2, acc_POINT_z_m_s2"
         )
     if faults:
+        more = len(names) - _SHOWN
+        seen = f"{', '.join(names[:_SHOWN]) or 'none'}{f' and {more} more' if more > 0 else ''}"
         raise ForeignFileError(
-            f"{path.name}: wanted {'; '.join(faults)}; got the columns "
-            f"{', '.join(names) or 'none'}; name them so, with these units"
+            f"{path.name}: wanted {'; '.join(faults)}; got the columns {seen}; name them so, with "
+            "these units"
         )
 
 

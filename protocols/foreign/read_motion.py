@@ -23,7 +23,8 @@ def read_motion_log(path: Path, arm: Arm, roles: Mapping[str, str] | None = None
     Parameters
     ----------
     roles
-        Of MCAP files and rosbags: topics by `encoder`, `command` or a test point.
+        Of MCAP files and rosbags: topics by `encoder`, `command` or a test point. Of an RTDE table:
+        `actual_tool_accelerometer` by a test point.
 
     Raises
     ------
@@ -37,8 +38,4 @@ def read_motion_log(path: Path, arm: Arm, roles: Mapping[str, str] | None = None
         if not path.exists():
             raise ForeignFileError(f"{path}: wanted a log of motion, found no such file")
         return log_of_streams(streams_of(path), path.name, arm, roles or {})
-    if roles:
-        raise ForeignFileError(
-            f"{path.name}: wanted --topic with an MCAP file or a rosbag, got it with a CSV log"
-        )
-    return read_motion_csv(path, arm)
+    return read_motion_csv(path, arm, roles)

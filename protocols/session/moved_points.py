@@ -18,7 +18,14 @@ from armodal.protocols.arm.rewrite import text_with_point
 from armodal.protocols.errors import ArmodalError, JournalError
 from armodal.protocols.session.journal_payloads import Mark, MarkKind
 
-__all__ = ["MOVED", "arm_with_moves", "arm_with_point", "move_note", "move_words"]
+__all__ = [
+    "MOVED",
+    "arm_with_moves",
+    "arm_with_point",
+    "move_note",
+    "move_words",
+    "moved_points",
+]
 
 MOVED = "point moved: "
 
@@ -63,15 +70,18 @@ def arm_with_moves(arm: Arm, marks: Iterable[Mark]) -> Arm:
     return arm
 
 
+def moved_points(arm: Arm, moved: Arm) -> tuple[Point, ...]:
+    """Return the points that are elsewhere in the second arm, where they are there."""
+    pairs = zip(arm.points, moved.points, strict=True)
+    return tuple(new for old, new in pairs if not np.array_equal(old.position_m, new.position_m))
+
+
 def move_words(arm: Arm, moved: Arm) -> tuple[str, ...]:
     """Say of each point that was moved by how much."""
     said = []
-    for old, new in zip(arm.points, moved.points, strict=True):
-        shift_m = float(np.linalg.norm(new.position_m - old.position_m))
-        if shift_m > 0.0:
-            said.append(
-                f"point {old.id} was moved by {1e3 * shift_m:.0f} mm before it was measured"
-            )
+    for new in moved_points(arm, moved):
+        shift_m = float(np.linalg.norm(new.position_m - arm.point(new.id).position_m))
+        said.append(f"point {new.id} was moved by {1e3 * shift_m:.0f} mm before it was measured")
     return tuple(said)
 
 

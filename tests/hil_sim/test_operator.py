@@ -22,6 +22,7 @@ class Place:
     def __init__(self, bench, directory):
         arm = known_arm()
         self.bench = bench
+        self.marked = []
         self.ledger_path = directory / "ledger.jsonl"
         self.ledger = LedgerWriter(self.ledger_path, arm.plant, seed=1, time_scale=1.0)
         self.operator = Operator(
@@ -34,6 +35,7 @@ class Place:
                 faults=bench.faults,
                 ledger=self.ledger,
                 mounted=arm.mounted,
+                mark=lambda point, marking: self.marked.append((point, marking)),
             ),
             clock=bench.clock,
             streams=partial(stream, 2),
@@ -105,6 +107,22 @@ def test_a_mount_takes_a_few_seconds(place):
     assert place.bench.cell.point == "2"
 
 
+def test_a_point_is_marked_where_it_is_asked_for_with_axes_at_right_angles(place):
+    line = place.connect()
+    request = {"do": "mark", "point": "2", "position_m": [0.1, 0, 0.2]}
+    request |= {"normal": [0, 0, 2.0], "x_axis": [3.0, 0, 1.0]}
+    assert place.ask(line, request, 2.5) == {"done": True, "do": "mark", "point": "2"}
+    ((point, marking),) = place.marked
+    assert point == "2"
+    assert marking.position_m == (0.1, 0.0, 0.2)
+    np.testing.assert_allclose(marking.normal, [0.0, 0.0, 1.0])
+    np.testing.assert_allclose(marking.x_axis, [1.0, 0.0, 0.0])
+    (event,) = read_ledger(place.ledger_path).of("mark")
+    assert event["position_m"] == [0.1, 0.0, 0.2]
+    answer = place.ask(line, request | {"x_axis": [0, 0, 1.0]}, 0.1)
+    assert "two directions that differ" in answer["error"]
+
+
 def test_a_hit_lies_between_samples_and_is_answered_after_it(place):
     place.bench.cell.start_sampling(1000)
     line = place.connect()
@@ -139,8 +157,8 @@ def test_the_answers_keep_the_truth_to_themselves(place):
         (b"[1, 2]", "wanted an object"),
         (b"\xff\xfe", "one line of JSON"),
         (b"[" * 60_000, "one line of JSON"),
-        (b'{"do": "dance"}', "posture, mount, hit, hit-mass or fault"),
-        (b'{"do": ["mount"]}', "posture, mount, hit, hit-mass or fault"),
+        (b'{"do": "dance"}', "posture, mount, hit, hit-mass, mark or fault"),
+        (b'{"do": ["mount"]}', "posture, mount, hit, hit-mass, mark or fault"),
         (b'{"do": "mount", "point": "99"}', "wanted a test point"),
         (b'{"do": "mount", "point": ["1"]}', "wanted a test point"),
         (b'{"do": "posture", "joints_deg": [1, 2]}', "list of 6 numbers"),

@@ -7,8 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from support.modal_response import modal_response
 
+from armodal.hil_sim.arm_in_cell import arm_in_cell
 from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
 from armodal.hil_sim.hand import Blow, Pulse
+from armodal.hil_sim.marked_point import with_point
 from armodal.hil_sim.newton_euler import (
     inverse_dynamics,
     mass_matrix,
@@ -16,11 +18,13 @@ from armodal.hil_sim.newton_euler import (
     point_jacobian,
     with_point_mass,
 )
+from armodal.hil_sim.operator import Marking
 from armodal.hil_sim.plant import build_plant, load_plant
 from armodal.hil_sim.ringing import force_history
 from armodal.hil_sim.small_motion import Mounting, force_torque, linearise
 from armodal.hil_sim.source import SensorSource
 from armodal.hil_sim.streams import stream
+from armodal.protocols.errors import PlantError
 
 RATE = Fraction(51_200, 31)
 POSTURE = np.deg2rad([-25.0, 90.0, 0.0, 0.0, 90.0, 0.0])
@@ -321,3 +325,57 @@ def test_a_freely_hung_mass_moves_by_force_over_mass_along_z():
         1.0 / mass_kg, rel=1e-3
     )
     assert np.abs(units[:, 1:3]).max() < 1e-3 * np.abs(units[:, 3]).max()
+
+
+@pytest.mark.parametrize("moved", ["1", "5"])
+def test_a_point_marked_anew_is_hit_and_measured_where_it_is(quiet, moved):
+    """Against a source whose arm had the point there from the beginning."""
+    old = quiet.point(moved)
+    marking = Marking(
+        position_m=tuple(old.position_m + 0.03 * old.R_link_sensor[:, 0]),
+        normal=tuple(old.R_link_sensor[:, 1]),
+        x_axis=tuple(old.R_link_sensor[:, 2]),
+    )
+    elsewhere = with_point(quiet, moved, marking)
+    late, early, still = (
+        SensorSource(quiet, RATE, partial(stream, 1)),
+        *(SensorSource(plant, RATE, partial(stream, 1)) for plant in (elsewhere, quiet)),
+    )
+    counts = []
+    for source in (late, early, still):
+        source.set_posture(POSTURE)
+        if source is late:
+            source.take_points(elsewhere)
+        source.mount("5")
+        source.strike(3.4, blow_of())
+        counts.append(source.read(400))
+    np.testing.assert_array_equal(counts[0], counts[1])
+    assert np.abs(counts[0] - counts[2])[:, 1:].max() > 100
+
+
+def test_a_sensor_that_sits_on_a_point_is_taken_along_when_it_is_marked_anew(quiet):
+    old = quiet.point("5")
+    R = old.R_link_sensor
+    marking = Marking(
+        position_m=tuple(old.position_m), normal=tuple(-R[:, 2]), x_axis=tuple(R[:, 0])
+    )
+    turned = with_point(quiet, "5", marking)
+    hands = arm_in_cell(quiet, seed=1)
+    source = hands.make_source(RATE)
+    source.set_posture(POSTURE)
+    source.mount("5")
+    before = np.array(hands.mounted()["R_link_sensor"])
+    hands.mark("5", marking)
+    after = np.array(hands.mounted()["R_link_sensor"])
+    tilt = np.deg2rad(10.0 * quiet.truth.accelerometer.mount_tilt_deg + 1e-6)
+    assert np.arccos(before[:, 2] @ after[:, 2]) > np.pi - 2.0 * tilt
+    assert after[:, 0] @ turned.point("5").R_link_sensor[:, 0] > np.cos(tilt)
+
+
+def test_a_point_that_the_arm_has_not_and_a_place_without_axes_are_refused(quiet):
+    marking = Marking(position_m=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0), x_axis=(1.0, 0.0, 0.0))
+    with pytest.raises(PlantError, match="no test point '99'"):
+        with_point(quiet, "99", marking)
+    crooked = replace(marking, x_axis=(0.0, 0.6, 0.8))
+    with pytest.raises(PlantError, match="at right angles"):
+        with_point(quiet, "1", crooked)

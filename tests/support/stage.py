@@ -12,6 +12,7 @@ from support.screen import Notices
 from textual.pilot import Pilot
 
 from armodal.daq.commands import Command
+from armodal.daq.settings import AcquisitionSettings
 from armodal.tui.screens.run import app
 from armodal.tui.screens.run.collector import CalmCollector
 from armodal.tui.screens.run.engine import Engine
@@ -32,6 +33,9 @@ class StageEngine(Engine):
 
     def send(self, command: Command) -> None:
         self._stage.sent.append(command)
+
+    def watch(self, settings: AcquisitionSettings) -> None:
+        """There is no process that could watch."""
 
     def hear(self) -> None:
         while self._stage.unheard:

@@ -22,8 +22,8 @@ def link_rows(bodies: Sequence[ArmBody], guessed: Collection[str]) -> list[dict[
             "link": body.name,
             "size_m": body.seen.size_m,
             "hull_l": 1e3 * volume,
-            "shape": "described" if body.drawn else "capsule",
-            "inertial": "guessed" if body.name in guessed else "described",
+            "shape": "drawn" if body.drawn else "capsule",
+            "inertial": "guessed" if body.name in guessed else "given",
             "mass_kg": None,
             "density_kg_m3": None,
             "gyration_m": None,
@@ -43,15 +43,17 @@ def link_rows(bodies: Sequence[ArmBody], guessed: Collection[str]) -> list[dict[
 
 def link_table(rows: Sequence[dict[str, Any]]) -> Table:
     """The rows for people."""
-    table = Table(title="Links as described: mass over convex hull, largest radius of gyration")
-    for column in ("link", "size m", "hull l", "mass kg", "kg/m³", "gyration m", "used"):
-        table.add_column(column, justify="left" if column in {"link", "used"} else "right")
+    table = Table(
+        title="Links: mass over convex hull, largest radius of gyration, where the inertial is from"
+    )
+    for column in ("link", "size m", "hull l", "mass kg", "kg/m³", "gyration m", "inertial"):
+        table.add_column(column, justify="left" if column in {"link", "inertial"} else "right")
     for row in rows:
         gyration = row["gyration_m"]
         table.add_row(
             row["link"],
             f"{row['size_m']:.3f}",
-            f"{row['hull_l']:.3g}" + ("" if row["shape"] == "described" else " capsule"),
+            f"{row['hull_l']:.3g}" + ("" if row["shape"] == "drawn" else " capsule"),
             "-" if row["mass_kg"] is None else f"{row['mass_kg']:.3g}",
             "-" if row["density_kg_m3"] is None else f"{row['density_kg_m3']:.0f}",
             "-" if gyration is None else f"{max(gyration):.3f}",

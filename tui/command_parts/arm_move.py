@@ -12,6 +12,7 @@ import typer
 from armodal.analyzer.own_arm.bodies import ArmBody
 from armodal.analyzer.own_arm.moving import measured_on_surface, on_surface
 from armodal.analyzer.own_arm.of_arm import bodies_of_arm
+from armodal.analyzer.own_arm.towards import step_towards
 from armodal.protocols.arm.files import load_arm, shipped_arms
 from armodal.protocols.arm.records import Arm, Point
 from armodal.protocols.arm.rewrite import text_with_point
@@ -31,7 +32,10 @@ def move_command(
     point: Annotated[str, typer.Argument(help="Id of the point.")],
     by: Annotated[str | None, typer.Option(help="Offset dx,dy,dz in the link's frame, m.")] = None,
     towards: Annotated[
-        str | None, typer.Option(help="POINT:METRES: move it that far towards another point.")
+        str | None,
+        typer.Option(
+            help="POINT:METRES or JOINT:METRES: so far towards a point or a joint's axis."
+        ),
     ] = None,
     distances: Annotated[
         str | None,
@@ -94,8 +98,10 @@ def _pairs(text: str, option: str, count: int) -> list[tuple[str, float]]:
 
 def _step(arm: Arm, old: Point, text: str) -> Array:
     ((name, metres),) = _pairs(text, "--towards", 1)
-    way = _of_link(arm, old, name, "--towards").position_m - old.position_m
-    return np.asarray(way * (metres / max(float(np.linalg.norm(way)), 1e-9)))
+    try:
+        return step_towards(arm, old, name, metres)
+    except ArmError as problem:
+        raise ArmError(f"--towards: {problem}") from None
 
 
 def _measured(arm: Arm, old: Point, body: ArmBody, text: str) -> tuple[Array, Array]:

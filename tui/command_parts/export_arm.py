@@ -24,9 +24,6 @@ __all__ = ["export_arm", "print_export"]
 
 _POSTURES = 20
 _AGREE = 2e-3  # relative: what a simulator's frequency may differ by
-# What it may where pieces of a link are no bodies in the arm file's equations: as much as a tenth
-# of the mass moves a frequency. How much it is, is said.
-_APPROXIMATE = 5e-2
 
 
 def export_arm(
@@ -130,19 +127,12 @@ def _write_mjcf(
         compared = compare_frequencies(
             ready.correction, ready.tree, mujoco, model, n_postures=_POSTURES, below_hz=BELOW_HZ
         )
-        allowed = _APPROXIMATE if ready.tree.moved_m > 0.0 else _AGREE
-        if compared.largest > allowed:
+        if compared.largest > _AGREE:
             raise ArmError(
-                f"{path}: wanted MuJoCo's frequencies within {100 * allowed:.1f} % of the arm "
+                f"{path}: wanted MuJoCo's frequencies within {100 * _AGREE:.1f} % of the arm "
                 f"file's, got {100 * compared.largest:.2f} % in {_POSTURES} postures; nothing was "
                 f"written. {'; '.join(notes) or 'Check the arm file'}"
             )
-        if compared.largest > _AGREE:
-            said = (
-                "approximate: MuJoCo's frequencies are off the arm file's by up to "
-                f"{100 * compared.largest:.2g} %, in a mode at {compared.largest_hz:.0f} Hz"
-            )
-            notes = (*notes, said)
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)

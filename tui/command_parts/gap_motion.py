@@ -9,7 +9,7 @@ import numpy as np
 from rich.table import Table
 
 from armodal.analyzer.export.by_mujoco import load_mujoco
-from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.motion import FOLLOWS, PointBeside, beside_motion
 from armodal.analyzer.simulator.motion_page import motion_page
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ForeignFileError
@@ -19,6 +19,9 @@ from armodal.protocols.text_file import replace_text
 from armodal.tui.console import out, print_json, say, say_next
 
 __all__ = ["show_motion"]
+
+_LITTLE = 0.3  # of what a sensor reads: hardly the drives' motion
+_TOLD = 8  # columns that are not used
 
 
 def show_motion(
@@ -44,13 +47,25 @@ def show_motion(
         If the log is faulty, or the model is not of this arm.
     """
     log = read_motion_log(motion, corrected, _roles(topics))
-    rows = beside_motion(log, plain, corrected, model, load_mujoco(), say)
-    notes = _notes(log)
+    said: list[str] = []
+
+    def tell(text: str) -> None:
+        said.append(text)
+        say(text)
+
+    rows = beside_motion(log, plain, corrected, model, load_mujoco(), tell)
+    follows = [text for text in said if text.startswith(FOLLOWS)]
+    notes = [*follows, *_notes(log, follows_commands=bool(follows)), *_unmoved(rows)]
     if html is not None:
         replace_text(html, motion_page(corrected.name, rows, notes))
     if as_json:
         points = [
-            {"point": r.point, "error_before": r.error_before, "error_after": r.error_after}
+            {
+                "point": r.point,
+                "error_before": r.error_before,
+                "error_after": r.error_after,
+                "simulated_over_measured": r.moved,
+            }
             for r in rows
         ]
         band = list(rows[0].band_hz)
@@ -70,6 +85,15 @@ def show_motion(
     if html is not None:
         out.print(f"page {html}")
     say_next("export ARM --mjcf OUT --from YOURS", "writes the corrected model")
+
+
+def _unmoved(rows: Sequence[PointBeside]) -> list[str]:
+    return [
+        f"the drives' motion makes the sensor at point {row.point} read {100 * row.moved:.0f} % of "
+        "what it reads: the arm stands, or something else shakes it"
+        for row in rows
+        if row.moved < _LITTLE
+    ]
 
 
 def _roles(topics: Sequence[str]) -> dict[str, str]:
@@ -95,11 +119,11 @@ def _roles(topics: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _notes(log: MotionLog) -> list[str]:
+def _notes(log: MotionLog, *, follows_commands: bool) -> list[str]:
     notes = []
     if log.encoder_rad is None:
         notes.append("no encoder angles of all joints: the drives follow the commands exactly")
-    elif log.command_rad is not None:
+    elif log.command_rad is not None and not follows_commands:
         off = np.rad2deg(np.sqrt(np.mean((log.encoder_rad - log.command_rad) ** 2, axis=0)))
         notes.append(
             f"the drives follow the encoders; they are off the commands by {off.max():.2g} deg rms "
@@ -111,5 +135,7 @@ def _notes(log: MotionLog) -> list[str]:
             "band ends by the slowest"
         )
     if log.unused:
-        notes.append(f"not used: {', '.join(log.unused)}")
+        more = len(log.unused) - _TOLD
+        told = f"{', '.join(log.unused[:_TOLD])}{f' and {more} more' if more > 0 else ''}"
+        notes.append(f"not used: {told}")
     return [*notes, *log.notes]

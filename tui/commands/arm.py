@@ -152,7 +152,7 @@ def check_command(
     Example: armodal arm check my-arm/my-arm.toml --mass 28
     """
     said = Remarks()
-    path = Path(arm)
+    path, guessed = Path(arm), []
     if path.suffix.lower() in _DESCRIBED:
         wanted = _wanted(tip, mass, None, packages, arg, no_meshes, keep_inertials=False)
         chain, bodies, _ = looked_at(path, wanted, said)
@@ -163,7 +163,8 @@ def check_command(
         home = ARMS_DIRECTORY if arm in shipped_arms() else path.parent
         bodies = checked_bodies(the_arm, home, said)
         doubted(bodies, said, total_kg=mass)
-    rows = link_rows(bodies, ())
+        guessed = [j.link.name for j in the_arm.joints if j.inertial_std and j.inertial_std.guessed]
+    rows = link_rows(bodies, guessed)
     doubts = said.of("doubt")
     if as_json:
         print_json({"arm": shown_name, "links": rows} | _remarks(said))

@@ -1,4 +1,4 @@
-"""`armodal reproduce`: the published figures of the three papers beside ours."""
+"""`armodal reproduce`: published figures of three papers and a later data set, beside ours."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rich.text import Text
 
 from armodal.analyzer.calibration.calibrate import Calibration
 from armodal.analyzer.calibration.from_file import calibrate_from_file
+from armodal.analyzer.reproduce.fanuc_2026 import figures_fanuc
 from armodal.analyzer.reproduce.file_000 import figures_000
 from armodal.analyzer.reproduce.file_001 import figures_001, own_inertias
 from armodal.analyzer.reproduce.file_002 import figures_002
@@ -35,6 +36,8 @@ PAPERS = {
     "approach (2019)",
     "002": "Modeling and identification of an industrial robot with a selective modal approach "
     "(2020)",
+    "003": "Stiffness-inertia dynamic synergy for breakthrough surge suppression in high-speed "
+    "robotic drilling (2026), its published data",
 }
 STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE: "dim"}
 
@@ -42,7 +45,7 @@ STYLES = {Status.DIFFERS: "red", Status.ERRATUM: "yellow", Status.NOT_DERIVABLE:
 def reproduce_papers(
     n_postures: int, tell: Callable[[str], None]
 ) -> tuple[list[Figure], list[FittedModel]]:
-    """Compute every figure of the three papers, and tell what the arms were fitted to."""
+    """Compute every figure of the papers, and tell what the arms were fitted to."""
     calibrated, predicting = load_arm("viper_s650"), load_arm("viper_s650-without-table4")
     bare = load_arm(TARGETS / "viper_s650-uncalibrated.toml")
     targets = load_inertia_targets(TARGETS / "viper_s650-without-table4.toml", bare)
@@ -55,6 +58,8 @@ def reproduce_papers(
     calibration = calibrate_from_file(bare, targets)
     tell(f"paper 002: five joints of the Viper, {n_postures} postures")
     figures += figures_002(calibrated, predicting, calibration, n_postures=n_postures)
+    tell("data set 003: a drilling FANUC R-2000iC")
+    figures += figures_fanuc(load_arm(TARGETS / "fanuc_r2000ic.toml"))
     more = load_inertia_targets(TARGETS / "viper_s650-with-table4.toml", bare)
     n_more = sum(len(modes.f_hz) + len(modes.damping_percent) for modes in more.modes)
     met = _n_figures(calibration)
@@ -157,7 +162,7 @@ def reproduce_command(
     postures: Annotated[int, typer.Option(min=1000, max=100_000_000)] = 1_000_000,
     as_json: Json = False,
 ) -> None:
-    """Compare figures of three published papers on modal tests of arms with armodal's own.
+    """Compare published figures of three papers and a later data set with armodal's own.
 
     Example: armodal reproduce --json
     """

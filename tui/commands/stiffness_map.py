@@ -94,7 +94,7 @@ def stiffness_map_command(
         q = np.array([wanted_posture(the_arm, angles) for angles in asked])
         if free_angle or axis is not None:
             free = stiffest_angle(ready, q, load, tool_m=tool, spin=axis)
-            found, figure = free.best, angle_figure(the_arm, free)
+            found, figure = free.together, angle_figure(the_arm, free)
         else:
             found = tool_stiffness(ready, q, load, tool_m=tool)
             figure = path_figure(the_arm, found)
@@ -146,15 +146,22 @@ def _check_free(*, plane: bool, free_angle: bool, axis: list[float] | None) -> N
 
 
 def _free_words(free: FreeAngle) -> list[str]:
-    gain = free.best.along_n_per_m / free.given.along_n_per_m
-    least, most = float(gain.min()), float(gain.max())
-    words = [f"at the best angle {least:.2f} to {most:.2f} times as stiff as in the given postures"]
-    steps = np.abs(np.diff(free.best.joints_rad, axis=0))
-    if steps.size:
-        words.append(
-            f"each pose by itself: from one to the next a joint turns by up to "
-            f"{np.rad2deg(steps.max()):.1f} deg"
+    words = []
+    several = len(free.given.along_n_per_m) > 1
+    ways = (("the whole path together", free.together), ("each pose by itself", free.best))
+    for name, own in ways if several else ways[1:]:
+        gain = own.along_n_per_m / free.given.along_n_per_m
+        mean = float(np.mean(1.0 / own.along_n_per_m) / np.mean(1.0 / free.given.along_n_per_m))
+        text = (
+            f"{name}: {gain.min():.2f} to {gain.max():.2f} times as stiff as in the given postures"
         )
+        if several:
+            turned = np.rad2deg(np.abs(np.diff(own.joints_rad, axis=0)).max())
+            text += (
+                f", {100 * (1.0 - mean):.0f} % less deflection on the mean; from pose to pose a "
+                f"joint turns by up to {turned:.1f} deg"
+            )
+        words.append(text)
     return words
 
 
@@ -162,7 +169,12 @@ def _free_json(free: FreeAngle) -> dict[str, Any]:
     return {
         "given_postures_deg": np.rad2deg(free.given.joints_rad).tolist(),
         "given_stiffness_along_n_per_m": free.given.along_n_per_m.tolist(),
-        "free_angle_deg": np.rad2deg(free.best_angle_rad).tolist(),
+        "free_angle_deg": np.rad2deg(free.together_angle_rad).tolist(),
+        "each_alone": {
+            "postures_deg": np.rad2deg(free.best.joints_rad).tolist(),
+            "stiffness_along_n_per_m": free.best.along_n_per_m.tolist(),
+            "free_angle_deg": np.rad2deg(free.best_angle_rad).tolist(),
+        },
     }
 
 

@@ -17,6 +17,7 @@ from armodal.analyzer.gap.model.lines_in_links import LineInLink, described_line
 from armodal.analyzer.gap.model.long_links import long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
+from armodal.analyzer.gap.model.spread import nearer
 
 __all__ = ["WORDS", "at_axis", "instances", "of_file", "splits"]
 
@@ -98,6 +99,7 @@ def at_axis(
             # Both pieces lie one behind the other along the link, their common centre the link's.
             shares = np.array([values[part], 1.0 - values[part]])
             offsets = values[spread] * np.outer([-shares[1], shares[0]], middles)
+            offsets *= nearer(ordinary.arm.joints[link].link, shares, offsets)
             assembly.pieces[link] = shares, offsets
             assembly.inside[at] = inside
 

@@ -13,6 +13,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
+from armodal.analyzer.gap.model.spread import nearer
 
 __all__ = ["given_way"]
 
@@ -34,7 +35,7 @@ def given_way(
     """A link whose compliance about each direction is spread over its length, 1/EI or 1/GJ.
 
     The link's mass is in pieces between the hinges, spread evenly over a part of its length about
-    its centre; points turn with the stretch they stand on.
+    its centre, as far as its own inertia allows; points turn with the stretch they stand on.
     """
     gamma, loss, spread = (
         f"{word} {what} {line.name}" for what in ("compliance", "loss", "spread")
@@ -52,9 +53,12 @@ def given_way(
     shares = np.diff(edges) / line.length_m
     middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
 
+    body, apart = ordinary.arm.joints[line.link].link, np.outer(middles, line.along)
+    most = nearer(body, shares, apart)
+
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         # A link that both bends and twists is in the same pieces.
-        offsets = values[spread] * np.outer(middles, line.along)
+        offsets = min(values[spread], most) * apart
         assembly.pieces.setdefault(line.link, (shares, offsets))
         for column, inside in hinges:
             at = assembly.add_compliance(

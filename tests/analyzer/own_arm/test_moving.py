@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from support.chain_arm import chain_arm
 
 from armodal.analyzer.own_arm.moving import by_distances
+from armodal.analyzer.own_arm.towards import step_towards
 from armodal.analyzer.own_arm.typed_move import typed_move
 from armodal.protocols.errors import ArmError
 
@@ -46,6 +47,32 @@ def test_what_is_typed_moves_a_point_along_its_sensor_towards_another_and_to_its
     np.testing.assert_allclose(
         moved.position_m, old.position_m + 0.03 * way / np.linalg.norm(way), atol=1e-12
     )
+
+
+@pytest.mark.parametrize("joint", [1, 2])
+def test_a_point_comes_nearer_to_the_axis_of_a_joint_at_either_end_by_what_is_typed(joint):
+    arm = chain_arm(2)
+    old = next(point for point in arm.points if point.link == "link 1")
+    near, far = arm.joints
+    origin, axis = np.zeros(3), near.axis
+    if joint == 2:
+        T = far.T_parent_joint
+        origin, axis = T[:3, 3], T[:3, :3] @ far.axis
+
+    def distance(place):
+        return float(np.linalg.norm(np.cross(axis, place - origin)))
+
+    moved = typed_move(arm, None, old.id, f"J{joint}:5")
+    assert distance(old.position_m) - distance(moved.position_m) == pytest.approx(0.005)
+    by_name = step_towards(arm, old, arm.joints[joint - 1].name, 0.005)
+    np.testing.assert_allclose(by_name, moved.position_m - old.position_m, atol=1e-15)
+
+
+def test_a_joint_that_is_not_at_the_links_ends_is_refused_by_those_that_are():
+    arm = chain_arm(3)
+    point = next(point for point in arm.points if point.link == "link 1")
+    with pytest.raises(ArmError, match=r"a joint at its ends"):
+        typed_move(arm, None, point.id, "J3:10")
 
 
 @pytest.mark.parametrize("typed", ["", "20", "far", "1:2:3", "20 nan", "4:30", "9:30", "1:3 2:3"])

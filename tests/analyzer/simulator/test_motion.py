@@ -11,9 +11,11 @@ from support.own_mjcf import own_mjcf
 from support.robot_files import box_stl
 
 from armodal.analyzer.simulator.beside import simulated_arm
+from armodal.analyzer.simulator.encoder_noise import read_by_noise
 from armodal.analyzer.simulator.in_time import standing_model
-from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.motion import FOLLOWS, beside_motion
 from armodal.analyzer.simulator.motion_page import motion_figure, motion_page
+from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.errors import ArmError, EstimateError
 
 mujoco = pytest.importorskip("mujoco")
@@ -85,6 +87,45 @@ def test_a_short_or_slow_log_is_refused(arm, model):
         beside_motion(
             replace(log, rate_hz=20.0, slowest_hz=20.0), arm, arm, model, mujoco, lambda _: None
         )
+
+
+def test_drives_follow_commands_where_encoders_are_too_noisy_and_without_them_it_is_refused(
+    arm, model
+):
+    corrected = with_effects(arm, axis("shoulder"))
+    log = logged(corrected)
+    noise = np.random.default_rng(1).normal(0.0, 1e-5, log.encoder_rad.shape)
+    noisy = replace(log, encoder_rad=log.encoder_rad + noise)
+    said = []
+    with pytest.raises(EstimateError, match="more than they are noisy"):
+        beside_motion(noisy, arm, corrected, model, mujoco, said.append)
+    assert said == []
+    commanded = replace(noisy, command_rad=log.encoder_rad)
+    (row,) = beside_motion(commanded, arm, corrected, model, mujoco, said.append)
+    assert said[0].startswith(FOLLOWS)
+    assert row.error_after < 0.02
+    assert row.moved == pytest.approx(1.0, abs=0.02)
+
+
+def test_noise_of_angles_is_told_as_what_their_second_derivative_reads(arm):
+    """Of white noise at one joint: twice differentiated in the band, times the lever."""
+    rng = np.random.default_rng(3)
+    angles = np.tile(Q, (20_000, 1))
+    angles[:, 0] += rng.normal(0.0, 1e-5, len(angles))
+    told = read_by_noise(arm, angles, RATE_HZ, (5.0, 50.0), POINT)
+    f = np.fft.rfftfreq(len(angles), 1.0 / RATE_HZ)
+    inside = (f > 5.0) & (f < 50.0)
+    turning = np.fft.irfft(
+        inside * (2.0 * np.pi * f) ** 2 * np.fft.rfft(angles[:, 0] - Q[0]), len(angles)
+    )
+    moved = (point_place(arm, POINT, Q + 1e-6 * np.eye(6)[0]) - point_place(arm, POINT, Q)) / 1e-6
+    # The floor is a median of some 20 segments' bins, each a chi-square of two degrees.
+    assert told == pytest.approx(np.std(turning) * np.linalg.norm(moved), rel=0.1)
+
+
+def point_place(arm, point_id, q):
+    point = arm.point(point_id)
+    return (link_pose(arm, point.link, q) @ [*point.position_m, 1.0])[:3]
 
 
 def test_meshes_of_the_user_are_found_from_the_user_s_folder(arm, tmp_path, monkeypatch):

@@ -100,3 +100,41 @@ def test_a_file_that_is_short_empty_or_not_there_is_one_message(arm, tmp_path):
     path.write_text("", encoding="utf-8")
     assert "got the columns none" in refused(path, arm)
     assert "log of motion" in refused(tmp_path / "none.csv", arm)
+
+
+RTDE = [
+    "timestamp",
+    *(f"target_q_{i}" for i in range(6)),
+    *(f"actual_q_{i}" for i in range(6)),
+    "robot_mode",
+    *(f"actual_tool_accelerometer_{i}" for i in range(3)),
+]
+
+
+def rtde_table(folder, arm, separator):
+    rng = np.random.default_rng(1)
+    values = np.column_stack([152.5 + 0.008 * np.arange(N), rng.normal(size=(N, 16))])
+    values[:, 1:13] *= 1e-4
+    values[:, 1:13] += np.tile([np.mean(joint.range_rad) for joint in arm.joints], 2)
+    path = folder / "robot_data.csv"
+    rows = [separator.join(RTDE), *(separator.join(map(repr, row)) for row in values.tolist())]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path, values
+
+
+@pytest.mark.parametrize("separator", [" ", ","])
+def test_a_table_of_universal_robots_rtde_client_is_read_in_its_own_units(arm, tmp_path, separator):
+    path, values = rtde_table(tmp_path, arm, separator)
+    log = read_motion_log(path, arm, {"1": "actual_tool_accelerometer"})
+    assert log.rate_hz == pytest.approx(125.0)
+    np.testing.assert_allclose(log.command_rad, values[:, 1:7], rtol=1e-15)
+    np.testing.assert_allclose(log.encoder_rad, values[:, 7:13], rtol=1e-15)
+    np.testing.assert_array_equal(log.acceleration_m_s2["1"], values[:, 14:])
+    assert log.unused == ("robot_mode",)
+
+
+def test_of_an_rtde_table_it_is_asked_where_the_accelerometer_is(arm, tmp_path):
+    path, _ = rtde_table(tmp_path, arm, " ")
+    assert "--topic POINT=actual_tool_accelerometer" in refused(path, arm)
+    with pytest.raises(ForeignFileError, match="got it with a CSV log: encoder=actual_q"):
+        read_motion_log(path, arm, {"encoder": "actual_q"})

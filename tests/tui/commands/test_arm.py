@@ -100,6 +100,8 @@ def test_mounting_mass_and_missing_inertials_are_taken_and_said(tmp_path):
     assert 0.02 < arm.tolerances.moving_mass < 0.2
     assert said.stderr.count("guess: link") == 6
     assert "next: read" in said.stderr.splitlines()[-1]
+    told = armodal("arm", "check", tmp_path / "mine" / "up-there.toml", "--json")
+    assert [row["inertial"] for row in json.loads(told.stdout)["links"][1:]] == ["guessed"] * 6
 
 
 def test_every_fault_is_in_one_message_and_nothing_is_written(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -46,10 +47,16 @@ def test_the_best_angle_of_a_tool_that_may_turn_is_told_beside_the_given_one(tmp
         "--spin=1,0,0",
     )
     value = json.loads(run(*arguments, "--html", html, "--json").stdout)
-    pairs = zip(
-        value["stiffness_along_n_per_m"], value["given_stiffness_along_n_per_m"], strict=True
+    alone, together, given = (
+        np.array(own["stiffness_along_n_per_m"])
+        for own in (
+            value["each_alone"],
+            value,
+            {"stiffness_along_n_per_m": value["given_stiffness_along_n_per_m"]},
+        )
     )
-    assert all(best >= given for best, given in pairs)
+    assert (alone >= given).all()
+    assert np.sum(1.0 / alone) <= np.sum(1.0 / together) <= np.sum(1.0 / given)
     assert len(value["free_angle_deg"]) == lines
     assert "over its free angle" in html.read_text()
     assert "times as stiff as in the given postures" in " ".join(run(*arguments).stdout.split())

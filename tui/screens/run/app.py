@@ -30,7 +30,8 @@ from armodal.tui.screens.run.ask_angles import AnglesScreen
 from armodal.tui.screens.run.ask_mass import MassScreen
 from armodal.tui.screens.run.ask_move import MoveScreen
 from armodal.tui.screens.run.collector import CalmCollector
-from armodal.tui.screens.run.conductor import CONFIRMED, Conductor
+from armodal.tui.screens.run.conductor import Conductor
+from armodal.tui.screens.run.confirmed import CONFIRMED
 from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import HandIdle, Happening, SensorsConfirmed
 from armodal.tui.screens.run.help import HelpScreen

@@ -11,13 +11,14 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
+from armodal.analyzer.own_arm.towards import joints_of_link
 from armodal.protocols.arm.records import Arm
 
 __all__ = ["MoveScreen"]
 
 
 class MoveScreen(ModalScreen[str | None]):
-    """An offset, a way towards another point, or three distances; all in mm."""
+    """An offset, a way towards a point or a joint, or three distances; all in mm."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Back")]
 
@@ -42,6 +43,9 @@ class MoveScreen(ModalScreen[str | None]):
         ]
         if near:
             rows.append(f"  {near[0].id + ':30':<20} 30 mm towards point {near[0].id}")
+        for name in joints_of_link(arm, here.link):
+            number = 1 + [joint.name for joint in arm.joints].index(name)
+            rows.append(f"  {f'J{number}:30':<20} 30 mm towards the axis of {name}")
         if len(near) >= 3:
             three = " ".join(
                 f"{p.id}:{1e3 * np.linalg.norm(p.position_m - here.position_m):.0f}"

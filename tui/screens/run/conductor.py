@@ -22,17 +22,17 @@ from armodal.daq.commands import (
     TriggerLevel,
     Withdraw,
 )
-from armodal.daq.events import JointsSeen, SessionOpened, TrialHit
+from armodal.daq.events import JointsSeen, PointMoved, SessionOpened, TrialHit
 from armodal.daq.ports import find_ports
 from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.errors import ArmodalError
-from armodal.protocols.session.journal_payloads import CALIBRATION
-from armodal.protocols.session.moved_points import arm_with_moves
+from armodal.protocols.session.moved_points import arm_with_moves, moved_points
 from armodal.tui.operators import request_for
+from armodal.tui.screens.run.confirmed import CONFIRMED, confirmed_words
 from armodal.tui.screens.run.derive import derive_session_file
 from armodal.tui.screens.run.engine import Engine
-from armodal.tui.screens.run.hand import trial_request
+from armodal.tui.screens.run.hand import mark_request, trial_request
 from armodal.tui.screens.run.happenings import (
     HandIdle,
     Happening,
@@ -51,18 +51,15 @@ from armodal.tui.screens.run.happenings import (
     TriggerChosen,
 )
 from armodal.tui.screens.run.laboratory import SimulatedLab
-from armodal.tui.screens.run.measured import active_channels, mass_ratio
+from armodal.tui.screens.run.measured import mass_ratio
 from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import find_place, with_trigger_level
 from armodal.tui.screens.run.reducer import reduce
-from armodal.tui.screens.run.sensitivity import sensitivity_words
 from armodal.tui.screens.run.state import Phase, RunState, begin_state
 from armodal.tui.screens.run.trials import suggested_level_n
-from armodal.tui.screens.run.words import off_words, ratio_words
 
-__all__ = ["CONFIRMED", "Conductor"]
+__all__ = ["Conductor"]
 
-CONFIRMED = "the operator has confirmed:"
 LEAVING = "the operator has left; the session can be continued"
 
 
@@ -126,7 +123,10 @@ class Conductor:
             if found is not None:
                 self.tell(RatioFound(calibration=found))
         elif isinstance(event, SessionOpened):
-            self._note_what_was_confirmed()
+            for words in confirmed_words(self.state):
+                self._engine.send(Note(text=words))
+        elif isinstance(event, PointMoved) and self._lab is not None:
+            self._lab.hand.do(*mark_request(event.arm.point(event.point)))
 
     def tick(self) -> None:
         """Look at the clock, once all that was said meanwhile has been heard."""
@@ -320,18 +320,6 @@ class Conductor:
             problem = str(error)
         self.tell(SessionFileReady(path=str(place.session_file), problem=problem))
 
-    def _note_what_was_confirmed(self) -> None:
-        sensors = ", ".join(
-            f"{c.name} {c.serial_number} of {sensitivity_words(c, self.state.input_range_v)}"
-            for c in active_channels(self.state)
-        )
-        if sensors and self.state.sensors_confirmed:
-            self._engine.send(Note(text=f"{CONFIRMED} the sensors mounted are {sensors}"))
-        if self.state.ratio is not None:
-            words = f"hammer and accelerometer on a known mass {ratio_words(self.state.ratio)}"
-            words += f"; not applied, {off_words(self.state.ratio)}"
-            self._engine.send(Note(text=f"{CALIBRATION}{words}"))
-
     async def _begin(self) -> None:
         """Let the watch go, and start the acquisition on the same ports."""
         self.tell(SessionWanted())
@@ -362,6 +350,9 @@ class Conductor:
             )
         except ArmodalError as error:
             self.tell(HandIdle(trouble=f"the simulated laboratory does not start: {error}"))
+        else:
+            for point in moved_points(self.place.arm, self.state.arm):
+                self._lab.hand.do(*mark_request(point))
 
     def _watch(
         self, board: str, can: str, *, simulated: bool = False, input_range_v: float | None

@@ -7,13 +7,13 @@ import threading
 from collections.abc import Callable
 
 from armodal.daq.geometry import hit_direction
-from armodal.protocols.arm.records import Arm
+from armodal.protocols.arm.records import Arm, Point
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.plan_records import Mode, Plan
 from armodal.tui.operators import Request, ScriptedOperator
 from armodal.tui.screens.run.happenings import HandAtWork, HandIdle
 
-__all__ = ["SimulatedHand", "trial_request"]
+__all__ = ["SimulatedHand", "mark_request", "trial_request"]
 
 
 def trial_request(arm: Arm, plan: Plan, mass_kg: float | None) -> tuple[Request, str]:
@@ -25,6 +25,14 @@ def trial_request(arm: Arm, plan: Plan, mass_kg: float | None) -> tuple[Request,
     point = plan.fixed_point if roving else posture.points[0]
     direction = [float(x) for x in hit_direction(arm, posture, point)]
     return {"do": "hit", "point": point, "direction": direction}, "hits for trial"
+
+
+def mark_request(point: Point) -> tuple[Request, str]:
+    """Return what marks a point where the operator says it is."""
+    R = point.R_link_sensor
+    places = {"position_m": point.position_m, "normal": R[:, 2], "x_axis": R[:, 0]}
+    told = {key: [float(x) for x in place] for key, place in places.items()}
+    return {"do": "mark", "point": point.id, **told}, f"marks point {point.id} anew"
 
 
 class SimulatedHand:

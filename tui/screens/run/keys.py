@@ -31,7 +31,7 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
     answers = {
         "go_on": overview or _enter_works(state),
         "angles": state.awaits_word and not overview,
-        "move": in_session and _at_point(state) and not state.simulated and not overview,
+        "move": in_session and _at_point(state) and state.hand_doing is None and not overview,
         "hand": state.simulated
         and state.lab_ended is None
         and (in_session or in_lab)

@@ -26,6 +26,7 @@ from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_
 from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.session.moved_points import arm_with_point
 from armodal.tui.operators import request_for
+from armodal.tui.screens.run import conductor
 from armodal.tui.screens.run.happenings import (
     HandAtWork,
     HandIdle,
@@ -78,11 +79,55 @@ def test_a_point_is_moved_where_it_is_typed_and_shown_there_once_the_acquisition
     play(stage, body)
 
 
-def test_in_the_simulated_laboratory_points_stay_where_its_arm_has_them(tmp_path):
-    stage = Stage(tmp_path, simulated=True)
+class Laboratory:
+    """A laboratory whose hand notes what it is asked to do."""
+
+    board, can, input_range_v = "/dev/pts/a", "/dev/pts/b", 10.0
+
+    def __init__(self, *_args, **_options):
+        self.laboratory, self.hand, self.alive, self.asked = self, self, True, []
+
+    def do(self, request, words):
+        self.asked.append((request, words))
+
+    def failure(self):
+        return None
+
+    def close(self):
+        self.alive = False
+
+
+def test_in_the_simulated_laboratory_a_moved_point_is_marked_where_it_is(tmp_path, monkeypatch):
+    laboratory = Laboratory()
+    monkeypatch.setattr(conductor, "SimulatedLab", lambda *_args, **_options: laboratory)
+    stage = Stage(tmp_path)
+
+    async def body(pilot):
+        await stage.app.conductor.simulate()
+        await stage.tell(pilot, *SESSION_EVENTS, prompted(AT_POINT))
+        old = ARM.point(stage.app.state.here[1])
+        await pilot.press("m", *"0", "space", *"20", "enter")
+        await pilot.app.workers.wait_for_complete()
+        await stage.settle(pilot)
+        moved = arm_with_point(ARM, stage.sent[-1].point)
+        assert laboratory.asked == []  # not before the acquisition has taken it
+        await stage.tell(pilot, PointMoved(point=old.id, arm=moved))
+        ((request, words),) = laboratory.asked
+        assert (request["do"], request["point"]) == ("mark", old.id)
+        assert words == f"marks point {old.id} anew"
+        new = moved.point(old.id)
+        np.testing.assert_array_equal(request["position_m"], new.position_m)
+        np.testing.assert_array_equal(request["normal"], new.R_link_sensor[:, 2])
+        np.testing.assert_array_equal(request["x_axis"], new.R_link_sensor[:, 0])
+
+    play(stage, body)
+
+
+def test_a_point_is_not_moved_while_the_hand_is_at_work(tmp_path):
+    stage = Stage(tmp_path)
     state = replace(stage.app.state, phase=Phase.SESSION, prompt=AT_POINT.prompt)
     assert works("move", state, overview=False)
-    assert not works("move", replace(state, simulated=True), overview=False)
+    assert not works("move", replace(state, hand_doing="hits"), overview=False)
 
 
 def test_enter_does_nothing_while_the_arm_is_on_its_way(tmp_path):
