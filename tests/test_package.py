@@ -18,6 +18,8 @@ PROGRAM = """
 import json, pydoc, sys
 import armodal
 loaded_at_once = sorted(name for name in sys.modules if name.startswith("armodal."))
+from armodal.analyzer.planning import search, selective
+search.N_RANDOM, search.ROUNDS, selective.N_OTHERS = 1000, 2, 10  # a small plan is one, too
 arm = armodal.load_arm("rv4frl")
 plan = armodal.plan(arm, n_tests=1)
 figure = armodal.figure(plan)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-import multiprocessing
 import select
 import socket
+import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,10 +14,10 @@ from typing import Protocol
 
 import numpy as np
 
-from armodal.daq.acquisition import run_acquisition
 from armodal.daq.commands import Command, Ready, Stop, ToldPosture
 from armodal.daq.events import Event, Failed, Finished, HitJudged, Noted, Prompted
 from armodal.daq.geometry import hit_direction
+from armodal.daq.process import start_process
 from armodal.daq.session_machine import Prompt, PromptKind
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.told_joints import told_refusal
@@ -37,6 +37,7 @@ __all__ = [
     "request_for",
 ]
 
+END_TIMEOUT_S = 10.0
 Show = Callable[[Event], None]
 Request = dict[str, object]
 
@@ -228,11 +229,8 @@ def acquire(settings: AcquisitionSettings, operator: Operator, show: Show) -> Fi
     AcquisitionFailedError
         If the session could not go on; the message is the acquisition's own.
     """
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=run_acquisition, args=(settings, theirs), name="armodal daq")
-    process.start()
-    theirs.close()
+    running = start_process("acquire", settings)
+    ours = running.channel
     try:
         pending: Prompt | None = None
         asked_s = 0.0
@@ -246,9 +244,10 @@ def acquire(settings: AcquisitionSettings, operator: Operator, show: Show) -> Fi
             try:
                 event: Event = ours.recv()
             except EOFError as error:
+                said = running.last_word()
                 raise AcquisitionFailedError(
-                    "the acquisition process ended without a word; accepted hits are in "
-                    f"{settings.journal}: armodal recover brings them back"
+                    f"the acquisition process ended without a word{f' ({said})' if said else ''}; "
+                    f"accepted hits are in {settings.journal}: armodal recover brings them back"
                 ) from error
             show(event)
             if isinstance(event, Failed):
@@ -263,10 +262,12 @@ def acquire(settings: AcquisitionSettings, operator: Operator, show: Show) -> Fi
                 pending, asked_s = (event.prompt if is_hit else None), time.monotonic()
     finally:
         ours.close()
-        process.join(10.0)
-        if process.is_alive():
-            process.terminate()
-            process.join()
+        running.stderr.close()
+        try:
+            running.process.wait(END_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            running.process.terminate()
+            running.process.wait()
 
 
 def describe(event: Event) -> str | None:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from armodal.analyzer.own_arm.bodies import ArmBody
 from armodal.analyzer.own_arm.floor import reach_of
 from armodal.analyzer.own_arm.meshes import coal
-from armodal.analyzer.own_arm.points import probe
+from armodal.analyzer.own_arm.points import FOOT_M, probe
 from armodal.analyzer.own_arm.solids import hull_solid, touches, triangle_solid
 from armodal.protocols.arm.records import Arm, KeepOut, Point
 
@@ -61,7 +61,7 @@ class Collisions:
         self.margin_m = MARGIN_OF_REACH * reach_of(arm)
         self._model = self._kinematics()
         self._data = self._model.createData()
-        self._solids = [[triangle_solid(shell) for shell in body.shells] for body in bodies]
+        self._solids = [triangle_solid(shell) for body in bodies for shell in body.shells]
         pairs = [(i, j) for i in range(len(bodies)) for j in range(i + 2, len(bodies))]
         pairs += [(-1 - k, j) for k in range(len(keep_outs)) for j in range(2, len(bodies))]
         self._hulls = self._geometry(pairs, exact=False)
@@ -135,7 +135,19 @@ class Collisions:
         return self._probes[key]
 
     @cached_property
-    def _sampled(self) -> list[list[Array]]:
+    def _balls(self) -> tuple[npt.NDArray[np.int64], Array, Array]:
+        """Balls round the shells: of which body, middle in its frame (n, 3), radius (n,)."""
+        shells = [
+            (i, shell.vertices_m) for i, body in enumerate(self._bodies) for shell in body.shells
+        ]
+        middles = np.array([0.5 * (v.min(axis=0) + v.max(axis=0)) for _, v in shells])
+        radii = np.array(
+            [np.linalg.norm(v - m, axis=1).max() for (_, v), m in zip(shells, middles, strict=True)]
+        )
+        return np.array([i for i, _ in shells]), middles, radii
+
+    @cached_property
+    def _sampled(self) -> list[Array]:
         """Poses of all bodies in some free postures; in any where none was free."""
         rng = np.random.default_rng(1)
         low, high = np.array([joint.range_rad for joint in self._arm.joints]).T
@@ -143,15 +155,19 @@ class Collisions:
         free = q[self.clear(q)]
         return [self._poses(one) for one in (free if len(free) else q)[:_N_SAMPLED]]
 
-    def _poses(self, joints_rad: Array) -> list[Array]:
+    def _poses(self, joints_rad: Array) -> Array:
+        """(n_bodies, 4, 4), in base."""
         self._pin.forwardKinematics(self._model, self._data, np.asarray(joints_rad, dtype=float))
-        return [np.array(self._data.oMi[i].homogeneous) for i in range(len(self._bodies))]
+        return np.array([self._data.oMi[i].homogeneous for i in range(len(self._bodies))])
 
-    def _hits(self, rod: Any, T_base_rod: Array, own: int, poses: Sequence[Array]) -> bool:
-        for number, solids in enumerate(self._solids):
-            if number != own and any(
-                touches(solid, rod, T_base_rod, poses[number]) for solid in solids
-            ):
+    def _hits(self, rod: Any, T_base_rod: Array, own: int, poses: Array) -> bool:
+        """Whether a hand's rod meets a body but its own, or what is kept free."""
+        at, middles, radii = self._balls
+        T = poses[at]
+        away = np.einsum("sij,sj->si", T[:, :3, :3], middles) + T[:, :3, 3] - T_base_rod[:3, 3]
+        near = np.einsum("si,si->s", away, away) < (radii + 0.5 * HAND_M + FOOT_M) ** 2
+        for i in np.flatnonzero(near & (at != own)):
+            if touches(self._solids[i], rod, T_base_rod, T[i]):
                 return True
         for box in self._keep_outs:
             size, middle = _box(box)

@@ -82,7 +82,9 @@ def judge(channels, plan):
 
 
 @pytest.mark.parametrize("kind", FILTERS)
-@pytest.mark.parametrize("cutoff", [0.3, 0.4, 0.45, 0.49])
+@pytest.mark.parametrize(
+    "cutoff", [0.3, *(pytest.param(part, marks=pytest.mark.long) for part in (0.4, 0.45)), 0.49]
+)
 def test_good_single_pulses_are_accepted_behind_any_anti_alias_filter(judge, kind, cutoff):
     rng = np.random.default_rng(3)
     for width in (1.5e-3, 2e-3, 3e-3, 4e-3, 8e-3):

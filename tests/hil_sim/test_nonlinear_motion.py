@@ -77,7 +77,7 @@ def test_dry_friction_takes_four_limits_over_stiffness_from_every_cycle():
     ],
 )
 def test_stepping_agrees_with_an_adaptive_integrator(element):
-    c, n = 0.02, 4000
+    c, n = 0.02, 2000
     felt, force = kicked(one_link(element, c), 0.3, n)
     t = np.arange(n) / FINE_HZ
 

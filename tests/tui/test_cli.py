@@ -128,7 +128,7 @@ def test_a_wrong_port_is_one_message_and_exit_code_2(tmp_path):
     assert "Traceback" not in said.stderr
 
 
-def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
+def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path, real_time):
     plan = tmp_path / "small.toml"
     plan.write_text(SMALL_PLAN)
     # At 8 lab seconds a second the session takes a few seconds.

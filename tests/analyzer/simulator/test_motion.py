@@ -35,6 +35,7 @@ def model(arm, tmp_path_factory):
     return path
 
 
+@pytest.mark.long
 def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
     corrected = with_effects(arm, axis("shoulder"))
     true, null = (
