@@ -9,7 +9,6 @@ import numpy as np
 from armodal.protocols.session.records import Hit, Session
 
 __all__ = [
-    "at_levels",
     "has_hits_between",
     "has_levels",
     "middle_level",
@@ -33,7 +32,7 @@ def has_levels(session: Session) -> bool:
 
 def has_hits_between(session: Session) -> bool:
     """Whether every point was also hit clearly between softly and hard."""
-    groups = at_levels([hit for hit in session.hits if hit.verdict.accepted])
+    groups = _at_levels([hit for hit in session.hits if hit.verdict.accepted])
     return has_levels(session) and len(groups) > _TWO
 
 
@@ -49,7 +48,7 @@ def soft_and_hard(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit]]:
     return soft, hard
 
 
-def at_levels(hits: Sequence[Hit]) -> tuple[list[Hit], ...]:
+def _at_levels(hits: Sequence[Hit]) -> tuple[list[Hit], ...]:
     """Soft hits, those between where every point has one clearly between, and hard hits."""
     soft, between, hard = _thirds(hits)
     points = {_place(hit) for hit in soft}
