@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.modal.background import background_note
 from armodal.analyzer.modal.correlation import frac, mcf, mpc, mpd_deg, to_real_axis
 from armodal.analyzer.modal.drift import ModeDrift, with_drift
 from armodal.analyzer.modal.forms import derivative_order
@@ -288,6 +289,7 @@ def assemble_model(
         notes=(
             *lines.notes,
             *_peak_notes(problem, fit.poles),
+            *background_note(problem.background),
             *_suspension_notes(np.sort(np.abs(fit.poles)) / (2.0 * np.pi)),
         ),
     )

@@ -16,7 +16,7 @@ from armodal.analyzer.modal.refine import refine_poles
 from armodal.analyzer.modal.regression import ModalData, Regression, modal_data, regress
 from armodal.analyzer.modal.significance import LEAST_SIGNIFICANCE, noise_about, significance
 
-__all__ = ["with_background_found"]
+__all__ = ["background_note", "with_background_found"]
 
 _Complex = npt.NDArray[np.complex128]
 
@@ -54,6 +54,21 @@ def with_background_found(
         if more is None:
             return fit.poles[:n], fit.poles[n:]
         fit = more
+
+
+def background_note(background: _Complex) -> list[str]:
+    """What was fitted beside the modes and is none of them, if anything."""
+    if not background.size:
+        return []
+    listed = ", ".join(
+        f"{abs(p) / (2.0 * np.pi):.4g} Hz, {'broad' if _is_broad(p) else 'beyond the band'}"
+        for p in sorted(background, key=abs)
+    )
+    return [f"beside the modes a background is fitted, which is none of them: {listed}"]
+
+
+def _is_broad(pole: complex) -> bool:
+    return -pole.real >= MOST_DAMPING * abs(pole)
 
 
 def _coarse(data: ModalData) -> ModalData:

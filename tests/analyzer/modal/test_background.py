@@ -33,6 +33,7 @@ def test_what_is_cut_and_what_is_broad_is_background_and_the_modes_are_right():
             assert abs(mode.damping_ratio - zeta) < 4.0 * mode.damping_std
             assert mode.f_std_hz < 1e-3 * f
         assert model.background_rad_s.size
+        assert any("a background is fitted, which is none of them" in n for n in model.notes)
         # Noise of 0.2 % of each FRF's RMS is all that is left.
         assert model.synthesis_error < 0.0025
         off = synthesise(model, frf.freq_hz) - frf.values
@@ -46,5 +47,6 @@ def test_modes_that_the_band_holds_need_no_background():
     clean = modal_frf(poles, residues, FREQ_HZ, FrfForm.ACCELERANCE)
     model = fit_modes(noisy_record(rng, clean, FREQ_HZ, form=FrfForm.ACCELERANCE, level=0.01))
     assert model.background_rad_s.size == 0
+    assert model.notes == ()
     assert model.residual_terms.shape == (10, 1, 3)
     assert len(model.modes) == 2
