@@ -76,10 +76,13 @@ check: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# The site, in build/site: its warnings are errors, and its notebooks are run.
+# The site, in build/site: its warnings are errors, and its notebooks are run. What it needs is there
+# with HASHED=1.
 docs: $(DEVICE_LIBRARY)
+ifndef HASHED
 	$(PIP) --constraint constraints.txt --editable '.[docs]'
-	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/site
+endif
+	$(BIN)/python -m sphinx --jobs auto -b html -W --keep-going -q docs build/site
 
 bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 	for script in bench/bench_*.py; do PYTHONPATH=tests $(BIN)/python $$script || exit 1; done

@@ -10,6 +10,9 @@ from functools import cache
 for _library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
+# A screen is waited for until it moves no more. Read when textual loads.
+os.environ["TEXTUAL_ANIMATIONS"] = "none"
+
 # What is remembered of sensors is the tests' own.
 _HOME = tempfile.TemporaryDirectory(prefix="armodal-tests-")
 os.environ["XDG_DATA_HOME"] = _HOME.name

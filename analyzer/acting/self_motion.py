@@ -188,8 +188,9 @@ class _Task:
     def _pose(self, q: Array) -> tuple[Array, Array]:
         """Rotations (p, 3, 3) and places (p, 3) of the tool."""
         last = self.batch.n_joints - 1
-        place = self.batch.position(q, last, self._tool_m)
-        ends = [self.batch.position(q, last, self._tool_m + unit) for unit in np.eye(3)]
+        place, *ends = self.batch.positions(
+            q, last, self._tool_m + np.vstack([np.zeros(3), np.eye(3)])
+        )
         rotation = np.stack([(end - place).T for end in ends], axis=2)
         return rotation, np.asarray(place.T)
 

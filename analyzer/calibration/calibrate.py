@@ -176,20 +176,28 @@ def calibrate_inertia(
 
 
 class _LinearArm:
-    """Mass matrices in fixed postures, by their slope in the links' inertial parameters."""
+    """Mass matrices in fixed postures, by their slope in the links' inertial parameters.
+
+    A number moves one body: the others are as they were when last asked for.
+    """
 
     def __init__(self, batch: ArmBatch, bodies: Sequence[BelievedBody], joints_rad: Array) -> None:
         self._batch = batch
         self._bodies = bodies
+        self._last: dict[int, tuple[bytes, InertialLink]] = {}
         slope = batch.mass_slope(joints_rad)
         self._shape = slope.shape[:3]
         self._slope = slope.reshape(-1, slope.shape[3] * slope.shape[4])
 
     def links(self, u: Array) -> list[InertialLink]:
-        return [
-            moved_body(body, u[N_NUMBERS * i : N_NUMBERS * (i + 1)])
-            for i, body in enumerate(self._bodies)
-        ]
+        return [self._moved(i, u[N_NUMBERS * i :][:N_NUMBERS]) for i in range(len(self._bodies))]
 
     def mass(self, links: Sequence[InertialLink]) -> Array:
         return (self._slope @ self._batch.parameters(links).ravel()).reshape(self._shape)
+
+    def _moved(self, i: int, u: Array) -> InertialLink:
+        key, link = self._last.get(i, (b"", None))
+        if link is None or key != u.tobytes():
+            link = moved_body(self._bodies[i], u)
+            self._last[i] = u.tobytes(), link
+        return link

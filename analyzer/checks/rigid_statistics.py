@@ -166,7 +166,7 @@ def screen(stats: RigidStatistics, rows: Array, corrections: Array) -> Array:
     K, _ = _split(rows, stats.weight)
     moved = np.einsum("hpab,pbc->hpac", corrections, stats.data)
     flat = moved.reshape(len(corrections), -1, stats.data.shape[-1])
-    result: Array = np.einsum("hic,ij,hjc->h", flat, K, flat, optimize=True)
+    result: Array = np.sum(flat * (K @ flat), axis=(1, 2))
     return result
 
 

@@ -141,8 +141,10 @@ def _chances(fit: Regression, group: _Int, n_freq: int, line_share: float) -> _R
     member = (group[None, :] == np.arange(n_groups)[:, None]).astype(float)
     A, s = np.tensordot(member, fit.information, axes=1), member @ fit.score
     n_frf, cost = member @ fit.measured, member @ fit.cost
+    # Below the rounding of what is explained, what is left tells nothing of a scatter.
+    rounding = np.finfo(float).eps * (member @ fit.gain.sum(axis=1))
     kappa = (
-        np.maximum(cost, np.finfo(float).tiny)
+        np.maximum(cost, rounding + np.finfo(float).tiny)
         / np.maximum(n_frf * (2 * n_freq - 2 * n - fit.residuals.shape[1]) - 2 * n, 1)
         / line_share
     )

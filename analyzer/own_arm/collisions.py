@@ -57,6 +57,7 @@ class Collisions:
     ) -> None:
         self._pin: Any = import_module("pinocchio")
         self._arm, self._bodies, self._keep_outs = arm, tuple(bodies), tuple(keep_outs)
+        self._probes: dict[tuple[bytes, bytes], tuple[object, Array]] = {}
         self.margin_m = MARGIN_OF_REACH * reach_of(arm)
         self._model = self._kinematics()
         self._data = self._model.createData()
@@ -112,7 +113,7 @@ class Collisions:
         found = set()
         for point in points:
             own = names[point.link]
-            rod, T = probe(point.position_m, point.R_link_sensor[:, 2], free_m=HAND_M)
+            rod, T = self._probe(point)
             T_base_rod = poses[own] @ T
             if not self._hits(rod, T_base_rod, own, poses):
                 found.add(point.id)
@@ -124,6 +125,14 @@ class Collisions:
         poses = self._sampled
         hit = sum(self._hits(rod, each[body] @ T, body, each) for each in poses)
         return hit <= 0.5 * len(poses)
+
+    def _probe(self, point: Point) -> tuple[object, Array]:
+        """The hand before a point, made once: postures ask for it by thousands."""
+        key = (point.position_m.tobytes(), point.R_link_sensor.tobytes())
+        if key not in self._probes:
+            made = probe(point.position_m, point.R_link_sensor[:, 2], free_m=HAND_M)
+            self._probes[key] = made
+        return self._probes[key]
 
     @cached_property
     def _sampled(self) -> list[list[Array]]:
@@ -140,10 +149,10 @@ class Collisions:
 
     def _hits(self, rod: Any, T_base_rod: Array, own: int, poses: Sequence[Array]) -> bool:
         for number, solids in enumerate(self._solids):
-            if number != own:
-                T = np.linalg.inv(poses[number]) @ T_base_rod
-                if any(touches(solid, rod, T) for solid in solids):
-                    return True
+            if number != own and any(
+                touches(solid, rod, T_base_rod, poses[number]) for solid in solids
+            ):
+                return True
         for box in self._keep_outs:
             size, middle = _box(box)
             T = T_base_rod.copy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ _HEAD = 65536  # characters of a COLLADA file that hold its asset
 _UNIT = re.compile(r"<unit\b[^>]*?\bmeter\s*=\s*[\"']\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*[\"']")
 
 
+@cache
 def coal() -> Any:
     """Return the library of shapes and collisions that comes with pinocchio."""
     try:

@@ -147,7 +147,7 @@ def flat_normal(
     angles = np.arange(8) * np.pi / 4.0
     ring = FOOT_M * (np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * y)
     starts = place + near * normal + np.vstack([np.zeros(3), ring])
-    down = np.array([_first_hit(corners, start, -normal) for start in starts])
+    down = _first_hits(corners, starts, -normal)
     height = near - down
     if not np.isfinite(height).all() or np.abs(height).max() > 4.0 * filled_m:
         return None
@@ -160,19 +160,23 @@ def flat_normal(
     return np.asarray(tilted / np.linalg.norm(tilted))
 
 
-def _first_hit(corners: Array, start: Array, along: Array) -> float:
-    """A ray's first triangle, m along it (Möller, Trumbore, J. Graphics Tools 2 (1997) 21)."""
+def _first_hits(corners: Array, starts: Array, along: Array) -> Array:
+    """First triangle of parallel rays, m along each; infinity where a ray meets none.
+
+    Möller, Trumbore, J. Graphics Tools 2 (1997) 21.
+    """
     a, ab, ac = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     p = np.cross(along, ac)
     det = np.einsum("ij,ij->i", ab, p)
     with np.errstate(divide="ignore", invalid="ignore"):
-        s = start - a
-        u = np.einsum("ij,ij->i", s, p) / det
+        s = starts[:, None] - a
+        u = np.einsum("rij,ij->ri", s, p) / det
         q = np.cross(s, ab)
         v = q @ along / det
-        t = np.einsum("ij,ij->i", ac, q) / det
+        t = np.einsum("ij,rij->ri", ac, q) / det
         hit = (np.abs(det) > 1e-18) & (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0)
-    return float(t[hit].min()) if hit.any() else np.inf
+    first: Array = np.where(hit, t, np.inf).min(axis=1, initial=np.inf)
+    return first
 
 
 def _wanted(surface: Surface) -> int:

@@ -34,16 +34,17 @@ def hull_solid(surface: Surface) -> Any:
     return model.convex
 
 
-def touches(solid: Any, other: Any, T_solid_other: Array) -> bool:
-    """Whether two shapes meet; the pose (4, 4) is of the second in the first."""
+def touches(solid: Any, other: Any, T_other: Array, T_solid: Array | None = None) -> bool:
+    """Whether two shapes meet; their poses (4, 4) are in one frame, the first's own by default."""
     library = coal()
+    at = () if T_solid is None else (T_solid[:3, :3], T_solid[:3, 3])
     result = library.CollisionResult()
     return bool(
         library.collide(
             solid,
-            library.Transform3s(),
+            library.Transform3s(*at),
             other,
-            library.Transform3s(T_solid_other[:3, :3], T_solid_other[:3, 3]),
+            library.Transform3s(T_other[:3, :3], T_other[:3, 3]),
             library.CollisionRequest(),
             result,
         )

@@ -158,13 +158,24 @@ class ArmBatch:
         (3, n_postures) float64
             Metres.
         """
+        point = np.asarray(point_m, dtype=np.float64)[None]
+        place: Array = self.positions(joints_rad, link, point)[0]
+        return place
+
+    def positions(self, joints_rad: npt.ArrayLike, link: int, points_m: npt.ArrayLike) -> Array:
+        """Positions in base (n_points, 3, n_postures) of points (n_points, 3) of a link."""
         cosine, sine = self._turns(joints_rad)
-        local = self._turned[link].T @ np.asarray(point_m, dtype=np.float64)
-        position = np.repeat(local[:, None], cosine.shape[1], axis=1)
+        local = self._turned[link].T @ np.asarray(points_m, dtype=np.float64).T
+        places = np.repeat(local[:, :, None], cosine.shape[1], axis=2)
         for j in reversed(range(link + 1)):
-            turn(position, cosine[j], sine[j], ((0, 1),))
-            position = self._R[j] @ position + self._p[j][:, None]
-        return position
+            places = self._in_parent(j, places, cosine, sine)
+        return places.transpose(1, 0, 2)
+
+    def _in_parent(self, joint: int, places: Array, cosine: Array, sine: Array) -> Array:
+        """Places (3, n_points, n_postures) of a joint's link in its parent's axes."""
+        turn(places, cosine[joint], sine[joint], ((0, 1),))
+        moved = self._R[joint] @ places.reshape(3, -1)
+        return moved.reshape(places.shape) + self._p[joint][:, None, None]
 
     def joint_axes(self, joints_rad: npt.ArrayLike) -> tuple[Array, Array]:
         """Lines of the joint axes in base.
@@ -174,10 +185,14 @@ class ArmBatch:
         origin, direction : (n_joints, 3, n_postures) float64
             A point of each axis in metres, and its unit direction.
         """
-        origin = np.stack([self.position(joints_rad, i, np.zeros(3)) for i in range(self.n_joints)])
-        ahead = np.stack(
-            [self.position(joints_rad, i, joint.axis) for i, joint in enumerate(self.arm.joints)]
-        )
+        cosine, sine = self._turns(joints_rad)
+        count = cosine.shape[1]
+        places = np.empty((3, 0, count))
+        for j in reversed(range(self.n_joints)):
+            ends = np.stack([np.zeros(3), self._turned[j].T @ self.arm.joints[j].axis], axis=1)
+            own = np.repeat(ends[:, :, None], count, axis=2)
+            places = self._in_parent(j, np.concatenate([own, places], axis=1), cosine, sine)
+        origin, ahead = places[:, ::2].transpose(1, 0, 2), places[:, 1::2].transpose(1, 0, 2)
         return origin, ahead - origin
 
     def unit_motions(self, joints_rad: npt.ArrayLike, tool_m: npt.ArrayLike) -> tuple[Array, Array]:

@@ -22,7 +22,7 @@ from armodal.analyzer.report.svg_plot import Curve, Panel, panels_figure
 from armodal.protocols.arm.files import load_arm
 
 _ARM = "ur5"  # six elastic joints, long links: every effect has a place on it
-_HZ = np.linspace(3.0, 120.0, 500)
+_HZ = np.linspace(3.0, 120.0, 300)
 _DAMPED_HZ = 0.5  # the lines stand this far beside the axis, so that peaks stay on the page
 _TIMES_MATERIAL = 4.0
 _LEVEL = 0.7  # half a factor of four between soft and hard hits

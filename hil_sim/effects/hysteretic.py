@@ -6,8 +6,8 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 from pydantic import Field, model_validator
-from scipy.optimize import nnls
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
@@ -32,7 +32,7 @@ def relative_strengths(band_hz: tuple[float, float], n: int) -> tuple[Array, Arr
     rates = 2.0 * np.pi * np.geomspace(low / 1.5, high * 1.5, n)
     w = 2.0 * np.pi * np.geomspace(low, high, 20 * n)
     loss = w[:, None] * rates / (w[:, None] ** 2 + rates**2)
-    strengths, _ = nnls(loss, np.ones(len(w)))
+    strengths, _ = scipy.optimize.nnls(loss, np.ones(len(w)))
     return rates, strengths
 
 

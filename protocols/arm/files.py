@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,7 @@ def load_arm(source: str | Path) -> Arm:
     return arm_from_texts(text, urdf_text=urdf_text, database_text=database_text, origin=origin)
 
 
+@lru_cache(maxsize=8)  # of sessions and journals, the same few arms are read again and again
 def arm_from_texts(
     text: str,
     *,
@@ -161,6 +163,7 @@ def arm_from_texts(
     )
 
 
+@lru_cache(maxsize=8)
 def _file(text: str, origin: str) -> ArmFile:
     data = parse_toml(text, origin=origin, error=ArmError)
     return validate(ArmFile, data, origin=origin, error=ArmError)

@@ -54,7 +54,9 @@ def test_a_silence_that_began_before_the_hit_hides_no_motion_in_it():
     assert outcome.counts["stale"] == 1
 
 
-@pytest.mark.parametrize("after", [-30, 8, 120])
+@pytest.mark.parametrize(
+    "after", [8, *(pytest.param(at, marks=pytest.mark.long) for at in (-30, 120))]
+)
 def test_a_hit_is_not_used_whose_time_is_lost_to_a_jump_of_the_board_s_clock(after):
     outcome = run_seed(12, script=((), ((2, "clock-jump", after, 0),)))
     assert outcome.violations == []

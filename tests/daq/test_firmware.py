@@ -9,9 +9,11 @@ import subprocess
 import sys
 from contextlib import closing, contextmanager
 from fractions import Fraction
+from functools import cache
 from importlib.util import find_spec
 
 import pytest
+from support.at_the_end import at_the_end
 from support.reach_plan import reach_text
 
 from armodal.daq.board_link import BoardLink
@@ -20,7 +22,6 @@ from armodal.daq.clock import SystemClock
 from armodal.daq.serial_port import SerialPort
 from armodal.protocols.c.firmware import BOARDS as BUILT
 from armodal.protocols.c.firmware import build, main
-from armodal.protocols.c.sizes import CODE_LIMIT_BYTES, measure
 from armodal.protocols.session.hdf5 import read_session
 
 needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler on this machine")
@@ -40,6 +41,9 @@ QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-display", "none", "-monitor", "
 OPTIONS = BoardCheckOptions(duration_s=1.0, rate_hz=Fraction(51_200, 16))
 
 
+built = cache(build)
+
+
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory):
     return tmp_path_factory.mktemp("firmware")
@@ -48,7 +52,7 @@ def programs(tmp_path_factory):
 @contextmanager
 def running(board, folder):
     """Yield the port of a board that is compiled here and has booted."""
-    with booted(board, str(build(board, folder))) as port:
+    with booted(board, str(built(board, folder))) as port:
         yield port
 
 
@@ -56,11 +60,11 @@ def running(board, folder):
 def booted(board, program):
     """Yield the port of a board that has booted."""
     command = [program] if board == "pty" else [*QEMU, "-serial", "pty", "-kernel", program]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        try:
-            yield re.search(r"/dev/\S+", process.stdout.readline()).group()
-        finally:
-            process.kill()
+    with (
+        subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process,
+        at_the_end(f"kill {process.pid}"),
+    ):
+        yield re.search(r"/dev/\S+", process.stdout.readline()).group()
 
 
 def not_passed(report):
@@ -190,10 +194,3 @@ def test_ziglang_compiles_the_board_with_an_stm32_too(tmp_path, monkeypatch):
     assert stack == 0x2000_0000 + 128 * 1024
     assert reset == entry
     assert reset & 1  # Thumb
-
-
-@needs_qemu
-def test_the_library_is_as_small_as_promised():
-    sizes = measure()
-    assert sizes.is_judged
-    assert sizes.core_code <= CODE_LIMIT_BYTES

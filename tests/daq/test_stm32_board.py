@@ -113,7 +113,9 @@ def test_it_runs_as_fast_without_its_crystal(library, crystal):
         ),
         ({"chip": Ads131m04(dead=True)}, 4_000, "the converter does not answer on SPI1"),
         ({}, 5_000, "the converter makes 32000, 16000, 8000 and 4000 Hz"),
-        ({}, 2_000, "the converter makes 32000, 16000, 8000 and 4000 Hz"),
+        pytest.param(
+            {}, 2_000, "the converter makes 32000, 16000, 8000 and 4000 Hz", marks=pytest.mark.long
+        ),
     ],
     ids=["no oscillator", "dead", "not a rate", "another filter"],
 )
@@ -124,7 +126,7 @@ def test_what_cannot_be_measured_is_refused_in_words(library, model, rate_hz, wo
         link.configure(configuration(rate_hz))
 
 
-@pytest.mark.parametrize("rate_hz", [4_000, 32_000])
+@pytest.mark.parametrize("rate_hz", [4_000, pytest.param(32_000, marks=pytest.mark.long)])
 def test_a_hit_comes_as_it_was_converted(library, rate_hz):
     """At 32 kHz too, where frames of the converter follow one another in 31 us."""
 

@@ -1,4 +1,5 @@
 import sys
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -84,9 +85,9 @@ def bench():
     made.close()
 
 
-@pytest.fixture
-def start_known_laboratory(tmp_path, real_time):
-    """Start the laboratory with the known source as a process."""
+@contextmanager
+def _starting(folder):
+    """Start laboratories with the known source as processes; all are ended with the context."""
     started, lines = [], []
 
     class Running:
@@ -109,7 +110,7 @@ def start_known_laboratory(tmp_path, real_time):
     def start(*, time_scale=16.0, faults=()):
         script = Path(synthetic_laboratory.__file__)
         command = [sys.executable, str(script), "--time-scale", str(time_scale), "--seed", "3"]
-        command += ["--directory", str(tmp_path / "lab"), "--watch-stdin"]
+        command += ["--directory", str(folder / "lab"), "--watch-stdin"]
         for fault in faults:
             command += ["--fault", fault]
         running = Running(launch(command))
@@ -121,6 +122,20 @@ def start_known_laboratory(tmp_path, real_time):
         line.close()
     for laboratory in started:
         laboratory.close()
+
+
+@pytest.fixture
+def start_known_laboratory(tmp_path, real_time):
+    """Start the laboratory with the known source as a process."""
+    with _starting(tmp_path) as start:
+        yield start
+
+
+@pytest.fixture(scope="module")
+def known_laboratory(tmp_path_factory, real_time):
+    """One at eight times the speed, for what leaves it as it was."""
+    with _starting(tmp_path_factory.mktemp("shared")) as start:
+        yield start(time_scale=8.0)
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,8 @@ from support import synthetic_laboratory
 from support.host_side import DEADLINE_S
 from support.synthetic_laboratory import PEAK_COUNTS, ramp
 
-from armodal.hil_sim.lab import launch, start_laboratory
+from armodal.hil_sim.__main__ import main
+from armodal.hil_sim.lab import launch
 from armodal.hil_sim.ledger import read_ledger
 from armodal.protocols.board.messages import (
     decode_answer,
@@ -69,6 +70,9 @@ def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(start_known_
         is ReplyCode.OK
     )
     running.laboratory.close()
+    assert not running.laboratory.alive
+    assert not running.laboratory.operator.exists()
+    running.laboratory.close()
     record = read_ledger(running.laboratory.ledger)
     (hit,) = record.of("hit")
     # The trigger is the first sample beyond a tenth of the half sine of 20 samples.
@@ -78,9 +82,8 @@ def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(start_known_
     assert end["can_transmissions"] == 0
 
 
-def test_device_clock_and_lab_clock_differ_by_the_ppm(start_known_laboratory):
-    running = start_known_laboratory(time_scale=4.0)
-    board = running.board()
+def test_device_clock_and_lab_clock_differ_by_the_ppm(known_laboratory):
+    board = known_laboratory.board()
     board.ask(FrameType.HELLO)
     pairs = []
     for _ in range(40):
@@ -91,15 +94,14 @@ def test_device_clock_and_lab_clock_differ_by_the_ppm(start_known_laboratory):
         pairs.append((before, reply.header.ticks, after))
     # Ticks lie within each round trip, at 1 MHz lab time from a common offset; 37 ppm and 1 tick
     # allowed for.
-    low = max(t / 1e6 - 4.0 * after for _, t, after in pairs)
-    high = min(t / 1e6 - 4.0 * before for before, t, _ in pairs)
-    span_s = 4.0 * (pairs[-1][2] - pairs[0][0])
+    low = max(t / 1e6 - 8.0 * after for _, t, after in pairs)
+    high = min(t / 1e6 - 8.0 * before for before, t, _ in pairs)
+    span_s = 8.0 * (pairs[-1][2] - pairs[0][0])
     assert high - low > -(37e-6 * span_s + 1e-6)
 
 
-def test_the_bus_runs_at_lab_time(start_known_laboratory):
-    running = start_known_laboratory(time_scale=8.0)
-    can = running.can()
+def test_the_bus_runs_at_lab_time(known_laboratory):
+    can = known_laboratory.can()
     for command in listen_only_commands(500_000):
         can.write(command)
         assert can.read_until(lambda got: got.startswith(b"\r"))
@@ -114,14 +116,10 @@ def test_the_bus_runs_at_lab_time(start_known_laboratory):
     assert parser.faults == 0
 
 
-def test_directory_and_socket_are_private_and_the_socket_goes(start_known_laboratory):
-    laboratory = start_known_laboratory().laboratory
+def test_directory_and_socket_are_private(known_laboratory):
+    laboratory = known_laboratory.laboratory
     assert stat.S_IMODE(laboratory.operator.parent.stat().st_mode) == 0o700
     assert stat.S_IMODE(laboratory.operator.stat().st_mode) == 0o600
-    laboratory.close()
-    assert not laboratory.operator.exists()
-    assert not laboratory.alive
-    laboratory.close()
 
 
 def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
@@ -170,6 +168,13 @@ def test_a_process_that_is_no_laboratory_is_told():
         launch([sys.executable, "-c", "raise SystemExit(3)"])
 
 
-def test_a_plant_that_does_not_exist_is_refused(tmp_path):
-    with pytest.raises(PlantError, match="found none; check the path"):
-        start_laboratory(tmp_path / "none.toml", directory=tmp_path / "lab")
+def test_a_plant_that_does_not_exist_is_refused(tmp_path, capsys):
+    given = ["--plant", str(tmp_path / "none.toml"), "--directory", str(tmp_path / "lab")]
+    assert main(given) == 2
+    assert "found none; check the path" in capsys.readouterr().err
+
+
+def test_what_a_laboratory_refuses_to_start_with_is_told_in_its_words():
+    refusing = "import sys; sys.stderr.write('hil_sim: no plant'); sys.exit(2)"
+    with pytest.raises(PlantError, match=r"^no plant$"):
+        launch([sys.executable, "-c", refusing])

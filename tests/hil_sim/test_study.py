@@ -45,7 +45,12 @@ def few_points(plan, points):
     return replace(plan, postures=(replace(posture, points=posture.points[:points]),))
 
 
-@pytest.fixture(scope="module", params=STUDY_ARMS)
+ONE, *OTHERS = STUDY_ARMS
+
+
+@pytest.fixture(
+    scope="module", params=[ONE, *(pytest.param(arm, marks=pytest.mark.long) for arm in OTHERS)]
+)
 def places(request):
     study = study_arm(request.param)
     return ArmPlaces(study, erring_plant_tables(study, 11))

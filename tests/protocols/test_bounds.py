@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 import pytest
-from support.bombs import BOMBS, SLOW_TO_MAKE
+from support.bombs import BOMBS, SLOW_TO_MAKE, SLOW_TO_READ
 from support.bounded import decode_bounded, wrong_with
 
 pytestmark = [
@@ -13,9 +13,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning"),
 ]
 
-NAMES = [
-    pytest.param(name, marks=[pytest.mark.long] if name in SLOW_TO_MAKE else []) for name in BOMBS
-]
+SLOW = SLOW_TO_MAKE | SLOW_TO_READ
+NAMES = [pytest.param(name, marks=[pytest.mark.long] if name in SLOW else []) for name in BOMBS]
 
 
 @pytest.mark.parametrize("name", NAMES)

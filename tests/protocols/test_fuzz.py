@@ -73,6 +73,7 @@ def test_an_npy_header_that_is_no_python_is_refused():
         npy_array(data, "a.npy")
 
 
+@pytest.mark.long
 def test_the_c_decoders_bear_changed_bytes_under_the_sanitizers(tmp_path):
     if compile_fuzz(tmp_path) is None:
         pytest.skip("no C compiler here makes programs with -fsanitize=address,undefined")

@@ -22,6 +22,9 @@ SLOW_TO_MAKE = {
     "large_bytes_of_an_array",
 }  # fmt: skip
 
+# As large as others of their kind, and read for seconds.
+SLOW_TO_READ = {"many_tables_of_a_row", "two_million_columns", "many_signals"}
+
 # What a bomb is called: the decoders it is for, its file's ending, and what writes it.
 BOMBS: dict[str, tuple[tuple[str, ...], str, Callable[[Path], object]]] = {}
 
@@ -112,6 +115,13 @@ def signal_of_many_bits() -> bytes:
 def many_signals() -> bytes:
     return _dbc(
         b"".join(b' SG_ S%d : %d|1@1+ (1,0) [0|0] "" a\n' % (i, i % 64) for i in range(20_000))
+    )
+
+
+@bomb(("dbc",), ".dbc")
+def two_thousand_signals() -> bytes:
+    return _dbc(
+        b"".join(b' SG_ S%d : %d|1@1+ (1,0) [0|0] "" a\n' % (i, i % 64) for i in range(2_000))
     )
 
 
@@ -279,6 +289,11 @@ def rows_of_two_digits() -> bytes:
 @bomb(("content",), ".csv")
 def many_tables_of_a_row() -> bytes:
     return b"".join(b"head %d\n1,2\n1,3\n2,3\n3,4\n4,5\n" % i for i in range(30_000))
+
+
+@bomb(("content",), ".csv")
+def tables_of_a_row() -> bytes:
+    return b"".join(b"head %d\n1,2\n1,3\n2,3\n3,4\n4,5\n" % i for i in range(3_000))
 
 
 @bomb(("content",), ".csv")

@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import pty
 import select
+import tempfile
 import threading
 import time
 import tty
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from support.channels import channel
@@ -69,12 +71,19 @@ def dictionary(board_id: str = "fake") -> BoardDictionary:
 
 
 class Line:
-    """Our end of a pseudo-terminal, served by a thread until closed."""
+    """Our end of a pseudo-terminal, served by a thread until closed.
+
+    Its name is a link of its own, gone with the line: the system gives a terminal's number to the
+    next that asks, perhaps in another process, and a host that opens the line again must not
+    reach that one.
+    """
 
     def __init__(self) -> None:
         self.master, slave = pty.openpty()
         tty.setraw(slave)
-        self.name = os.ttyname(slave)
+        self._folder = tempfile.TemporaryDirectory(prefix="line-")
+        self.name = str(Path(self._folder.name) / "line")
+        Path(self.name).symlink_to(os.ttyname(slave))
         os.set_blocking(self.master, False)  # a host that reads nothing must not hold us for ever
         self._slave = slave  # kept open, so that the master never reads EIO
         self.lock = threading.RLock()
@@ -93,11 +102,14 @@ class Line:
                         data = data[os.write(self.master, data) :]
 
     def unplug(self) -> None:
+        """Hang up, once: the descriptors' numbers may be others' when it is called again."""
+        if self._stop.is_set():
+            return
         self._stop.set()
         self._thread.join(5.0)
+        self._folder.cleanup()
         for fd in (self._slave, self.master):
-            with suppress(OSError):
-                os.close(fd)
+            os.close(fd)
 
     def received(self, data: bytes) -> None:
         """Called with what the other end wrote; a bare line drops it."""

@@ -9,6 +9,7 @@ a pin that is not the peripheral's, a speed that the supply or the flash does no
 from __future__ import annotations
 
 from collections import deque
+from functools import cache
 
 from support.ads131m04_model import CLOCK, FRAME, MODE
 
@@ -29,7 +30,16 @@ CLOCKS = [
     (UART, 0x400, RCC + 0x5C, 0),
     (SPI1, 0x400, RCC + 0x60, 12),
 ]
+# Read again and again by who waits for something else than the cycle counter.
+POLLED = frozenset({RCC, RCC + 8, RCC + 0x98, FLASH_ACR, SPI1 + 8, ADC1, ADC1 + 8})
 CAPTURED, DATA_READY_PIN, CLOCK_PIN = 1 << 2, ("A", 1, 1), ("A", 15, 14)
+
+
+@cache
+def clock_of(address):
+    """Register and bit that switch on the clock of what has the address; None if it needs none."""
+    found = [c[2:] for c in CLOCKS if c[0] <= address < c[0] + c[1] and address != DMAMUX]
+    return found[0] if found else None
 
 
 class Stm32g474:
@@ -165,7 +175,7 @@ class Stm32g474:
             if self._waited_from_s is None:
                 self._waited_from_s = self.t_s
             step_s = max(IN_INTERRUPT_S, (self.t_s - self._waited_from_s) / 20)
-        elif address not in (RCC, RCC + 8, RCC + 0x98, FLASH_ACR, SPI1 + 8, ADC1, ADC1 + 8):
+        elif address not in POLLED:
             self._waited_from_s = None
         end_s = self.t_s + step_s
         while True:
@@ -190,11 +200,12 @@ class Stm32g474:
             self._byte_out()
 
     def _interrupt(self):
-        if self.t_s < self.masked_until_s:
+        captured = self._captured and self.regs.get(TIM2 + 0x0C, 0) & CAPTURED
+        if not (self._flags or captured) or self.t_s < self.masked_until_s:
             return
         wanted = {
             11: self._flags & 0x2 and self._dma_on(1) & 2,
-            28: self._captured and self.regs.get(TIM2 + 0x0C, 0) & CAPTURED,
+            28: captured,
             13: self._flags & 0x200 and self._dma_on(3) & 2,
             14: self._flags & 0x2000 and self._dma_on(4) & 2,
         }
@@ -221,10 +232,9 @@ class Stm32g474:
                 self.faults.append(f"{what}: P{wanted[0]}{wanted[1]} is not its pin")
 
     def _check_clock(self, address):
-        for base, size, register, bit in CLOCKS:
-            off = not self.regs.get(register, 0) >> bit & 1
-            if base <= address < base + size and off and address != DMAMUX:
-                self.faults.append(f"{address:#x} is used without its clock")
+        clock = clock_of(address)
+        if clock is not None and not self.regs.get(clock[0], 0) >> clock[1] & 1:
+            self.faults.append(f"{address:#x} is used without its clock")
 
     def _check_speed(self):
         hz, states = self.system_hz(), self.regs[FLASH_ACR] & 15

@@ -9,9 +9,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
+
+from support.at_the_end import at_the_end
 
 ROOT = Path(__file__).parents[2]
 LOOK_EVERY_S = 0.05
@@ -19,7 +22,10 @@ PATIENCE = 4.0  # times what a quiet machine needs at most; a loaded one stalls 
 
 
 class Terminal:
-    """A program in a tmux session of its own server; leaving the context ends both."""
+    """A program in a tmux session of its own server; leaving the context ends both.
+
+    So does the end of this process.
+    """
 
     def __init__(
         self,
@@ -29,8 +35,12 @@ class Terminal:
         rows: int = 36,
         env: Mapping[str, str] | None = None,
     ) -> None:
-        self._home = tempfile.TemporaryDirectory(prefix="tmux-")
-        self._socket = str(Path(self._home.name) / "s")
+        home = tempfile.mkdtemp(prefix="tmux-")
+        self._socket = str(Path(home) / "s")
+        self._end = ExitStack()
+        kill, remove = ["tmux", "-S", self._socket, "kill-server"], ["rm", "-rf", home]
+        end = f"{shlex.join(kill)} 2> /dev/null; {shlex.join(remove)}"
+        self._end.enter_context(at_the_end(end))
         words = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), **(env or {})}
         setting = " ".join(f"{name}={shlex.quote(value)}" for name, value in words.items())
         # The shell stays, so that what the program has said last can still be read.
@@ -87,8 +97,7 @@ class Terminal:
 
     def close(self) -> None:
         """End the program and its terminal."""
-        subprocess.run(["tmux", "-S", self._socket, "kill-server"], check=False)
-        self._home.cleanup()
+        self._end.close()
 
     def _tmux(self, *words: str) -> str:
         done = subprocess.run(

@@ -8,6 +8,7 @@ import bisect
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
+from operator import itemgetter
 
 import numpy as np
 from support.known_arm import KnownArm, known_truth
@@ -129,26 +130,30 @@ class HostEnd:
         """Nothing is held."""
 
 
+_start = itemgetter(0)
+
+
 @dataclass(eq=False)
 class Epoch:
     """Samples since one START: what the converter gave, and when."""
 
     rate_hz: float
-    chunks: list = field(default_factory=list)  # (first index, counts, lab time)
+    chunks: list = field(default_factory=list)  # (first index, counts, lab time), in their order
     blows: list = field(default_factory=list)
     next_sample: int = 0
 
     def counts(self, first, n):
-        parts = []
-        for start, counts, _ in self.chunks:
-            low, high = max(first, start), min(first + n, start + len(counts))
-            if low < high:
-                parts.append(counts[low - start : high - start])
+        begin = max(bisect.bisect_right(self.chunks, first, key=_start) - 1, 0)
+        end = bisect.bisect_left(self.chunks, first + n, key=_start)
+        parts = [
+            counts[max(first - start, 0) : max(first + n - start, 0)]
+            for start, counts, _ in self.chunks[begin:end]
+        ]
         return np.concatenate(parts) if parts else np.zeros((0, 4), np.int32)
 
     def lab_s(self, sample):
         """Lab time of a sample, to about a step of the laboratory."""
-        at = bisect.bisect_right([start for start, _, _ in self.chunks], sample) - 1
+        at = bisect.bisect_right(self.chunks, sample, key=_start) - 1
         start, counts, end_s = self.chunks[max(at, 0)]
         return end_s - (start + len(counts) - sample) / self.rate_hz
 

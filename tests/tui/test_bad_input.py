@@ -9,6 +9,7 @@ from functools import partial
 
 import pytest
 from support.command import armodal
+from support.fault_runs import run_seed
 
 from armodal.daq.events import HitJudged
 from armodal.daq.settings import AcquisitionSettings
@@ -69,8 +70,17 @@ def small_plan(tmp_path):
 
 @pytest.fixture(scope="module")
 def session_files(tmp_path_factory):
-    """A journal of a few hits and the session file made of it."""
+    """A journal of a few hits, from a laboratory in this process, and the session file of it."""
     folder = tmp_path_factory.mktemp("session")
+    journal, session = folder / "s.journal", folder / "s.h5"
+    journal.write_bytes(run_seed(0, script=((), ())).journal)
+    rebuild(journal, session, software="test")
+    return journal, session
+
+
+@pytest.mark.long
+def test_a_roving_hammer_session_runs_over_real_ports(tmp_path):
+    folder = tmp_path
     arm = load_arm("rv4frl")
     plan = load_plan("rv4frl-roving-hammer", arm)
     # One posture, two points: the hammer goes about, so its direction is the surface's normal.
@@ -88,9 +98,11 @@ def session_files(tmp_path_factory):
         finished = acquire(settings, operator, lambda event: None)
         operator.close()
     assert finished.complete
-    session = folder / "s.h5"
-    rebuild(journal, session, software="test")
-    return journal, session
+    rebuild(journal, folder / "s.h5", software="test")
+    session = read_session(folder / "s.h5")
+    assert session.complete
+    assert {hit.hit_point for hit in session.accepted()} == {"1", "3"}
+    assert {hit.sensor_point for hit in session.accepted()} == {"1"}
 
 
 def settings_of(laboratory, plan, journal):
@@ -120,13 +132,6 @@ def acquired(laboratory, plan, journal):
         "--journal",
         journal,
     )
-
-
-def test_a_roving_hammer_session_runs_over_real_ports(session_files):
-    session = read_session(session_files[1])
-    assert session.complete
-    assert {hit.hit_point for hit in session.accepted()} == {"1", "3"}
-    assert {hit.sensor_point for hit in session.accepted()} == {"1"}
 
 
 @pytest.mark.parametrize(
@@ -264,7 +269,8 @@ def test_a_journal_damaged_in_its_middle_is_salvaged(session_files, tmp_path):
     whole = read_journal(session_files[0])
     data = bytearray(session_files[0].read_bytes())
     broken = tmp_path / "broken.journal"
-    broken.write_bytes(data[: len(data) // 3] + bytes(50) + data[len(data) // 3 + 50 :])
+    middle = 3 * len(data) // 4  # behind the header, which is the larger half
+    broken.write_bytes(data[:middle] + bytes(50) + data[middle + 50 :])
     said = armodal("recover", broken, "--salvage", "--json")
     assert said.returncode == 0
     told = json.loads(said.stdout)

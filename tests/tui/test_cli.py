@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.at_the_end import at_the_end
 from support.command import armodal
 from typer.testing import CliRunner
 
@@ -111,7 +112,7 @@ def test_a_file_that_is_not_a_session_is_one_message_and_exit_code_2(command, tm
 
 
 def test_a_wrong_port_is_one_message_and_exit_code_2(tmp_path):
-    said = process(
+    said = armodal(
         "acquire",
         "rv4frl-three-postures",
         "--board",
@@ -147,7 +148,7 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
         stdin=subprocess.DEVNULL,
         text=True,
     )
-    try:
+    with at_the_end(f"kill {lab.pid}"):
         ports = json.loads(lab.stdout.readline())
         said = process(
             "acquire",
@@ -164,10 +165,8 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path):
             tmp_path / "s.journal",
             "--json",
         )
-    finally:
-        lab.terminate()
-        lab.wait(20)
-        lab.stdout.close()
+    lab.wait(20)
+    lab.stdout.close()
     assert said.returncode == 0, said.stderr
     summary = json.loads(said.stdout)
     assert summary["complete"]

@@ -34,6 +34,7 @@ _FIRST = 2  # steps of a fit that only tells whether to go on
 _NEAR = 8  # most promising about the present fit on the sharp lines
 _LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
+_SIZES = (0.1, 0.3, 1.0, 3.0)  # of a size's prior deviation, where it is zero at least: likewise
 _BLOCK, _MOST_STEPS = 4, 28  # steps of a finalist at a time, and in all
 _NULL_STEPS = (8, 5, 5, _MOST_STEPS)  # of the present hypothesis; on sharp lines as a finalist has
 # A fit goes on while so many times what it still promises could bring it beside the best: within
@@ -229,11 +230,29 @@ def _begun(
             starts += [_part_of_the_way(base, candidate, part) for part in _PARTS]
         if candidate.instance.initial_values is not None:
             starts += candidate.instance.initial_values(base)
+        starts += _of_every_size(base, candidate)
     best = better_start(stage, richer, starts)
     fits = [fit_hypothesis(stage, richer, start=best, max_iterations=steps)]
     if also is not None and best is not values:
         fits.append(fit_hypothesis(stage, richer, start=values, max_iterations=steps))
     return min(fits, key=lambda fit: fit.evidence)
+
+
+def _of_every_size(
+    values: Mapping[str, float], candidate: Candidate
+) -> Sequence[Mapping[str, float]]:
+    """Values with a compliance, a mass or a damper of several sizes; places as the look has them.
+
+    A spring may bring a mode that comes down into the lines from above: from a size on its wrong
+    side a fit leads back to none.
+    """
+    instance = candidate.instance
+    of_size = {p.name: p for p in (*instance.parameters, *instance.relaxes.values())}
+    size = of_size.get(instance.size)
+    if size is None or (size.mean, size.low) != (0.0, 0.0):
+        return ()
+    reached = {**values, **_part_of_the_way(values, candidate, 1.0)}
+    return [{**reached, size.name: part * size.std} for part in _SIZES]
 
 
 def _part_of_the_way(

@@ -39,7 +39,9 @@ def notes(case, direction):
     stages = stages_of(superset, session, estimate_frfs(session, superset))
     stage = with_test(stages, superset, more, 2)[-1]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
-    return notes_on_aims(stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary)))
+    return notes_on_aims(
+        stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=6)
+    )
 
 
 def test_hits_through_an_axis_are_said_to_hardly_move_it_and_those_across_are_not(case):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import integrate
-from support.small_case import small_case
+from support.small_case import SmallCase, small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
@@ -122,10 +122,13 @@ def test_a_pulse_has_the_transform_of_a_half_sine():
     assert pulse(np.array([s]), peak, width)[0] == pytest.approx(want, rel=1e-6)
 
 
+class TwoPostures(SmallCase):
+    n_postures = 2
+
+
 def levelled(kind=None):
     """Sharp lines of soft and hard hits of a few postures, and the arm as believed."""
-    args = (3001, "rv4frl") if kind is None else (3001, "rv4frl", kind)
-    session = small_case(*args, ladder=True).session()
+    session = small_case(3001, "rv4frl", kind, ladder=True, of=TwoPostures).session()
     superset = Superset(session.header.arm)
     annealing = Annealing(sigma_rad_s=4.0 * np.pi, step_hz=8.0, band_hz=(8.0, 120.0))
     lines = own_lines(superset, session, annealing, level_about=middle_level(session))
@@ -173,7 +176,14 @@ def test_a_law_of_no_size_changes_nothing(kind, arm):
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
 
 
-@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize(
+    "kind",
+    [
+        backlash,
+        microslip,
+        *(pytest.param(k, marks=pytest.mark.long) for k in (friction, softening)),
+    ],
+)
 def test_near_its_point_a_law_is_as_linear_as_it_is_taken_to_be(kind, arm):
     stage, plain, _, swings = arm
     hypothesis = with_law(plain, kind, "joint_2", swings)

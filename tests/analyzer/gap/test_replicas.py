@@ -100,7 +100,9 @@ def fitted_gains(parts, instance):
     return np.array(found)
 
 
-@pytest.mark.parametrize("instance", [GROWS, EITHER_WAY, LOOSE])
+@pytest.mark.parametrize(
+    "instance", [GROWS, LOOSE, pytest.param(EITHER_WAY, marks=pytest.mark.long)]
+)
 def test_gains_scatter_as_those_of_fitted_replicas(instance, linear):
     found = replica_gains(None, null(), (), [instance, OTHER])
     fitted = fitted_gains(linear, instance)

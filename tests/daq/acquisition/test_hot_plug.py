@@ -1,8 +1,5 @@
 """A board that is pulled out and plugged in again: told at once, and gone on with or refused."""
 
-import os
-from contextlib import suppress
-
 import pytest
 from support.acquisition_run import strike
 from support.fake_devices import FakeBoard
@@ -97,9 +94,6 @@ def test_another_board_in_its_place_is_refused_and_the_journal_stays(
 def test_a_port_whose_name_has_gone_is_told_with_the_ports_that_are_there(
     hit_and_pulled, lab, start, monkeypatch
 ):
-    with suppress(OSError):
-        os.close(os.open(lab.board.name, os.O_RDWR | os.O_NOCTTY))
-        pytest.skip("the system has given the name to another terminal meanwhile")
     monkeypatch.setattr("armodal.daq.serial_port.find_ports", lambda: ())
     failed = start(resume=True).failure()
     assert f"cannot open port {lab.board.name}: there is no such device" in failed.message

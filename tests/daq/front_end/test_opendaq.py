@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.at_the_end import at_the_end
 
 from armodal.daq.clock import SystemClock
 from armodal.daq.front_end import open_front_end, open_source
@@ -150,24 +151,24 @@ def test_a_missing_package_is_told_with_how_to_get_it(monkeypatch):
 
 
 def test_over_the_network_until_the_device_is_killed(opendaq):
-    with subprocess.Popen(
-        [sys.executable, "-c", SERVER], stdout=subprocess.PIPE, text=True
-    ) as server:
-        try:
-            assert server.stdout.readline() == "ready\n"
-            with closing(open_source(front_end("daq.ns://127.0.0.1"))) as source:
-                made = source._made_hz(source._signals[0])  # noqa: SLF001
-                assert source.rate_refusal(made) == ""
-                source.start(made, SystemClock().now_s())
-                chunks = read_for(source, 1.0)
-                counts = np.concatenate([chunk.counts for chunk in chunks])
-                assert len(counts) > 0.5 * made
-                assert sum(chunk.lost for chunk in chunks) == 0
-                os.kill(server.pid, signal.SIGKILL)
-                with pytest.raises(DeviceLostError, match="sample clock does not advance"):
-                    read_for(source, 3.0)
-        finally:
-            server.kill()
+    with (
+        subprocess.Popen(
+            [sys.executable, "-c", SERVER], stdout=subprocess.PIPE, text=True
+        ) as server,
+        at_the_end(f"kill -9 {server.pid} 2> /dev/null"),
+    ):
+        assert server.stdout.readline() == "ready\n"
+        with closing(open_source(front_end("daq.ns://127.0.0.1"))) as source:
+            made = source._made_hz(source._signals[0])  # noqa: SLF001
+            assert source.rate_refusal(made) == ""
+            source.start(made, SystemClock().now_s())
+            chunks = read_for(source, 1.0)
+            counts = np.concatenate([chunk.counts for chunk in chunks])
+            assert len(counts) > 0.5 * made
+            assert sum(chunk.lost for chunk in chunks) == 0
+            os.kill(server.pid, signal.SIGKILL)
+            with pytest.raises(DeviceLostError, match="sample clock does not advance"):
+                read_for(source, 3.0)
 
 
 def test_signals_of_ours_come_as_they_are_and_what_is_left_out_is_told(opendaq, tmp_path):

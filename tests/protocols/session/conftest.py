@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.frf_records import Dof, FrequencyResponse, FrfForm
 from armodal.protocols.plan import load_plan
+from armodal.protocols.session.hdf5 import write_session
 from armodal.protocols.session.journal import (
     End,
     Mark,
@@ -193,3 +195,21 @@ def frfs(header: SessionHeader) -> tuple[FrequencyResponse, ...]:
         )
 
     return (one("test 1", header.plan.postures[0].joints_rad), one("test 2", None))
+
+
+@pytest.fixture(scope="session")
+def written_bytes(
+    example: Example, frfs: tuple[FrequencyResponse, ...], tmp_path_factory: pytest.TempPathFactory
+) -> bytes:
+    """The session file of the example, with its FRFs."""
+    path = tmp_path_factory.mktemp("written") / "a.h5"
+    write_session(example.session, path, frfs=frfs)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def written(written_bytes: bytes, tmp_path: Path) -> Path:
+    """The same in a file that a test may harm."""
+    path = tmp_path / "a.h5"
+    path.write_bytes(written_bytes)
+    return path

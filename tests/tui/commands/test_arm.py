@@ -30,7 +30,7 @@ def refused(said, *parts):
 @pytest.mark.parametrize(
     ("robot", "joints"),
     [
-        (six_joints, 6),
+        pytest.param(six_joints, 6, marks=pytest.mark.long),
         pytest.param(five_joints, 5, marks=pytest.mark.long),
         (seven_joints, 7),
         (scara, 3),

@@ -27,23 +27,13 @@ KEYS = {
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 45)])
 @pytest.mark.parametrize("name", SCREENS)
-def test_the_screen_is_as_kept(tmp_path, monkeypatch, name, size):
+def test_the_screen_is_as_kept_above_the_keys_in_use(tmp_path, monkeypatch, name, size):
     monkeypatch.delenv("NO_COLOR", raising=False)
     stage = Stage(tmp_path)
 
     async def body(pilot):
         await go_to(stage, pilot, name)
         assert_as_kept(stage.app, KEPT / f"{name}-{size[0]}x{size[1]}.txt")
-
-    play(stage, body, size)
-
-
-@pytest.mark.parametrize("name", SCREENS)
-def test_the_keys_that_do_something_now_are_on_the_last_row_of_the_smallest_window(tmp_path, name):
-    stage = Stage(tmp_path)
-
-    async def body(pilot):
-        await go_to(stage, pilot, name)
         assert screen_rows(stage.app)[-1] == KEYS[name]
 
-    play(stage, body, (80, 24))
+    play(stage, body, size)
