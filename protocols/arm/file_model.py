@@ -97,12 +97,17 @@ class LinkTable(FileModel):
         return self
 
 
-class InertialStdTable(FileModel):
-    """One standard deviation of one link's inertial."""
+class StdTable(FileModel):
+    """One standard deviation of an inertial."""
 
     mass: Relative
     inertia: Relative
     center_m: Annotated[float, Field(gt=0.0, le=1.0)]
+
+
+class InertialStdTable(StdTable):
+    """That of one link, and whether the inertial comes from its shape alone."""
+
     guessed: bool = False
 
 
