@@ -97,17 +97,12 @@ class LinkTable(FileModel):
         return self
 
 
-class StdTable(FileModel):
-    """One standard deviation of an inertial."""
+class InertialStdTable(FileModel):
+    """One standard deviation of one link's inertial, and whether its shape alone tells it."""
 
     mass: Relative
     inertia: Relative
     center_m: Annotated[float, Field(gt=0.0, le=1.0)]
-
-
-class InertialStdTable(StdTable):
-    """That of one link, and whether the inertial comes from its shape alone."""
-
     guessed: bool = False
 
 
@@ -207,7 +202,6 @@ class TolerancesTable(FileModel):
     mass: Relative
     inertia: Relative
     center_m: Annotated[float, Field(gt=0.0, le=1.0)]
-    guessed: bool = False
     encoder_offset_deg: SmallAngleDeg
     sensor_tilt_deg: SmallAngleDeg
     sensor_gain: Relative
